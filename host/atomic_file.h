@@ -1,0 +1,42 @@
+// Whole files that appear complete or not at all: written beside their place, synced, then renamed
+// over it.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace gliss {
+
+// A killed or failing writer leaves whatever stood at the path before. Every failure, a full disk
+// as well, throws std::system_error that names the file. Several writers of one path never mix: the
+// last commit wins.
+class AtomicFile {
+ public:
+  // Creates the temporary, so that a missing or read-only folder is reported before any work is
+  // done. A symbolic link is followed; devices, pipes and folders are refused.
+  explicit AtomicFile(const std::string& path);
+  ~AtomicFile();  // without commit() the temporary is removed and the path left as it was
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
+
+  void write(const void* data, std::size_t size);
+  void write(std::string_view text) { write(text.data(), text.size()); }
+
+  // An empty file, for libraries that open by name: they must fill it in place and close it before
+  // commit().
+  const std::string& temporary_path() const { return temporary_; }
+  const std::string& path() const { return path_; }  // as given, for messages
+
+  void commit();  // the file is now in place, on disk; nothing may follow
+
+ private:
+  void flush();
+  [[noreturn]] void fail(const char* action) const;
+
+  std::string path_, target_, temporary_;
+  std::string buffer_;
+  int descriptor_ = -1;
+};
+
+}  // namespace gliss

@@ -1,0 +1,226 @@
+#include "host/cache_check.h"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <type_traits>
+
+#include "host/kernels.h"
+
+namespace gliss {
+namespace {
+
+constexpr std::uint32_t kWalkDepth =
+    64;  // HIERARCHY_DEPTH: one entry of the walker's stack for each level
+
+bool is_power_of_two(double x) {
+  int exponent = 0;
+  return std::isfinite(x) && std::frexp(x, &exponent) == 0.5;
+}
+
+// Integers, since these vectorise everywhere: adding the lowest exponent bit carries into the sign
+// bit exactly where the exponent is that of infinity and NaN.
+template <class Real>
+bool all_finite(const std::vector<Real>& numbers) {
+  using Bits = std::conditional_t<sizeof(Real) == 4, std::uint32_t, std::uint64_t>;
+  constexpr Bits kExponent = std::bit_cast<Bits>(std::numeric_limits<Real>::infinity());
+  constexpr Bits kLowest = kExponent & (~kExponent + 1);
+  Bits carry = 0;
+  for (const Real x : numbers) carry |= (std::bit_cast<Bits>(x) & kExponent) + kLowest;
+  return !(carry >> (8 * sizeof(Real) - 1));
+}
+
+template <class Real>
+class Check {
+ public:
+  Check(const PatchCache& cache, const Surface<Real>& surface, const std::string& source)
+      : c_(cache),
+        s_(surface),
+        source_(source),
+        patches_(cache.patch_face.size()),
+        sides_(cache.corner_of_face.size()),
+        faces_(cache.face_valence.size()) {}
+
+  void run() const {
+    check_frame();
+    check_sizes();
+    check_sides();
+    check_faces();
+    check_domain();
+    check_patches();
+    check_hierarchy();
+    check_numbers();
+  }
+
+ private:
+  [[noreturn]] void fail(const char* section, const std::string& what) const {
+    throw CacheError(fmt::format("{}: section '{}': {}", source_, section, what), false);
+  }
+  void require(bool sound, const char* section, std::size_t at, const char* what) const {
+    if (!sound) [[unlikely]]
+      fail(section, fmt::format("entry {}: {}", at, what));
+  }
+  void require_size(std::size_t size, std::size_t expected, const char* section) const {
+    if (size != expected) fail(section, fmt::format("{} entries where {} belong", size, expected));
+  }
+
+  void check_frame() const {
+    const auto require_number = [&](bool sound, const char* what) {
+      if (!sound) fail("header", what);
+    };
+    require_number(std::isfinite(c_.unit) && c_.unit > 0, "the unit is not a positive number");
+    require_number(c_.origin.allFinite(), "the origin is not finite");
+    require_number(is_power_of_two(c_.scale), "the scale is not a power of two");
+  }
+
+  void check_sizes() const {
+    if (patches_ == 0 || patches_ >= kNodeLeaf) fail("patch_face", "no patches, or too many");
+    if (sides_ < 3 * patches_ || sides_ >= kNone)
+      fail("corner_of_face", "too few sides, or too many");
+    require_size(faces_, c_.mesh_face_count, "face_valence");
+    require_size(c_.face_patch.size(), faces_, "face_patch");
+    require_size(c_.kind.size(), patches_, "kind");
+    require_size(c_.folded.size(), patches_, "folded");
+    require_size(c_.rho_min.size(), patches_, "rho_min");
+    require_size(s_.side_begin.size(), patches_ + 1, "side_begin");
+    require_size(s_.side_patch.size(), sides_, "side_patch");
+    require_size(s_.side_twin.size(), sides_, "side_twin");
+    require_size(s_.control.size(), sides_ * kSideReals, "control");
+    require_size(s_.corner.size(), sides_ * 6, "corner");
+    require_size(s_.patch.size(), patches_ * kPatchReals, "patch");
+    require_size(s_.triangle.size(), 3 * (sides_ - 2 * patches_), "triangle");
+    require_size(s_.node.size(), (patches_ - 1) * kNodeReals, "node");
+    require_size(s_.child.size(), (patches_ - 1) * 2, "child");
+  }
+
+  // Twins that pair up also make every walk round a vertex end.
+  void check_sides() const {
+    require(s_.side_begin[0] == 0, "side_begin", 0, "not zero");
+    for (std::uint32_t p = 0; p < patches_; ++p) {
+      const std::uint32_t begin = s_.side_begin[p], end = s_.side_begin[p + 1];
+      require(begin < end && end <= sides_, "side_begin", p + 1, "not ascending, or out of range");
+      require(end - begin >= 3 && end - begin <= kMaxValence, "side_begin", p,
+              "a valence out of range");
+      for (std::uint32_t s = begin; s < end; ++s) {
+        require(s_.side_patch[s] == p, "side_patch", s, "not the patch of the side");
+      }
+    }
+    require(s_.side_begin[patches_] == sides_, "side_begin", patches_, "not the number of sides");
+    for (std::uint32_t s = 0; s < sides_; ++s) {
+      const std::uint32_t twin = s_.side_twin[s];
+      require(twin == kNone || (twin < sides_ && twin != s && s_.side_twin[twin] == s), "side_twin",
+              s, "out of range, or not a pair");
+    }
+  }
+
+  // A face has one patch of its own valence, or triangles that follow each other.
+  void check_faces() const {
+    std::size_t built = 0, named = 0;
+    for (std::size_t f = 0; f < faces_; ++f) {
+      const std::uint32_t n = c_.face_valence[f];
+      require(n >= 3 && n <= kMaxValence, "face_valence", f, "out of range");
+      named += c_.face_patch[f] != kNone;
+    }
+    for (std::uint32_t p = 0; p < patches_; ++p) {
+      const std::uint32_t face = c_.patch_face[p];
+      require(face < faces_, "patch_face", p, "out of range");
+      const bool first = p == 0 || c_.patch_face[p - 1] != face;
+      require(!first || c_.face_patch[face] == p, "face_patch", face,
+              "not the first patch of the face");
+      built += first;
+      const bool part = !first || (p + 1 < patches_ && c_.patch_face[p + 1] == face);
+      const std::uint32_t n = c_.face_valence[face];
+      require(s_.valence(p) == (part ? 3 : n), "side_begin", p, "not the valence of the face");
+      for (std::uint32_t k = 0; k < s_.valence(p); ++k) {
+        const std::size_t side = s_.side_begin[p] + k;
+        const std::uint32_t corner = c_.corner_of_face[side];
+        require(part ? corner <= n : corner == k, "corner_of_face", side,
+                "not a corner of the face");
+      }
+      const std::uint32_t* corner = &c_.corner_of_face[s_.side_begin[p]];
+      require(corner[0] != corner[1] && corner[1] != corner[2] && corner[2] != corner[0],
+              "corner_of_face", s_.side_begin[p], "a corner twice");
+    }
+    if (built != named) fail("face_patch", "names a patch of another face");
+  }
+
+  void check_domain() const {
+    std::vector<char> used(kMaxValence + 1, 0);
+    for (const std::uint32_t face : c_.patch_face) used[c_.face_valence[face]] = 1;
+    for (std::uint32_t p = 0; p < patches_; ++p) used[s_.valence(p)] = 1;
+    for (std::uint32_t n = 3; n <= kMaxValence; ++n) {
+      if (!used[n]) continue;
+      require(n < s_.domain_begin.size(), "domain_begin", n, "missing");
+      require(s_.domain_begin[n] + kernels<Real>().domain_reals(n) <= s_.domain.size(),
+              "domain_begin", n, "out of range");
+    }
+  }
+
+  void check_patches() const {
+    for (std::uint32_t p = 0; p < patches_; ++p) {
+      const std::size_t begin = 3 * (s_.side_begin[p] - 2 * std::size_t{p});
+      for (std::size_t i = begin; i < begin + 3 * (s_.valence(p) - 2); ++i) {
+        require(s_.triangle[i] < s_.valence(p), "triangle", i, "not a corner of the patch");
+      }
+      const Real* numbers = &s_.patch[p * kPatchReals];
+      require(is_power_of_two(numbers[kPatchScale]) &&
+                  numbers[kPatchScale] * numbers[kPatchUnscale] == 1,
+              "patch", p, "its scale is not a power of two, or not the inverse of its unscale");
+      require(numbers[kPatchSag] >= 0, "patch", p, "its sag is negative");
+      require(c_.kind[p] <= PatchKind::kBent, "kind", p, "out of range");
+      require(c_.folded[p] <= 1, "folded", p, "out of range");
+      require(c_.rho_min[p] >= 0, "rho_min", p, "negative");
+    }
+  }
+
+  // As it is built, parents before their children, so that nothing is cyclic. As many nodes and
+  // patches are reached as there are children, so that where none is reached twice all are reached.
+  void check_hierarchy() const {
+    std::vector<std::uint8_t> level(patches_ - 1, 0), reached(patches_, 0);
+    if (!level.empty()) level[0] = 1;
+    for (std::size_t i = 0; i < s_.child.size(); ++i) {
+      const std::uint32_t child = s_.child[i];
+      const std::size_t parent = i / 2;
+      require(level[parent] != 0 && level[parent] < kWalkDepth, "child", i,
+              "its node is not reached, or too deep");
+      if (child & kNodeLeaf) {
+        const std::uint32_t patch = child & ~kNodeLeaf;
+        require(patch < patches_ && reached[patch]++ == 0, "child", i,
+                "a patch out of range or reached twice");
+      } else {
+        require(child > parent && child < level.size() && level[child] == 0, "child", i,
+                "a node out of range, reached twice or before its parent");
+        level[child] = static_cast<std::uint8_t>(level[parent] + 1);
+      }
+    }
+  }
+
+  void check_numbers() const {
+    const auto require_finite = [&](const auto& numbers, const char* section) {
+      if (all_finite(numbers)) return;
+      for (std::size_t i = 0;; ++i) require(std::isfinite(numbers[i]), section, i, "not finite");
+    };
+    require_finite(s_.domain, "domain");
+    require_finite(s_.control, "control");
+    require_finite(s_.corner, "corner");
+    require_finite(s_.patch, "patch");
+    require_finite(s_.node, "node");
+    require_finite(c_.rho_min, "rho_min");
+  }
+
+  const PatchCache& c_;
+  const Surface<Real>& s_;
+  const std::string& source_;
+  const std::size_t patches_, sides_, faces_;
+};
+
+}  // namespace
+
+void check_cache(const PatchCache& cache, const std::string& source) {
+  std::visit([&]<class Real>(const Surface<Real>& s) { Check<Real>(cache, s, source).run(); },
+             cache.surface);
+}
+
+}  // namespace gliss

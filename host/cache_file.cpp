@@ -1,0 +1,243 @@
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <xxhash.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+
+#include "host/atomic_file.h"
+#include "host/cache_check.h"
+#include "host/cache_format.h"
+#include "host/kernels.h"
+
+namespace gliss {
+namespace cache_format {
+
+std::uint64_t checksum(const void* data, std::size_t bytes) { return XXH3_64bits(data, bytes); }
+
+}  // namespace cache_format
+
+namespace {
+
+using namespace cache_format;
+
+// Stays in a core's own cache from read to checksum to copy.
+constexpr std::size_t kBlockBytes = 1 << 18;
+
+static_assert(sizeof(Surface<float>) == 11 * sizeof(std::vector<float>),
+              "an array was added: list it in for_each_section and check_cache, and raise kFormat");
+
+// The header of a cache of this program, with sizes and checksum still to come.
+Header header_of(const PatchCache& cache) {
+  Header h{};
+  std::copy(kMagic.begin(), kMagic.end(), h.magic);
+  h.byte_order = kByteOrder;
+  h.format = kFormat;
+  std::strncpy(h.gliss_version, GLISS_VERSION, sizeof(h.gliss_version) - 1);
+  h.side_reals = kSideReals;
+  h.patch_reals = kPatchReals;
+  h.precision = static_cast<std::uint32_t>(cache.precision());
+  h.mesh_hash = cache.mesh_hash;
+  h.mesh_face_count = cache.mesh_face_count;
+  h.unit = cache.unit;
+  std::copy_n(cache.origin.data(), 3, h.origin);
+  h.scale = cache.scale;
+  return h;
+}
+
+struct OpenFile {
+  // Not blocked by a pipe that nobody writes to.
+  explicit OpenFile(const std::string& path)
+      : descriptor(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {}
+  ~OpenFile() {
+    if (descriptor >= 0) close(descriptor);
+  }
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+  const int descriptor;
+};
+
+class Reader {
+ public:
+  explicit Reader(const std::string& path) : path_(path), file_(path) {
+    struct stat status {};
+    if (file_.descriptor < 0 || fstat(file_.descriptor, &status) != 0) fail_to_read();
+    if (!S_ISREG(status.st_mode)) {
+      errno = S_ISDIR(status.st_mode) ? EISDIR : EINVAL;
+      fail_to_read();
+    }
+    file_bytes_ = static_cast<std::uint64_t>(status.st_size);
+  }
+
+  PatchCache read() {
+    const std::vector<Section> table = read_header();
+    PatchCache cache;
+    cache.unit = header_.unit;
+    cache.origin = Vec3(header_.origin[0], header_.origin[1], header_.origin[2]);
+    cache.scale = header_.scale;
+    cache.mesh_face_count = header_.mesh_face_count;
+    cache.mesh_hash = header_.mesh_hash;
+    if (static_cast<Precision>(header_.precision) == Precision::kDouble) cache.surface.emplace<1>();
+    std::size_t next = 0;
+    for_each_section(cache, [&](const char* name, auto& values) {
+      if (next == table.size()) fail("header", "sections are missing");
+      read_section(table[next++], name, values);
+    });
+    if (next != table.size() || position_ != file_bytes_) fail("header", "more than its sections");
+    check_cache(cache, path_);
+    return cache;
+  }
+
+ private:
+  [[noreturn]] void fail_to_read() {
+    const int error = errno;
+    throw std::system_error(error, std::generic_category(), fmt::format("cannot read '{}'", path_));
+  }
+  [[noreturn]] void fail(const char* section, const char* what) const {
+    throw CacheError(fmt::format("{}: section '{}': {}", path_, section, what), false);
+  }
+  [[noreturn]] void fail_as_stale(const std::string& what) const {
+    throw CacheError(fmt::format("{}: {}; build it again", path_, what), true);
+  }
+
+  void read_bytes(void* to, std::size_t bytes, const char* section) {
+    for (auto* at = static_cast<unsigned char*>(to); bytes > 0;) {
+      const ssize_t count = ::read(file_.descriptor, at, bytes);
+      if (count < 0 && errno == EINTR) continue;
+      if (count < 0) fail_to_read();
+      if (count == 0) fail(section, "cut short");
+      at += count;
+      bytes -= static_cast<std::size_t>(count);
+      position_ += static_cast<std::uint64_t>(count);
+    }
+  }
+
+  // Sound and of this program when it returns.
+  std::vector<Section> read_header() {
+    std::vector<unsigned char> bytes(kFixedBytes);
+    read_bytes(bytes.data(), std::min<std::uint64_t>(file_bytes_, kFixedBytes), "header");
+    if (std::memcmp(bytes.data(), kMagic.data(), kMagic.size()) != 0) {
+      throw CacheError(
+          fmt::format("{}: not a gliss cache, or changed by a transfer as text", path_), false);
+    }
+    if (file_bytes_ < kFixedBytes) fail("header", "cut short");
+    std::memcpy(&header_, bytes.data(), kFixedBytes);
+    if (header_.byte_order == kSwappedByteOrder) {
+      fail_as_stale("written by a machine of the other byte order");
+    }
+    if (header_.header_bytes < kFixedBytes || header_.header_bytes > kMaxHeaderBytes) {
+      fail("header", "its size is out of range");
+    }
+    bytes.resize(header_.header_bytes);
+    read_bytes(bytes.data() + kFixedBytes, bytes.size() - kFixedBytes, "header");
+    if (header_.checksum != checksum(&bytes[kChecksumBegin], bytes.size() - kChecksumBegin)) {
+      fail("header", "checksum differs");
+    }
+    if (header_.file_bytes != file_bytes_) {
+      throw CacheError(
+          fmt::format("{}: {} bytes where {} belong", path_, file_bytes_, header_.file_bytes),
+          false);
+    }
+    if (header_.format != kFormat) {
+      fail_as_stale(fmt::format("of format {}, this program reads {}", header_.format, kFormat));
+    }
+    if (bytes.size() < sizeof(Header)) fail("header", "cut short");
+    std::memcpy(&header_, bytes.data(), sizeof(Header));
+    check_origin();
+    std::vector<Section> table(
+        header_.section_count <= bytes.size() / sizeof(Section) ? header_.section_count : 0);
+    if (bytes.size() != sizeof(Header) + table.size() * sizeof(Section)) {
+      fail("header", "its size is wrong");
+    }
+    std::memcpy(table.data(), bytes.data() + sizeof(Header), table.size() * sizeof(Section));
+    return table;
+  }
+
+  void check_origin() const {
+    const Header own = header_of({});
+    if (std::memcmp(header_.gliss_version, own.gliss_version, sizeof(own.gliss_version)) != 0) {
+      const std::size_t length = strnlen(header_.gliss_version, sizeof(header_.gliss_version));
+      fail_as_stale(fmt::format("built by gliss {}, this is {}",
+                                std::string_view(header_.gliss_version, length),
+                                own.gliss_version));
+    }
+    if (header_.side_reals != own.side_reals || header_.patch_reals != own.patch_reals) {
+      fail_as_stale("its numbers are laid out as in another build of gliss");
+    }
+    if (header_.precision > static_cast<std::uint32_t>(Precision::kDouble)) {
+      fail("header", "an unknown precision");
+    }
+  }
+
+  template <class T>
+  void read_section(const Section& section, const char* name, std::vector<T>& values) {
+    Section expected = section_of<T>(name, section.count, position_);
+    expected.checksum = section.checksum;
+    if (std::memcmp(&section, &expected, sizeof(section)) != 0) {
+      fail(name, "its entry in the table is wrong");
+    }
+    if (section.count > (file_bytes_ - position_) / sizeof(T)) fail(name, "ends beyond the file");
+    values.reserve(section.count);
+    std::vector<T> block(std::min<std::size_t>(section.count, kBlockBytes / sizeof(T)));
+    XXH3_state_t hash;
+    XXH3_64bits_reset(&hash);
+    while (values.size() < section.count) {
+      const std::size_t count = std::min(block.size(), section.count - values.size());
+      read_bytes(block.data(), count * sizeof(T), name);
+      XXH3_64bits_update(&hash, block.data(), count * sizeof(T));
+      values.insert(values.end(), block.begin(),
+                    block.begin() + static_cast<std::ptrdiff_t>(count));
+    }
+    if (XXH3_64bits_digest(&hash) != section.checksum) fail(name, "checksum differs");
+  }
+
+  const std::string& path_;
+  const OpenFile file_;
+  std::uint64_t file_bytes_ = 0, position_ = 0;
+  Header header_{};
+};
+
+}  // namespace
+
+void save_cache(const PatchCache& cache, const std::string& path) {
+  AtomicFile file(path);
+  std::vector<Section> table;
+  std::uint64_t end = 0;
+  for_each_section(cache, [&]<class T>(const char* name, const std::vector<T>& values) {
+    table.push_back(section_of<T>(name, values.size(), end));
+    table.back().checksum = checksum(values.data(), values.size() * sizeof(T));
+    end += values.size() * sizeof(T);
+  });
+  Header header = header_of(cache);
+  header.section_count = static_cast<std::uint32_t>(table.size());
+  header.header_bytes = static_cast<std::uint32_t>(sizeof(Header) + table.size() * sizeof(Section));
+  header.file_bytes = header.header_bytes + end;
+  for (Section& section : table) section.offset += header.header_bytes;
+
+  std::vector<unsigned char> head(header.header_bytes);
+  std::memcpy(head.data(), &header, sizeof(Header));
+  std::memcpy(head.data() + sizeof(Header), table.data(), table.size() * sizeof(Section));
+  const std::uint64_t sum = checksum(&head[kChecksumBegin], head.size() - kChecksumBegin);
+  std::memcpy(&head[offsetof(Header, checksum)], &sum, sizeof(sum));
+  file.write(head.data(), head.size());
+  for_each_section(cache, [&]<class T>(const char*, const std::vector<T>& values) {
+    file.write(values.data(), values.size() * sizeof(T));
+  });
+  file.commit();
+}
+
+PatchCache load_cache(const std::string& path) { return Reader(path).read(); }
+
+bool is_cache_file(const std::string& path) {
+  const OpenFile file(path);
+  char begin[kNameBytes] = {};
+  const ssize_t count = read(file.descriptor, begin, sizeof(begin));
+  return count == static_cast<ssize_t>(kNameBytes) &&
+         std::string_view(begin, kNameBytes) == kMagic.substr(0, kNameBytes);
+}
+
+}  // namespace gliss

@@ -1,0 +1,47 @@
+// Meshes made by formula, with their exact surfaces where those exist: nothing needs a file.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "host/mesh.h"
+
+namespace gliss {
+
+// The surface that a generated mesh approximates, with its exact nearest point.
+class ExactSurface {
+ public:
+  struct Point {
+    Vec3 position;    // nearest point of the surface
+    Vec3 normal;      // outward unit normal there
+    double distance;  // signed, negative inside
+  };
+  virtual ~ExactSurface() = default;
+  virtual Point nearest(const Vec3& point) const = 0;
+};
+
+struct Generated {
+  Mesh mesh;                                  // with exact vertex normals where they exist
+  std::shared_ptr<const ExactSurface> exact;  // null where there is none
+};
+
+// Lengths are in millimetres (mesh.unit = 1e-3).
+
+// Tube round the (2, 3) torus knot: curve ((R + r cos 3t) cos 2t, (R + r cos 3t) sin 2t, r sin 3t),
+// cut into `along` x `around` quads. The defaults give the paper's 1,440 quadrangles.
+Generated torus_knot(int along = 120, int around = 12, double R = 33, double r = 17,
+                     double tube = 12);
+Generated torus(int along = 24, int around = 12, double R = 30, double r = 10);
+// Dual of an icosphere: 12 pentagons and 10 (frequency^2 - 1) hexagons, vertices on the sphere.
+Generated goldberg(int frequency = 4, double radius = 10);
+// Quads and two end caps.
+Generated banana(int along = 37, int around = 11);
+// n-gon caps, n up to 1000.
+Generated prism(int sides = 6, double radius = 10, double height = 10);
+// A closed box, width x width, of nx x ny quads at top and bottom.
+Generated thin_plate(int nx = 12, int ny = 12, double width = 30, double thickness = 0.5);
+// A closed wedge with a sharp ridge.
+Generated fin(int along = 16, double height = 15, double base = 4, double length = 30);
+
+}  // namespace gliss

@@ -1,0 +1,35 @@
+#include <algorithm>
+#include <cmath>
+
+#include "host/sweep.h"
+
+namespace gliss {
+
+void Histogram::add(double value) {
+  const int bin = value > kLowest ? static_cast<int>(std::floor(kPerDecade * std::log10(value / kLowest))) : 0;
+  ++bins_[static_cast<std::size_t>(std::clamp(bin, 0, kBins - 1))];
+  ++count_;
+  sum_ += value;
+  max_ = std::max(max_, value);
+}
+
+void Histogram::merge(const Histogram& other) {
+  for (std::size_t i = 0; i < bins_.size(); ++i) bins_[i] += other.bins_[i];
+  count_ += other.count_;
+  sum_ += other.sum_;
+  max_ = std::max(max_, other.max_);
+}
+
+double Histogram::bin_edge(int bin) { return kLowest * std::pow(10.0, (bin + 1.0) / kPerDecade); }
+
+double Histogram::quantile(double q) const {
+  const auto wanted = static_cast<std::uint64_t>(std::ceil(q * static_cast<double>(count_)));
+  std::uint64_t seen = 0;
+  for (int i = 0; i < kBins; ++i) {
+    seen += bins_[static_cast<std::size_t>(i)];
+    if (seen >= wanted && seen > 0) return std::min(bin_edge(i), max_);
+  }
+  return max_;
+}
+
+}  // namespace gliss

@@ -1,0 +1,72 @@
+// The C++ instances of the kernels for one instruction set, GLISS_ISA: scalar for queries, lanes for evaluation.
+#include <cmath>
+#include <numbers>
+
+#include "host/kernels.h"
+#include "kernels/lanes.h"
+
+#if defined(__AVX512F__)
+#define GLISS_VECTOR_BYTES 64
+#elif defined(__AVX2__)
+#define GLISS_VECTOR_BYTES 32
+#else
+#define GLISS_VECTOR_BYTES 16
+#endif
+// sqrt of immintrin.h reads a register that it need not define.
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#pragma GCC diagnostic ignored "-Wuninitialized"
+
+namespace {
+namespace f32 {
+#define GLISS_SCALAR float
+#define GLISS_LANES 1
+#include "kernels/kernels.h"
+#include "host/kernels_scalar.inc"
+#undef GLISS_LANES
+namespace wide {
+#define GLISS_LANES (GLISS_VECTOR_BYTES / 4)
+#include "kernels/kernels.h"
+#include "host/kernels_lanes.inc"
+#undef GLISS_LANES
+}  // namespace wide
+#undef GLISS_SCALAR
+}  // namespace f32
+namespace f64 {
+#define GLISS_SCALAR double
+#define GLISS_LANES 1
+#include "kernels/kernels.h"
+#include "host/kernels_scalar.inc"
+#undef GLISS_LANES
+namespace wide {
+#define GLISS_LANES (GLISS_VECTOR_BYTES / 8)
+#include "kernels/kernels.h"
+#include "host/kernels_lanes.inc"
+#undef GLISS_LANES
+}  // namespace wide
+#undef GLISS_SCALAR
+}  // namespace f64
+}  // namespace
+
+#define GLISS_STRING_(x) #x
+#define GLISS_STRING(x) GLISS_STRING_(x)
+
+namespace gliss::GLISS_ISA {
+#define GLISS_TABLE(NAME, REAL, SPACE)                                                         \
+  const Kernels<REAL>& NAME() {                                                                \
+    static const Kernels<REAL> table = {GLISS_STRING(GLISS_ISA),                               \
+                                        static_cast<int>(GLISS_VECTOR_BYTES / sizeof(REAL)),   \
+                                        SPACE::domain_reals,                                   \
+                                        SPACE::fill_domain,                                    \
+                                        SPACE::build_patch,                                    \
+                                        SPACE::ease_patch,                                     \
+                                        SPACE::bend_patch,                                     \
+                                        SPACE::wide::evaluate_points,                          \
+                                        SPACE::side_normal_at,                                 \
+                                        SPACE::polygon_distance2,                              \
+                                        SPACE::nearest_polygon,                                \
+                                        SPACE::query};                                         \
+    return table;                                                                              \
+  }
+GLISS_TABLE(kernels_f32, float, f32)
+GLISS_TABLE(kernels_f64, double, f64)
+}  // namespace gliss::GLISS_ISA

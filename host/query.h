@@ -1,0 +1,71 @@
+// Questions to a patch cache, in the mesh's unit and double whatever its precision: points of a face's patch, the nearest
+// point of the surface, and the tick that follows a contact. Nothing here allocates, and nothing checks its input again.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "host/kernels.h"
+#include "host/patch_cache.h"
+
+namespace gliss {
+
+// A point of a face's patch: (xi, eta) lies in the regular n-gon with corners (cos 2 k pi / n, sin 2 k pi / n).
+struct DomainPoint {
+  std::uint32_t face = 0;
+  double xi = 0, eta = 0;
+};
+
+struct SurfacePoint {
+  Vec3 position, d_xi, d_eta;  // G and its derivatives (eq. 4), mesh's unit
+  Vec3 normal;                 // outward, unit
+};
+
+// Whether a point lies in the domain of a face that has a patch.
+bool in_domain(const PatchCache& cache, const DomainPoint& point);
+SurfacePoint evaluate(const PatchCache& cache, const DomainPoint& point);
+// Many points of one face: as evaluate, several lanes at a time.
+void evaluate(const PatchCache& cache, std::uint32_t face, std::span<const double> xi, std::span<const double> eta,
+              std::span<SurfacePoint> out);
+
+struct QueryOptions {
+  Method method = Method::kGregory;
+  Solver solver = Solver::kNewton;
+  int max_iterations = 64;
+  double tolerance = 0;  // 0: as exact as the precision allows
+};
+
+struct Contact {
+  bool touching = false;  // the HIP is inside
+  DomainPoint at;         // of the SCP
+  Vec3 scp, normal;       // surface contact point, mesh's unit; outward unit normal
+  double distance = 0;    // signed, mesh's unit; negative inside
+  Vec3 push;              // SCP - HIP for gregory and flat, turned to the normal for shaded; zero outside. Mesh's unit
+  double residual_angle = 0;  // between SCP - HIP and the normal, rad
+  int iterations = 0, crossings = 0;
+  std::uint32_t flags = 0;    // kConverged, kOnBorder, kOnCrease
+};
+
+// Global: the nearest point of the surface.
+Contact nearest(const PatchCache& cache, const Vec3& hip, const QueryOptions& options = {});
+
+// Algorithm 1 for one HIP: a search while free, local tracking in contact. One object per HIP, cache and method.
+class ContactTracker {
+ public:
+  ContactTracker(const PatchCache& cache, const QueryOptions& options);
+  Contact tick(const Vec3& hip) noexcept;
+  // As tick, from a given contact, whatever the state: the local nearest point.
+  Contact track(const Vec3& hip, const DomainPoint& start) noexcept;
+
+ private:
+  const PatchCache& cache_;
+  QueryOptions options_;
+  std::variant<RawContact<float>, RawContact<double>> state_;
+};
+
+// F = stiffness (N/m) x push, in newtons.
+inline Vec3 force(const PatchCache& cache, const Contact& contact, double stiffness) {
+  return stiffness * cache.unit * contact.push;
+}
+
+}  // namespace gliss

@@ -1,0 +1,85 @@
+// What a hand would feel over a whole offset surface: for every patch a grid of points, for every depth d the HIP G - d n,
+// for every method its contact; and how much the force differs between neighbouring samples (Figures 12 and 13).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "host/engine.h"
+
+namespace gliss {
+
+struct SweepOptions {
+  std::vector<double> depths;                                                  // m, below the patches' surface
+  std::vector<Method> methods{Method::kGregory, Method::kShaded, Method::kFlat};
+  std::uint32_t rings = 8;   // of the grid: n rings (rings + 1) / 2 points on an n-sided patch
+  double stiffness = 500;    // N/m
+  Solver solver = Solver::kNewton;
+};
+
+// Rings that give at least `samples` points over all faces of the cache.
+std::uint32_t rings_for(const PatchCache& cache, std::uint64_t samples);
+std::uint64_t sample_count(const PatchCache& cache, std::uint32_t rings);  // points of the grid, one depth
+
+// A distribution over logarithmic bins: counts are integers, so that merging in any order gives the same.
+class Histogram {
+ public:
+  static constexpr int kPerDecade = 20, kDecades = 16, kBins = kPerDecade * kDecades;
+  static constexpr double kLowest = 1e-12;  // values below count in bin 0
+  void add(double value);
+  void merge(const Histogram& other);
+  std::uint64_t count() const { return count_; }
+  double mean() const { return count_ == 0 ? 0 : sum_ / static_cast<double>(count_); }
+  double max() const { return max_; }
+  double quantile(double q) const;  // upper edge of the bin that holds it, never above max()
+  const std::array<std::uint64_t, kBins>& bins() const { return bins_; }
+  static double bin_edge(int bin);  // upper edge
+
+ private:
+  std::array<std::uint64_t, kBins> bins_{};
+  std::uint64_t count_ = 0;
+  double sum_ = 0, max_ = 0;
+};
+
+// Of one depth and method.
+struct SweepStatistics {
+  double depth = 0;  // m
+  Method method = Method::kGregory;
+  Histogram step;         // |F_i - F_j| of neighbours within a patch, N
+  Histogram edge_step;    // ... of neighbours across an edge, N
+  Histogram angle;        // between the forces of neighbours (both kinds), rad
+  Histogram error;        // |F - k d n|: the exact force of the patches' own surface, N
+  Histogram residual;     // angle between SCP - HIP and the normal, rad
+  std::uint64_t samples = 0, touching = 0, unconverged = 0, iterations = 0, crossings = 0;
+};
+
+// Samples of one chunk, depth and method, in the order of the grid.
+struct SweepBlock {
+  std::size_t depth_index = 0, method_index = 0;
+  std::vector<std::uint32_t> face;
+  std::vector<double> xi, eta;
+  std::vector<Vec3> hip, scp, force;
+  std::vector<float> residual_angle;
+  std::vector<std::uint8_t> iterations, crossings, flags;  // counts stop at 255
+};
+
+// Blocks arrive in order (chunk, depth, method), always from one thread at a time; null: only statistics are kept.
+using SweepSink = std::function<void(const SweepBlock&)>;
+// Called after each window of chunks; false stops the sweep.
+using SweepProgress = std::function<bool(std::uint64_t done, std::uint64_t total)>;
+
+struct SweepResult {
+  std::vector<SweepStatistics> statistics;  // [depth][method]
+  bool complete = true;                     // false: stopped by the progress callback
+};
+
+// Memory is bounded by the chunks under way, whatever the number of samples; the result is the same at any thread count.
+SweepResult sweep(const PatchCache& cache, const Engine& engine, const SweepOptions& options,
+                  const SweepSink& sink = nullptr, const SweepProgress& progress = nullptr);
+
+const char* method_name(Method method);
+
+}  // namespace gliss

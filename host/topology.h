@@ -1,0 +1,44 @@
+// How the sides of a validated mesh meet: twins, fans, borders, parts; and its vertex normals.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "host/mesh.h"
+
+namespace gliss {
+
+// Sides are half-edges: side s runs from corner_vertex[s] to the next corner of its face.
+struct Topology {
+  std::vector<std::uint32_t> side_face;  // [side]
+  std::vector<std::uint32_t> side_twin;  // [side], same edge, other face; kNone: border
+  // [vertex], a side that starts there; kNone: unused. On an open fan the one from which
+  // next_around meets all others.
+  std::vector<std::uint32_t> vertex_side;
+  std::uint32_t part_count = 0;  // connected components
+  std::uint32_t border_side_count = 0;
+};
+
+// Next and previous side of the same face.
+std::uint32_t next_side(const Mesh& mesh, const Topology& topology, std::uint32_t side);
+std::uint32_t prev_side(const Mesh& mesh, const Topology& topology, std::uint32_t side);
+
+// The next side that starts at the same vertex, anticlockwise seen from outside; kNone past a
+// border.
+std::uint32_t next_around(const Mesh& mesh, const Topology& topology, std::uint32_t side);
+
+// Requires a validated mesh (manifold edges, consistent orientation).
+Topology build_topology(const Mesh& mesh);
+
+// Gives a mesh without normals one unit normal per vertex: the mean of its face normals, weighted
+// by the angle of the corner (Thuermer and Wuethrich 1998). A vertex whose mean vanishes gets the
+// normal of its largest face. Leaves meshes with normals alone.
+void add_vertex_normals(Mesh& mesh);
+
+// What add_vertex_normals adds; an unused vertex gets (0, 0, 1).
+std::vector<Vec3> vertex_normals(const Mesh& mesh);
+
+// Normal of a polygon by Newell's method; length is twice the area of a planar polygon.
+Vec3 newell_normal(const Mesh& mesh, std::size_t face);
+
+}  // namespace gliss

@@ -1,0 +1,16 @@
+// A fixed triangulation of a polygon that need be neither planar nor convex, by clipping ears.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "host/mesh.h"
+
+namespace gliss {
+
+// Appends n - 2 triangles of corner indices, oriented as the polygon. `normal`: its Newell normal, along which it is
+// seen. A self-crossing polygon is triangulated too, with triangles that overlap.
+void triangulate(std::span<const Vec3> corners, const Vec3& normal, std::vector<std::uint32_t>& triangles);
+
+}  // namespace gliss

@@ -1,0 +1,30 @@
+// The steps of `validate`, in order; validate.cpp lists what they may find. Private to host/.
+#pragma once
+
+#include "host/mesh.h"
+#include "host/mesh_report.h"
+
+namespace gliss {
+
+void validate(Mesh& mesh, const LoadOptions& options, Report& report);
+
+// Removes repeated corners and duplicate faces; checks the number of sides.
+void repair_faces(Mesh& mesh, Report& report);
+
+// Sides of no length, faces of no area.
+void check_sizes(const Mesh& mesh, Report& report);
+
+// Edges of three and more faces, and vertices where fans of faces touch: refused or split.
+void repair_manifold(Mesh& mesh, bool split, Report& report);
+
+// Turns the faces of each part one way, closed parts outward; reports borders and parts.
+void repair_orientation(Mesh& mesh, Report& report);
+
+// Leaves unit normals at every corner, or none at all.
+void repair_normals(Mesh& mesh, Report& report);
+
+// What is accepted with a warning: shapes of faces, vertices unused or at one place.
+void warn_of_vertices(const Mesh& mesh, Report& report);
+void warn_of_shapes(const Mesh& mesh, Report& report);
+
+}  // namespace gliss

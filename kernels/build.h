@@ -1,0 +1,47 @@
+// Control data of a side from its polygon's corners and normals: eq. 6 to 14.
+
+typedef struct {
+  real3 p, n;  // position in the patch's local frame, unit normal
+} corner;
+
+// The coefficients of a side, before they are stored.
+typedef struct {
+  real3 curve[4], normal[4], inner[2], across[2];
+  real length[2];
+  real sound;  // least |n x (e x n_avg)| / |e| of the two ends: 0 where the ribbon degenerates
+} side_data;
+
+FN real3 unit3(real3 a) { return mul3(K(1) / larger(norm3(a), splat(TINY)), a); }
+
+FN side_data build_side(corner before, corner start, corner end, corner after) {
+  side_data r;
+  const real3 edge = sub3(end.p, start.p);
+  const real length = norm3(edge);
+  const real3 e = unit3(edge);
+  // Eq. 7 to 9; only the direction of n_avg matters.
+  const real3 across = cross3(e, unit3(add3(start.n, end.n)));
+  const real3 s = cross3(start.n, across), t = cross3(end.n, across);
+  r.sound = smaller(norm3(s), norm3(t));
+  const real3 ts = mul3(length, unit3(s)), te = mul3(length, unit3(t));
+  // Eq. 6 in powers of t.
+  r.curve[0] = start.p;
+  r.curve[1] = ts;
+  r.curve[2] = sub3(sub3(mul3(splat(K(3)), edge), mul3(splat(K(2)), ts)), te);
+  r.curve[3] = sub3(add3(ts, te), mul3(splat(K(2)), edge));
+  // Eq. 10: C'(t) x m(t), m(t) = ((1-t) n_s + t n_e) x e; over |e|, so that it is of the order of 1.
+  const real3 m0 = cross3(start.n, e), m1 = sub3(cross3(end.n, e), m0);
+  const real over = K(1) / larger(length, splat(TINY));
+  const real3 d0 = mul3(over, r.curve[1]), d1 = mul3(K(2) * over, r.curve[2]),
+              d2 = mul3(K(3) * over, r.curve[3]);
+  r.normal[0] = cross3(d0, m0);
+  r.normal[1] = cross_add3(d1, m0, cross3(d0, m1));
+  r.normal[2] = cross_add3(d2, m0, cross3(d1, m1));
+  r.normal[3] = cross3(d2, m1);
+  r.inner[0] = before.n;
+  r.inner[1] = sub3(after.n, before.n);
+  r.across[0] = before.p;
+  r.across[1] = sub3(after.p, before.p);
+  r.length[0] = norm3(sub3(start.p, before.p));
+  r.length[1] = norm3(sub3(after.p, end.p));
+  return r;
+}

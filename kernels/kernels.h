@@ -1,0 +1,15 @@
+// All of the mathematics, in order. Included once for each instance: OpenCL C, and in C++ inside a namespace.
+#include "kernels/real.h"
+#include "kernels/vector.h"
+#include "kernels/domain.h"
+#include "kernels/side.h"
+#include "kernels/patch.h"
+#include "kernels/build.h"
+#if GLISS_LANES == 1
+#include "kernels/view.h"
+#include "kernels/polygon.h"
+#include "kernels/track.h"
+#include "kernels/hierarchy.h"
+#include "kernels/query.h"
+#include "kernels/method.h"
+#endif

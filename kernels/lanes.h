@@ -1,0 +1,59 @@
+// fma and sqrt over the lanes of GCC and Clang vector types, for the C++ instances of the kernels.
+#pragma once
+
+#if defined(__AVX2__) || defined(__AVX512F__)
+#include <immintrin.h>
+#endif
+
+namespace gliss::lanes {
+
+// Without an instruction for it, lane by lane: slow, and the same bits.
+template <class V>
+inline V fma(V a, V b, V c) {
+  V r;
+  for (unsigned i = 0; i < sizeof(V) / sizeof(a[0]); ++i) {
+    if constexpr (sizeof(a[0]) == 4) {
+      r[i] = __builtin_fmaf(a[i], b[i], c[i]);
+    } else {
+      r[i] = __builtin_fma(a[i], b[i], c[i]);
+    }
+  }
+  return r;
+}
+template <class V>
+inline V sqrt(V a) {
+  V r;
+  for (unsigned i = 0; i < sizeof(V) / sizeof(a[0]); ++i) {
+    if constexpr (sizeof(a[0]) == 4) {
+      r[i] = __builtin_sqrtf(a[i]);
+    } else {
+      r[i] = __builtin_sqrt(a[i]);
+    }
+  }
+  return r;
+}
+
+#define GLISS_LANES_FORM(V, FMA, SQRT)                                       \
+  static_assert(sizeof(V) >= 16);                                             \
+  template <>                                                                \
+  inline V fma<V>(V a, V b, V c) {                                           \
+    return FMA(a, b, c);                                                     \
+  }                                                                          \
+  template <>                                                                \
+  inline V sqrt<V>(V a) {                                                    \
+    return SQRT(a);                                                          \
+  }
+
+#ifdef __FMA__
+GLISS_LANES_FORM(__m128, _mm_fmadd_ps, _mm_sqrt_ps)
+GLISS_LANES_FORM(__m128d, _mm_fmadd_pd, _mm_sqrt_pd)
+GLISS_LANES_FORM(__m256, _mm256_fmadd_ps, _mm256_sqrt_ps)
+GLISS_LANES_FORM(__m256d, _mm256_fmadd_pd, _mm256_sqrt_pd)
+#endif
+#ifdef __AVX512F__
+GLISS_LANES_FORM(__m512, _mm512_fmadd_ps, _mm512_sqrt_ps)
+GLISS_LANES_FORM(__m512d, _mm512_fmadd_pd, _mm512_sqrt_pd)
+#endif
+#undef GLISS_LANES_FORM
+
+}  // namespace gliss::lanes

@@ -1,0 +1,81 @@
+// The three methods behind one interface: what a HIP touches and which force it feels, by Algorithm 1.
+
+#define METHOD_GREGORY 0  // this library's
+#define METHOD_SHADED 1   // force shading on the base polygons (Morgenbesser and Srinivasan 1996)
+#define METHOD_FLAT 2     // god-object on the base polygons (Zilles and Salisbury 1995)
+
+#define CONTACT_FREE 0
+#define CONTACT_TOUCHING 1
+
+typedef struct {
+  int state;       // CONTACT_FREE or CONTACT_TOUCHING
+  int method;
+  uint patch;
+  real xi, eta;    // domain point of the SCP
+  real3 scp;       // surface contact point, local frame
+  real3 normal;    // outward surface normal there (of the polygon's blend for shaded and flat), unit
+  real3 offset;    // SCP - HIP, mesh frame
+  real3 push;      // force over stiffness, mesh frame: `offset`, for shaded turned to the normal
+  int iterations, crossings;
+  uint flags;      // FOOT_*
+} contact;
+
+FN contact contact_of_foot(surface_view view, foot f) {
+  contact c;
+  c.method = METHOD_GREGORY;
+  c.patch = f.patch;
+  c.xi = f.xi;
+  c.eta = f.eta;
+  c.scp = f.at.g;
+  c.normal = unit3(patch_normal(f.at));
+  c.offset = mul3(numbers_of(view, f.patch)[PATCH_UNSCALE], f.r);
+  c.push = c.offset;
+  c.iterations = f.iterations;
+  c.crossings = f.crossings;
+  c.flags = f.flags;
+  // Inside where the way out goes along the normal.
+  c.state = dot3(f.r, c.normal) > K(0) ? CONTACT_TOUCHING : CONTACT_FREE;
+  return c;
+}
+
+FN contact contact_of_base(surface_view view, hip_point h, base_point b, int method, int crossings) {
+  const polygon_blend blend = blend_on_polygon(view, b.patch, b.at);
+  contact c;
+  c.method = method;
+  c.patch = b.patch;
+  c.xi = blend.xi;
+  c.eta = blend.eta;
+  c.scp = b.at.p;
+  c.normal = unit3(blend.normal);
+  const real3 r = sub3(b.at.p, local_hip(view, h, b.patch));
+  c.offset = mul3(numbers_of(view, b.patch)[PATCH_UNSCALE], r);
+  c.push = method == METHOD_SHADED ? mul3(norm3(c.offset), c.normal) : c.offset;
+  c.iterations = 0;
+  c.crossings = crossings;
+  c.flags = FOOT_CONVERGED;
+  c.state = dot3(r, c.normal) > K(0) ? CONTACT_TOUCHING : CONTACT_FREE;
+  return c;
+}
+
+// Global: the nearest point of the surface.
+FN_LARGE contact nearest_contact(surface_view view, hip_point h, int method, track_options options) {
+  if (method == METHOD_GREGORY) return contact_of_foot(view, nearest_foot(view, h, options));
+  return contact_of_base(view, h, nearest_base(view, h), method, 0);
+}
+
+// Local: the point that `last` was, after the HIP has moved to h.
+FN_LARGE contact track_contact(surface_view view, hip_point h, contact last, track_options options) {
+  if (last.method == METHOD_GREGORY) {
+    const foot f = start_foot(view, h, last.patch, last.xi, last.eta);
+    return contact_of_foot(view, options.solver == SOLVER_PAPER ? track_as_printed(view, h, f, options)
+                                                               : track_foot(view, h, f, options, NONE));
+  }
+  return contact_of_base(view, h, track_base(view, h, last.patch, options.max_iterations), last.method, 0);
+}
+
+// A tick, Algorithm 1: free, search everywhere; in contact, follow it until the HIP is outside again. Outside there is no
+// force.
+FN contact tick(surface_view view, hip_point h, contact last, track_options options) {
+  return last.state == CONTACT_TOUCHING ? track_contact(view, h, last, options)
+                                        : nearest_contact(view, h, last.method, options);
+}

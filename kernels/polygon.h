@@ -1,0 +1,135 @@
+// The base polygon of a patch: its nearest point on a fixed triangulation (faces are not planar), and mean value
+// coordinates, which map that point to the domain and interpolate vertex normals (4.1; Hormann and Floater 2006).
+
+typedef struct {
+  real3 p;                 // nearest point, local frame
+  real distance2;          // squared, local frame
+  int i, j, k;             // corners of its triangle
+  real wi, wj, wk;         // barycentric coordinates there
+} polygon_point;
+
+// Nearest point of triangle a b c to x, as barycentric coordinates of b and c (Ericson 2005, 5.1.5).
+typedef struct {
+  real v, w;
+} triangle_point;
+
+FN triangle_point make_triangle_point(real v, real w) {
+  triangle_point r = {v, w};
+  return r;
+}
+FN triangle_point nearest_on_triangle(real3 a, real3 b, real3 c, real3 x) {
+  const real3 ab = sub3(b, a), ac = sub3(c, a), ax = sub3(x, a), bx = sub3(x, b), cx = sub3(x, c);
+  const real d1 = dot3(ab, ax), d2 = dot3(ac, ax), d3 = dot3(ab, bx), d4 = dot3(ac, bx),
+             d5 = dot3(ab, cx), d6 = dot3(ac, cx);
+  const real zero = K(0), one = K(1);
+  if (d1 <= zero && d2 <= zero) return make_triangle_point(zero, zero);
+  if (d3 >= zero && d4 <= d3) return make_triangle_point(one, zero);
+  if (d6 >= zero && d5 <= d6) return make_triangle_point(zero, one);
+  const real vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
+  if (vc <= zero && d1 >= zero && d3 <= zero) return make_triangle_point(d1 / (d1 - d3), zero);
+  if (vb <= zero && d2 >= zero && d6 <= zero) return make_triangle_point(zero, d2 / (d2 - d6));
+  if (va <= zero && d4 - d3 >= zero && d5 - d6 >= zero) {
+    const real w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
+    return make_triangle_point(one - w, w);
+  }
+  const real over = one / (va + vb + vc);
+  return make_triangle_point(vb * over, vc * over);
+}
+
+FN real3 polygon_corner(surface_view view, uint patch, int k) {
+  return load3(view.corner + 6 * (ulong)(view.side_begin[patch] + (uint)k), 0);
+}
+
+// Nearest point of the base polygon to x (local frame).
+FN_LARGE polygon_point nearest_on_polygon(surface_view view, uint patch, real3 x) {
+  const int triangles = valence_of(view, patch) - 2;
+  GLOBAL uint *corners = view.triangle + 3 * (ulong)(view.side_begin[patch] - 2 * patch);
+  polygon_point best;
+  best.distance2 = -K(1);
+  for (int t = 0; t < triangles; ++t) {
+    const int i = (int)corners[3 * t], j = (int)corners[3 * t + 1], k = (int)corners[3 * t + 2];
+    const real3 a = polygon_corner(view, patch, i), b = polygon_corner(view, patch, j),
+                c = polygon_corner(view, patch, k);
+    const triangle_point at = nearest_on_triangle(a, b, c, x);
+    const real3 p = fma3(at.v, sub3(b, a), fma3(at.w, sub3(c, a), a)), r = sub3(p, x);
+    const real distance2 = dot3(r, r);
+    if (best.distance2 < K(0) || distance2 < best.distance2) {
+      const polygon_point here = {p, distance2, i, j, k, K(1) - at.v - at.w, at.v, at.w};
+      best = here;
+    }
+  }
+  return best;
+}
+
+// The side of the polygon that holds the point, or the corner, or neither (-1).
+typedef struct {
+  int side, corner;
+} polygon_place;
+
+FN int side_between(int n, int i, int j) {
+  return wrap(i + 1, n) == j ? i : wrap(j + 1, n) == i ? j : -1;
+}
+FN polygon_place place_on_polygon(int n, polygon_point p) {
+  polygon_place r = {-1, -1};
+  const int zi = p.wi <= K(0), zj = p.wj <= K(0), zk = p.wk <= K(0);
+  if (zi + zj + zk == 2) {
+    r.corner = !zi ? p.i : !zj ? p.j : p.k;
+  } else if (zi + zj + zk == 1) {
+    r.side = zi ? side_between(n, p.j, p.k) : zj ? side_between(n, p.k, p.i) : side_between(n, p.i, p.j);
+  }
+  return r;
+}
+
+// What mean value coordinates interpolate from the corners of the polygon at a point of it.
+typedef struct {
+  real xi, eta;   // point of the domain
+  real3 normal;   // vertex normals, not of unit length
+} polygon_blend;
+
+FN polygon_blend blend_add(polygon_blend sum, surface_view view, uint patch, int k, real weight) {
+  const int n = valence_of(view, patch);
+  GLOBAL scalar *corner = domain_of(view, n) + DOMAIN_HEAD + DOMAIN_STRIDE * k + 4;
+  sum.xi = fma(weight, corner[0], sum.xi);
+  sum.eta = fma(weight, corner[1], sum.eta);
+  sum.normal =
+      fma3(weight, load3(view.corner + 6 * (ulong)(view.side_begin[patch] + (uint)k), 1), sum.normal);
+  return sum;
+}
+
+FN_LARGE polygon_blend blend_on_polygon(surface_view view, uint patch, polygon_point at) {
+  const int n = valence_of(view, patch);
+  const polygon_place place = place_on_polygon(n, at);
+  const polygon_blend none = {K(0), K(0), {K(0), K(0), K(0)}};
+  polygon_blend sum = none;
+  if (n > 3 && place.side < 0 && place.corner < 0) {
+    // w_k = (tan(alpha_(k-1) / 2) + tan(alpha_k / 2)) / r_k in the plane of the polygon's normal.
+    const real3 normal = load3(numbers_of(view, patch), PATCH_NORMAL);
+    real3 s = sub3(polygon_corner(view, patch, n - 1), at.p);
+    s = fma3(-dot3(s, normal), normal, s);
+    real r = norm3(s), total = K(0), tan_before = K(0);
+    for (int k = -1; k < n; ++k) {  // k = -1 makes the tangent before corner 0
+      real3 next = sub3(polygon_corner(view, patch, wrap(k + 1, n)), at.p);
+      next = fma3(-dot3(next, normal), normal, next);
+      const real r_next = norm3(next);
+      const real tan_half = dot3(normal, cross3(s, next)) / fma(r, r_next, dot3(s, next));
+      if (k >= 0) {
+        const real weight = (tan_before + tan_half) / r;
+        total += weight;
+        sum = blend_add(sum, view, patch, k, weight);
+      }
+      tan_before = tan_half;
+      s = next;
+      r = r_next;
+    }
+    const real inverse = K(1) / total;
+    sum.xi *= inverse;
+    sum.eta *= inverse;
+    sum.normal = mul3(inverse, sum.normal);
+    // Not where the polygon overlaps itself seen along its normal, nor on a diagonal through a corner's sight.
+    if (total > K(0) && fma(sum.xi, sum.xi, sum.eta * sum.eta) <= K(1)) return sum;
+    sum = none;
+  }
+  sum = blend_add(sum, view, patch, at.i, at.wi);
+  sum = blend_add(sum, view, patch, at.j, at.wj);
+  return blend_add(sum, view, patch, at.k, at.wk);
+}

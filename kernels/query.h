@@ -1,0 +1,121 @@
+// The two queries, for the Gregory surface and for its base polygons: the nearest point of all, and the local one that a
+// contact follows.
+
+typedef struct {
+  uint patch;
+  polygon_point at;
+  real distance2;  // squared, mesh frame
+} base_point;
+
+FN base_point base_point_on(surface_view view, hip_point h, uint patch) {
+  base_point b;
+  b.patch = patch;
+  b.at = nearest_on_polygon(view, patch, local_hip(view, h, patch));
+  const real unscale = numbers_of(view, patch)[PATCH_UNSCALE];
+  b.distance2 = b.at.distance2 * unscale * unscale;
+  return b;
+}
+
+// Nearest point of all base polygons.
+FN_LARGE base_point nearest_base(surface_view view, hip_point h) {
+  walk w = start_walk(view);
+  base_point best;
+  best.patch = NONE;
+  best.distance2 = K(0x1p126f);
+  for (uint p = next_patch(view, &w, h.high, best.distance2); p != NONE;
+       p = next_patch(view, &w, h.high, best.distance2)) {
+    const base_point b = base_point_on(view, h, p);
+    if (b.distance2 < best.distance2) best = b;
+  }
+  return best;
+}
+
+// A base polygon that is nearer to the HIP than `from`, across the side or round the corner that holds it (the best of
+// the fan); `from` itself where there is none.
+FN base_point nearer_neighbour(surface_view view, hip_point h, base_point from) {
+  const int n = valence_of(view, from.patch);
+  const polygon_place place = place_on_polygon(n, from.at);
+  const uint first = view.side_begin[from.patch];
+  base_point best = from;
+  if (place.side >= 0) {
+    const uint twin = view.side_twin[first + (uint)place.side];
+    if (twin == NONE) return from;
+    const base_point b = base_point_on(view, h, view.side_patch[twin]);
+    if (b.distance2 < best.distance2) best = b;
+  } else if (place.corner >= 0) {
+    const uint start = first + (uint)place.corner;
+    uint at = view.side_twin[prev_in_patch(view, start)];
+    while (at != NONE && at != start) {
+      const base_point b = base_point_on(view, h, view.side_patch[at]);
+      if (b.distance2 < best.distance2) best = b;
+      at = view.side_twin[prev_in_patch(view, at)];
+    }
+    if (at == NONE) {
+      at = view.side_twin[start];
+      while (at != NONE) {
+        at = next_in_patch(view, at);
+        const base_point b = base_point_on(view, h, view.side_patch[at]);
+        if (b.distance2 < best.distance2) best = b;
+        at = view.side_twin[at];
+      }
+    }
+  }
+  return best;
+}
+
+// The god-object on the base polygons: slides from polygon to polygon while that brings it nearer to the HIP, so that
+// it rests at a local minimum (Zilles and Salisbury 1995).
+FN_LARGE base_point track_base(surface_view view, hip_point h, uint patch, int max_crossings) {
+  base_point at = base_point_on(view, h, patch);
+  for (int i = 0; i < max_crossings; ++i) {
+    const base_point next = nearer_neighbour(view, h, at);
+    if (next.patch == at.patch) break;
+    at = next;
+  }
+  return at;
+}
+
+// Squared distance (mesh frame) from the HIP to the oriented box of a patch: no point of the patch is nearer.
+FN real patch_box_distance2(surface_view view, hip_point h, uint patch) {
+  GLOBAL scalar *numbers = numbers_of(view, patch);
+  const real3 normal = load3(numbers, PATCH_NORMAL), tangent = load3(numbers, PATCH_TANGENT);
+  const real3 x = local_hip(view, h, patch);
+  const real3 along = make3(dot3(x, tangent), dot3(x, cross3(normal, tangent)), dot3(x, normal));
+  const real3 low = sub3(load3(numbers, PATCH_LOW), along), high = sub3(along, load3(numbers, PATCH_HIGH));
+  const real zero = K(0);
+  const real3 out = make3(larger(larger(low.x, high.x), zero), larger(larger(low.y, high.y), zero),
+                          larger(larger(low.z, high.z), zero));
+  const real unscale = numbers[PATCH_UNSCALE];
+  return dot3(out, out) * unscale * unscale;
+}
+
+// The local nearest point of the surface, from where a point of the base polygon lies (4.1). Gives up where it enters the
+// patch `settled` (NONE: never): its minimum is known.
+FN foot track_from_base(surface_view view, hip_point h, base_point base, track_options options, uint settled) {
+  const polygon_blend start = blend_on_polygon(view, base.patch, base.at);
+  const foot f = start_foot(view, h, base.patch, start.xi, start.eta);
+  return options.solver == SOLVER_PAPER ? track_as_printed(view, h, f, options)
+                                        : track_foot(view, h, f, options, settled);
+}
+
+// Nearest point of the whole surface: from the nearest base polygon, then from every patch that may still be nearer: by
+// its box, and because no point of a patch is nearer than its base polygon by more than its sag.
+FN_LARGE foot nearest_foot(surface_view view, hip_point h, track_options options) {
+  const base_point base = nearest_base(view, h);
+  foot best = track_from_base(view, h, base, options, NONE);
+  int iterations = best.iterations;
+  walk w = start_walk(view);
+  for (uint p = next_patch(view, &w, h.high, best.distance2); p != NONE;
+       p = next_patch(view, &w, h.high, best.distance2)) {
+    if (p == base.patch || patch_box_distance2(view, h, p) >= best.distance2) continue;
+    GLOBAL scalar *numbers = numbers_of(view, p);
+    const base_point b = base_point_on(view, h, p);
+    const real least = (sqrt(b.at.distance2) - numbers[PATCH_SAG]) * numbers[PATCH_UNSCALE];
+    if (least > K(0) && least * least >= best.distance2) continue;
+    const foot f = track_from_base(view, h, b, options, best.patch);
+    iterations += f.iterations;
+    if (f.distance2 < best.distance2) best = f;
+  }
+  best.iterations = iterations;
+  return best;
+}

@@ -1,0 +1,66 @@
+// The bridge: what each language calls its numbers. Included first, inside the namespace of its instance.
+// The includer defines GLISS_SCALAR (float or double) and GLISS_LANES (1, or the number of samples a `real` holds).
+// Only + - * / sqrt fma and comparisons are used: IEEE gives them the same bits in every language.
+
+typedef GLISS_SCALAR scalar;
+
+#ifdef __OPENCL_C_VERSION__
+
+#pragma OPENCL FP_CONTRACT OFF
+#define GLISS_JOIN_(a, b) a##b
+#define GLISS_JOIN(a, b) GLISS_JOIN_(a, b)
+#if GLISS_LANES == 1
+typedef scalar real;
+#define pick(condition, a, b) ((condition) ? (a) : (b))
+#else
+typedef GLISS_JOIN(GLISS_SCALAR, GLISS_LANES) real;
+#define pick(condition, a, b) select((real)(b), (real)(a), condition)
+#endif
+#define splat(s) ((real)(s))
+#define GLOBAL __global const
+#define FN_LARGE static
+#define FN static inline
+
+#else  // C++
+
+#define GLOBAL const
+#define FN_LARGE static __attribute__((unused))
+#define FN static inline __attribute__((always_inline, unused))
+typedef unsigned int uint;
+typedef unsigned long ulong;
+#if GLISS_LANES == 1
+typedef scalar real;
+FN real fma(real a, real b, real c) {
+  return sizeof(real) == 4 ? (real)__builtin_fmaf((float)a, (float)b, (float)c)
+                           : (real)__builtin_fma((double)a, (double)b, (double)c);
+}
+FN real sqrt(real a) {
+  return sizeof(real) == 4 ? (real)__builtin_sqrtf((float)a) : (real)__builtin_sqrt((double)a);
+}
+FN real fabs(real a) { return a < 0 ? -a : a; }
+FN real splat(scalar s) { return s; }
+#else
+typedef scalar real __attribute__((vector_size(GLISS_LANES * sizeof(GLISS_SCALAR))));
+FN real fma(real a, real b, real c) { return gliss::lanes::fma(a, b, c); }
+FN real sqrt(real a) { return gliss::lanes::sqrt(a); }
+FN real splat(scalar s) { return s - (real){}; }
+#endif
+#define pick(condition, a, b) ((condition) ? (a) : (b))
+
+#endif
+
+// Loops over the sides are unrolled where the valence is a constant.
+#ifdef __clang__
+#define UNROLL _Pragma("unroll 6")
+#else
+#define UNROLL _Pragma("GCC unroll 6")
+#endif
+
+// A constant of the instance's own type: no double sneaks into float code.
+#define K(x) ((scalar)(x))
+
+FN real larger(real a, real b) { return pick(a > b, a, b); }
+FN real smaller(real a, real b) { return pick(a < b, a, b); }
+
+// Distance from 1 to the next number.
+#define EPSILON (sizeof(scalar) == 4 ? K(0x1p-23f) : K(0x1p-52f))

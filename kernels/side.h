@@ -1,0 +1,65 @@
+// One side of a patch: its boundary curve C and cross tangent T (eq. 6 to 14), from control data made by build.h.
+
+// Control data of a side, `SIDE_REALS` numbers in the patch's local frame. Polynomials ascend in powers of t.
+#define SIDE_C 0         // boundary curve, cubic: 4 triples
+#define SIDE_NORMAL 4    // n_c divided by the square of the edge's length, cubic: 4 triples (eq. 10)
+#define SIDE_INNER 8     // (1-t) n_(s-) + t n_(e+): 2 triples (eq. 13)
+#define SIDE_ACROSS 10   // (1-t) v_(s-) + t v_(e+): 2 triples (eq. 12)
+#define SIDE_TWIST_0 12  // T'(0): 1 triple
+#define SIDE_TWIST_1 13  // T'(1): 1 triple
+#define SIDE_T_0 14      // T(0), the corner's Q'(0): 1 triple (eq. 1)
+#define SIDE_T_1 15      // T(1), the next corner's P'(0): 1 triple
+#define SIDE_LENGTH 48   // size of T: (1-t) L_prev + t L_next: 2 numbers (eq. 14)
+#define SIDE_EASE 50     // 0 for the paper's patch; a tamer one shortens T to (1 - ease) of it at mid-side
+#define SIDE_REALS 51
+
+typedef struct {
+  real3 c, dc;  // C(t), C'(t)
+  real3 t, dt;  // T(t), T'(t), towards the interior
+} side_point;
+
+typedef struct {
+  real3 f, d;  // value and derivative
+} curve_point;
+
+// Cubic of the four triples from `first`.
+FN curve_point cubic_at(GLOBAL scalar *side, int first, real t) {
+  const real3 c0 = load3(side, first), c1 = load3(side, first + 1), c2 = load3(side, first + 2),
+              c3 = load3(side, first + 3);
+  curve_point r;
+  r.f = fma3(t, fma3(t, fma3(t, c3, c2), c1), c0);
+  r.d = fma3(t, fma3(K(3) * t, c3, mul3(splat(K(2)), c2)), c1);
+  return r;
+}
+
+// Surface normal along the side, not of unit length (eq. 10).
+FN real3 side_normal(GLOBAL scalar *side, real t) { return cubic_at(side, SIDE_NORMAL, t).f; }
+
+// Eq. 11 and 13 with a unit n_c, times a positive factor:
+//   t_c = N x (v x b),  b = |N| a + N,  a = (1-t) n_(s-) + t n_(e+),  v = v_int.
+FN side_point side_at(GLOBAL scalar *side, real t) {
+  const curve_point c = cubic_at(side, SIDE_C, t), n = cubic_at(side, SIDE_NORMAL, t);
+  const real3 da = load3(side, SIDE_INNER + 1), v1 = load3(side, SIDE_ACROSS + 1);
+  const real3 a = fma3(t, da, load3(side, SIDE_INNER));
+  const real3 v = sub3(fma3(t, v1, load3(side, SIDE_ACROSS)), c.f), dv = sub3(v1, c.d);
+  const real tiny = splat(TINY);
+  const real l = larger(norm3(n.f), tiny), dl = dot3(n.f, n.d) / l;
+  const real3 b = fma3(l, a, n.f), db = fma3(l, da, fma3(dl, a, n.d));
+  const real3 q = cross3(v, b), dq = cross_add3(dv, b, cross3(v, db));
+  const real3 tc = cross3(n.f, q), dtc = cross_add3(n.d, q, cross3(n.f, dq));
+  const real inverse = K(1) / larger(norm3(tc), tiny);
+  const real l0 = splat(side[SIDE_LENGTH]), l1 = splat(side[SIDE_LENGTH + 1]);
+  const real ease = splat(K(4) * side[SIDE_EASE]);
+  const real shorter = fma(-ease, t * (K(1) - t), splat(K(1)));
+  const real straight = fma(t, l1 - l0, l0);
+  const real length = straight * shorter;
+  const real dlength = fma(straight, ease * fma(splat(K(2)), t, splat(K(-1))), (l1 - l0) * shorter);
+  const real3 unit = mul3(inverse, tc);
+  side_point r;
+  r.c = c.f;
+  r.dc = c.d;
+  r.t = mul3(length, unit);
+  // (t_c / |t_c|)' = (t_c' - unit (unit . t_c')) / |t_c|
+  r.dt = fma3(dlength, unit, mul3(length * inverse, fma3(-dot3(unit, dtc), unit, dtc)));
+  return r;
+}

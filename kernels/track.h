@@ -1,0 +1,447 @@
+// The surface contact point: the nearest point of the surface to the HIP, found from a start by steps in the domain that
+// never increase the distance, over edges where the neighbour is nearer (4.2, 4.3).
+
+#define SOLVER_NEWTON 0        // Gauss-Newton with a secant estimate of the curvature term (Dennis, Gay, Welsch 1981)
+#define SOLVER_GAUSS_NEWTON 1  // tangent plane only
+#define SOLVER_PAPER 2         // section 4.2 as printed: secants of 0.1, no safeguard
+
+#define FOOT_CONVERGED 1u  // the next step is shorter than the tolerance
+#define FOOT_BORDER 2u     // held by an open border
+#define FOOT_CREASE 4u     // held by an edge that is not smooth, or by a corner
+
+typedef struct {
+  int solver, max_iterations;
+  real tolerance;  // length of the last step, local frame: relative to the size of the patch
+} track_options;
+
+typedef struct {
+  uint patch;
+  real xi, eta;
+  patch_point at;   // local frame
+  real3 r;          // SCP - HIP, local frame
+  real distance2;   // squared, mesh frame
+  int iterations;   // evaluations after the first
+  int crossings;    // edges and corners crossed
+  uint flags;       // FOOT_*
+} foot;
+
+typedef struct {
+  real xi, eta;
+} domain_vector;
+
+FN domain_vector make_vector(real xi, real eta) {
+  domain_vector r = {xi, eta};
+  return r;
+}
+
+// Symmetric 2 x 2 matrix.
+typedef struct {
+  real a, b, c;
+} sym2;
+
+FN real quadratic(sym2 m, domain_vector v) {
+  return fma(v.xi, fma(m.a, v.xi, K(2) * m.b * v.eta), m.c * v.eta * v.eta);
+}
+
+FN foot move_foot(surface_view view, hip_point h, foot from, uint patch, real xi, real eta) {
+  foot f = from;
+  f.patch = patch;
+  f.xi = xi;
+  f.eta = eta;
+  f.at = evaluate_patch(view, patch, xi, eta);
+  f.r = sub3(f.at.g, local_hip(view, h, patch));
+  const real unscale = numbers_of(view, patch)[PATCH_UNSCALE];
+  f.distance2 = dot3(f.r, f.r) * unscale * unscale;
+  return f;
+}
+
+FN foot start_foot(surface_view view, hip_point h, uint patch, real xi, real eta) {
+  foot f;
+  f.iterations = 0;
+  f.crossings = 0;
+  f.flags = 0u;
+  return move_foot(view, h, f, patch, xi, eta);
+}
+
+// Sides on which a domain point lies: none (-1), one (a), or the two at corner b.
+typedef struct {
+  int a, b;
+} held_sides;
+
+FN held_sides sides_at(GLOBAL scalar *domain, int n, real xi, real eta) {
+  held_sides r = {-1, -1};
+  const real near = smaller(K(32) * EPSILON, (K(1) - domain[0]) / K(64));
+  for (int k = 0; k < n; ++k) {
+    if (side_distance(domain, n, k, xi, eta).f > near) continue;
+    if (r.a < 0) {
+      r.a = k;
+    } else if (wrap(r.a + 1, n) == k) {
+      r.b = k;
+    } else if (wrap(k + 1, n) == r.a) {
+      r.b = r.a;
+      r.a = k;
+    }
+  }
+  return r;
+}
+
+FN real outward(GLOBAL scalar *domain, int side, domain_vector step) {
+  GLOBAL scalar *m = domain + DOMAIN_HEAD + DOMAIN_STRIDE * side;
+  return fma(m[0], step.xi, m[1] * step.eta);
+}
+FN domain_vector domain_corner(GLOBAL scalar *domain, int k) {
+  GLOBAL scalar *c = domain + DOMAIN_HEAD + DOMAIN_STRIDE * k + 4;
+  return make_vector(c[0], c[1]);
+}
+
+// Eq. 15: the point of side `twin` at the same ratio as (xi, eta) on its own side, which runs the other way.
+typedef struct {
+  uint patch;
+  real xi, eta;
+} domain_point;
+
+FN domain_point cross_edge(surface_view view, uint side, uint twin, real xi, real eta) {
+  const uint from = view.side_patch[side];
+  const int n = valence_of(view, from), k = (int)(side - view.side_begin[from]);
+  const domain_vector c = domain_corner(domain_of(view, n), k),
+                      e = domain_corner(domain_of(view, n), wrap(k + 1, n));
+  const real dx = e.xi - c.xi, dy = e.eta - c.eta;
+  real t = fma(xi - c.xi, dx, (eta - c.eta) * dy) / fma(dx, dx, dy * dy);
+  t = smaller(larger(t, K(0)), K(1));
+  domain_point r;
+  r.patch = view.side_patch[twin];
+  const int m = valence_of(view, r.patch), i = (int)(twin - view.side_begin[r.patch]);
+  const domain_vector start = domain_corner(domain_of(view, m), i),
+                      end = domain_corner(domain_of(view, m), wrap(i + 1, m));
+  r.xi = fma(t, start.xi - end.xi, end.xi);
+  r.eta = fma(t, start.eta - end.eta, end.eta);
+  return r;
+}
+
+FN uint next_in_patch(surface_view view, uint side) {
+  const uint patch = view.side_patch[side];
+  return side + 1 == view.side_begin[patch + 1] ? view.side_begin[patch] : side + 1;
+}
+FN uint prev_in_patch(surface_view view, uint side) {
+  const uint patch = view.side_patch[side];
+  return side == view.side_begin[patch] ? view.side_begin[patch + 1] - 1 : side - 1;
+}
+
+// Whether the direction w, seen from the corner where `side` starts, points into the side's patch.
+FN int in_sector(surface_view view, uint side, real3 w) {
+  const real3 p = load3(control_of(view, side), SIDE_C + 1), q = load3(control_of(view, side), SIDE_T_0);
+  const real pp = dot3(p, p), pq = dot3(p, q), qq = dot3(q, q), wp = dot3(w, p), wq = dot3(w, q);
+  const real a = wp * qq - wq * pq, b = wq * pp - wp * pq;
+  return a >= K(0) && b >= K(0) && a + b > K(0);
+}
+
+// The side that starts at the same vertex as `side` and whose patch w points into, anticlockwise and then clockwise round
+// the vertex; NONE if there is none but its own.
+FN_LARGE uint fan_sector(surface_view view, uint side, real3 w) {
+  uint at = view.side_twin[prev_in_patch(view, side)];
+  while (at != NONE && at != side) {
+    if (in_sector(view, at, w)) return at;
+    at = view.side_twin[prev_in_patch(view, at)];
+  }
+  if (at == side) return NONE;
+  at = view.side_twin[side];
+  while (at != NONE) {
+    at = next_in_patch(view, at);
+    if (in_sector(view, at, w)) return at;
+    at = view.side_twin[at];
+  }
+  return NONE;
+}
+
+// -model^-1 gradient, where the model falls back to the Gauss-Newton part wherever the whole is not safely positive.
+FN domain_vector newton_step(sym2 first, sym2 second, domain_vector gradient) {
+  const real least = EPSILON * (first.a + first.c) * (first.a + first.c);
+  sym2 m = {first.a + second.a, first.b + second.b, first.c + second.c};
+  const real whole = first.a * first.c - first.b * first.b;
+  real det = m.a * m.c - m.b * m.b;
+  if (!(det > K(0.0625f) * whole && m.a + m.c > K(0))) {
+    m = first;
+    det = whole;
+  }
+  if (!(det > least)) {  // singular parametrisation: damp
+    const real damp = K(0.0009765625f) * (first.a + first.c) + TINY;
+    m.a = first.a + damp;
+    m.c = first.c + damp;
+    det = m.a * m.c - m.b * m.b;
+  }
+  const real inverse = -K(1) / det;
+  return make_vector((m.c * gradient.xi - m.b * gradient.eta) * inverse,
+                     (m.a * gradient.eta - m.b * gradient.xi) * inverse);
+}
+
+// Best step along a side that holds the point, away from the corner where there is one; (0, 0) if none descends.
+FN domain_vector edge_step(GLOBAL scalar *domain, int n, held_sides held, sym2 model,
+                           domain_vector gradient) {
+  domain_vector best = make_vector(K(0), K(0));
+  real gain = K(0);
+  for (int which = 0; which < 2; ++which) {
+    const int k = which == 0 ? held.a : held.b;
+    if (k < 0) continue;
+    const domain_vector c = domain_corner(domain, k), e = domain_corner(domain, wrap(k + 1, n));
+    const domain_vector along = make_vector(e.xi - c.xi, e.eta - c.eta);
+    const real slope = fma(gradient.xi, along.xi, gradient.eta * along.eta);
+    // At corner b only side b may be followed forwards and side a backwards.
+    if (held.b >= 0 && (which == 0 ? slope < K(0) : slope > K(0))) continue;
+    const real t = -slope / larger(quadratic(model, along), TINY);
+    if (-t * slope > gain) {
+      gain = -t * slope;
+      best = make_vector(t * along.xi, t * along.eta);
+    }
+  }
+  return best;
+}
+
+// Secant update of the curvature term sum r . G_ij after a step (Dennis, Gay and Welsch 1981, eq. 2.9).
+FN sym2 secant_update(sym2 s, domain_vector step, domain_vector y, domain_vector v) {
+  const real vs = fma(v.xi, step.xi, v.eta * step.eta);
+  const real size = fma(step.xi, step.xi, step.eta * step.eta);
+  if (!(fabs(vs) > TINY + EPSILON * size)) return s;
+  const real over = K(1) / vs;
+  const real ex = y.xi - fma(s.a, step.xi, s.b * step.eta), ey = y.eta - fma(s.b, step.xi, s.c * step.eta);
+  const real es = fma(ex, step.xi, ey * step.eta) * over;
+  s.a = fma(over, K(2) * ex * v.xi - es * v.xi * v.xi, s.a);
+  s.b = fma(over, ex * v.eta + ey * v.xi - es * v.xi * v.eta, s.b);
+  s.c = fma(over, K(2) * ey * v.eta - es * v.eta * v.eta, s.c);
+  return s;
+}
+
+FN domain_vector gradient_of(foot f) {
+  return make_vector(dot3(f.at.g_xi, f.r), dot3(f.at.g_eta, f.r));
+}
+
+// A step so short that the surface is its tangent plane.
+FN foot slide(surface_view view, foot f, domain_vector step) {
+  const real3 move = fma3(step.xi, f.at.g_xi, mul3(step.eta, f.at.g_eta));
+  const real unscale = numbers_of(view, f.patch)[PATCH_UNSCALE];
+  f.xi += step.xi;
+  f.eta += step.eta;
+  f.at.g = add3(f.at.g, move);
+  f.r = add3(f.r, move);
+  f.distance2 = dot3(f.r, f.r) * unscale * unscale;
+  return f;
+}
+
+// The step, cut where it leaves the domain; `side` is where (-1: it stays inside).
+typedef struct {
+  real length;
+  int side;
+} cut_step;
+
+FN cut_step cut_at_sides(GLOBAL scalar *domain, int n, held_sides held, real xi, real eta, domain_vector step) {
+  cut_step r = {K(1), -1};
+  for (int k = 0; k < n; ++k) {
+    const real speed = outward(domain, k, step);
+    if (!(speed > K(0)) || k == held.a || k == held.b) continue;
+    const real length = side_distance(domain, n, k, xi, eta).f / speed;
+    if (length < r.length) {
+      r.length = length;
+      r.side = k;
+    }
+  }
+  return r;
+}
+
+// The curvature term sum r . G_ij as the second fundamental form at the patch's centre has it.
+FN sym2 start_bend(surface_view view, foot f, track_options options) {
+  sym2 s = {K(0), K(0), K(0)};
+  if (options.solver != SOLVER_NEWTON) return s;
+  GLOBAL scalar *numbers = numbers_of(view, f.patch);
+  const real3 normal = patch_normal(f.at);
+  const real depth = dot3(f.r, normal) / larger(norm3(normal), TINY);
+  s.a = depth * numbers[PATCH_BEND];
+  s.b = depth * numbers[PATCH_BEND + 1];
+  s.c = depth * numbers[PATCH_BEND + 2];
+  return s;
+}
+
+// Tracks the local nearest point from a start. An edge is crossed where the distance falls on its other side; having
+// crossed, not again before it has fallen. Gives up on entering the patch `settled` (NONE: none).
+FN_LARGE foot track_foot(surface_view view, hip_point h, foot f, track_options options, uint settled) {
+  sym2 second = start_bend(view, f, options);
+  int just_crossed = 0;
+  real last2 = -K(1);  // squared length of the last step, in the same patch
+  while (f.iterations < options.max_iterations) {
+    const int n = valence_of(view, f.patch);
+    const uint first_side = view.side_begin[f.patch];
+    GLOBAL scalar *domain = domain_of(view, n);
+    const domain_vector gradient = gradient_of(f);
+    const sym2 first = {dot3(f.at.g_xi, f.at.g_xi), dot3(f.at.g_xi, f.at.g_eta),
+                        dot3(f.at.g_eta, f.at.g_eta)};
+    domain_vector step = newton_step(first, second, gradient);
+    const real tolerance2 = options.tolerance * options.tolerance;
+    const held_sides held = sides_at(domain, n, f.xi, f.eta);
+    const int leaves_a = held.a >= 0 && outward(domain, held.a, step) > K(0);
+    const int leaves_b = held.b >= 0 && outward(domain, held.b, step) > K(0);
+    held_sides along = {-1, -1};
+    const real length2 = quadratic(first, step);
+    if (length2 <= tolerance2) {
+      f.flags |= FOOT_CONVERGED;
+      break;
+    }
+    // Steps shrink faster than linearly: what this one leaves is at most its square over the last. Then it is taken on
+    // the tangent plane, which saves an evaluation.
+    if (last2 > K(0) && held.a < 0 && length2 * length2 <= tolerance2 * last2 && length2 <= options.tolerance &&
+        cut_at_sides(domain, n, held, f.xi, f.eta, step).side < 0) {
+      f = slide(view, f, step);
+      f.flags |= FOOT_CONVERGED;
+      break;
+    }
+    if (leaves_a || leaves_b) {
+      uint next = NONE;
+      domain_point to;
+      if (held.b >= 0) {
+        next = fan_sector(view, first_side + (uint)held.b, mul3(K(-1), f.r));
+        if (next != NONE) {
+          to.patch = view.side_patch[next];
+          const int m = valence_of(view, to.patch);
+          const domain_vector c =
+              domain_corner(domain_of(view, m), (int)(next - view.side_begin[to.patch]));
+          to.xi = c.xi;
+          to.eta = c.eta;
+        }
+      } else {
+        next = view.side_twin[first_side + (uint)held.a];
+        if (next != NONE) to = cross_edge(view, first_side + (uint)held.a, next, f.xi, f.eta);
+      }
+      if (next != NONE && !just_crossed) {
+        f = move_foot(view, h, f, to.patch, to.xi, to.eta);
+        ++f.iterations;
+        ++f.crossings;
+        just_crossed = 1;
+        if (f.patch == settled) break;
+        second = start_bend(view, f, options);
+        last2 = -K(1);
+        continue;
+      }
+      step = edge_step(domain, n, held, first, gradient);
+      along = held;
+      f.flags |= next == NONE ? FOOT_BORDER : FOOT_CREASE;
+      if (quadratic(first, step) <= tolerance2) {
+        f.flags |= FOOT_CONVERGED;
+        break;
+      }
+    }
+    // Near the minimum the distance no longer tells better from worse; steps that still shrink do.
+    const real fall = -fma(gradient.xi, step.xi, gradient.eta * step.eta);
+    const int at_rounding = fall <= K(16) * EPSILON * dot3(f.r, f.r);
+    if (at_rounding && last2 > K(0) && length2 >= last2) {
+      f.flags |= FOOT_CONVERGED;
+      break;
+    }
+    const cut_step cut = cut_at_sides(domain, n, along, f.xi, f.eta, step);
+    foot to = f;
+    real length = cut.length;
+    int crossed = 0, fell = 0;
+    while (f.iterations < options.max_iterations) {
+      const real xi = fma(length, step.xi, f.xi), eta = fma(length, step.eta, f.eta);
+      domain_point p = {f.patch, xi, eta};
+      crossed = 0;
+      if (length == cut.length && cut.side >= 0) {
+        const uint side = first_side + (uint)cut.side, twin = view.side_twin[side];
+        if (twin != NONE) {
+          p = cross_edge(view, side, twin, xi, eta);
+          crossed = 1;
+        }
+      }
+      to = move_foot(view, h, f, p.patch, p.xi, p.eta);
+      ++f.iterations;
+      if (to.distance2 < f.distance2 || at_rounding) {
+        fell = 1;
+        break;
+      }
+      length *= K(0.25f);
+      if (length * length * quadratic(first, step) <= tolerance2) break;
+    }
+    if (!fell) {  // at the rounding of the distance, unless the iterations ran out
+      if (f.iterations < options.max_iterations) f.flags |= FOOT_CONVERGED;
+      break;
+    }
+    if (along.a < 0) f.flags &= ~(FOOT_BORDER | FOOT_CREASE);
+    to.iterations = f.iterations;
+    to.crossings = f.crossings + crossed;
+    to.flags = f.flags;
+    last2 = crossed || along.a >= 0 ? -K(1) : length * length * length2;
+    if (crossed) {
+      if (to.patch == settled) return to;
+      second = start_bend(view, to, options);
+    } else if (options.solver == SOLVER_NEWTON) {
+      const domain_vector after = gradient_of(to);
+      const domain_vector change = make_vector(after.xi - gradient.xi, after.eta - gradient.eta);
+      const domain_vector y = make_vector(after.xi - dot3(f.at.g_xi, to.r), after.eta - dot3(f.at.g_eta, to.r));
+      second = secant_update(second, make_vector(length * step.xi, length * step.eta), y, change);
+    }
+    just_crossed = crossed;
+    f = to;
+  }
+  return f;
+}
+
+// Section 4.2 as printed, to be compared with: secants of length lambda = 0.1 towards the neighbours of the nearest
+// corner, no safeguard; over an edge to where the ray from the centre meets it (4.3). Ends by the residual angle.
+FN_LARGE foot track_as_printed(surface_view view, hip_point h, foot f, track_options options) {
+  while (f.iterations < options.max_iterations) {
+    const int n = valence_of(view, f.patch);
+    GLOBAL scalar *domain = domain_of(view, n);
+    int k = 0;
+    real nearest = -K(1);
+    for (int i = 0; i < n; ++i) {
+      const domain_vector c = domain_corner(domain, i);
+      const real dx = c.xi - f.xi, dy = c.eta - f.eta, d2 = fma(dx, dx, dy * dy);
+      if (nearest < K(0) || d2 < nearest) {
+        nearest = d2;
+        k = i;
+      }
+    }
+    const domain_vector c = domain_corner(domain, k), next = domain_corner(domain, wrap(k + 1, n)),
+                        prev = domain_corner(domain, wrap(k - 1, n));
+    const real lambda = K(1) / K(10);
+    const domain_vector xa = make_vector(lambda * (next.xi - c.xi), lambda * (next.eta - c.eta));
+    const domain_vector xb = make_vector(lambda * (prev.xi - c.xi), lambda * (prev.eta - c.eta));
+    const real3 a = sub3(evaluate_patch(view, f.patch, f.xi + xa.xi, f.eta + xa.eta).g, f.at.g);
+    const real3 b = sub3(evaluate_patch(view, f.patch, f.xi + xb.xi, f.eta + xb.eta).g, f.at.g);
+    const real3 normal = cross3(a, b);
+    const real3 off = cross3(f.r, normal);  // |r| |n| sin of the residual angle
+    const real limit = options.tolerance * options.tolerance;
+    if (dot3(off, off) <= limit * dot3(f.r, f.r) * dot3(normal, normal)) {
+      f.flags |= FOOT_CONVERGED;
+      break;
+    }
+    const sym2 secants = {dot3(a, a), dot3(a, b), dot3(b, b)};
+    const sym2 none = {K(0), K(0), K(0)};
+    const domain_vector step = newton_step(secants, none, make_vector(dot3(a, f.r), dot3(b, f.r)));
+    real xi = fma(step.xi, xa.xi, fma(step.eta, xb.xi, f.xi));
+    real eta = fma(step.xi, xa.eta, fma(step.eta, xb.eta, f.eta));
+    // Outside: the side whose fan holds the point, where the ray from the centre meets it.
+    int out = -1;
+    real farthest = domain[0];
+    for (int i = 0; i < n; ++i) {
+      const real reach = outward(domain, i, make_vector(xi, eta));
+      if (reach > farthest) {
+        farthest = reach;
+        out = i;
+      }
+    }
+    domain_point to = {f.patch, xi, eta};
+    int crossed = 0;
+    if (out >= 0) {
+      to.xi = xi * (domain[0] / farthest);
+      to.eta = eta * (domain[0] / farthest);
+      const uint side = view.side_begin[f.patch] + (uint)out, twin = view.side_twin[side];
+      if (twin != NONE) {
+        to = cross_edge(view, side, twin, to.xi, to.eta);
+        crossed = 1;
+      } else {
+        f.flags |= FOOT_BORDER;
+      }
+    }
+    f = move_foot(view, h, f, to.patch, to.xi, to.eta);
+    ++f.iterations;
+    f.crossings += crossed;
+  }
+  return f;
+}

@@ -1,0 +1,33 @@
+// Vectors of three. A plain struct: OpenCL's float3 takes the room of four.
+
+typedef struct {
+  real x, y, z;
+} real3;
+
+FN real3 make3(real x, real y, real z) {
+  real3 r = {x, y, z};
+  return r;
+}
+FN real3 add3(real3 a, real3 b) { return make3(a.x + b.x, a.y + b.y, a.z + b.z); }
+FN real3 sub3(real3 a, real3 b) { return make3(a.x - b.x, a.y - b.y, a.z - b.z); }
+FN real3 mul3(real s, real3 a) { return make3(s * a.x, s * a.y, s * a.z); }
+// s a + b
+FN real3 fma3(real s, real3 a, real3 b) {
+  return make3(fma(s, a.x, b.x), fma(s, a.y, b.y), fma(s, a.z, b.z));
+}
+FN real dot3(real3 a, real3 b) { return fma(a.x, b.x, fma(a.y, b.y, a.z * b.z)); }
+FN real3 cross3(real3 a, real3 b) {
+  return make3(fma(a.y, b.z, -(a.z * b.y)), fma(a.z, b.x, -(a.x * b.z)),
+               fma(a.x, b.y, -(a.y * b.x)));
+}
+// a x b + c
+FN real3 cross_add3(real3 a, real3 b, real3 c) {
+  return make3(fma(a.y, b.z, fma(-a.z, b.y, c.x)), fma(a.z, b.x, fma(-a.x, b.z, c.y)),
+               fma(a.x, b.y, fma(-a.y, b.x, c.z)));
+}
+FN real norm3(real3 a) { return sqrt(dot3(a, a)); }
+
+// Triple `i` of packed control data, the same for all lanes.
+FN real3 load3(GLOBAL scalar *at, int i) {
+  return make3(splat(at[3 * i]), splat(at[3 * i + 1]), splat(at[3 * i + 2]));
+}

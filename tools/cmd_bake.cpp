@@ -1,0 +1,128 @@
+// gliss bake: a mesh to a patch cache.
+#include <fmt/format.h>
+
+#include <charconv>
+#include <set>
+
+#include "tools/surface_input.h"
+
+namespace gliss::tools {
+namespace {
+
+struct BakeOptions : SurfaceOptions {
+  std::string output, region, faces;
+  bool no_tame = false;
+};
+
+void describe(CLI::App& command, BakeOptions& options) {
+  add_surface_options(command, options, "MESH");
+  command.add_option("-o,--output", options.output, "cache to write")
+      ->required()
+      ->type_name("FILE");
+  CLI::Option* region = command.add_option("--region", options.region,
+                                           "only faces that meet the box, in the unit of --unit");
+  region->type_name("X0,Y0,Z0:X1,Y1,Z1");
+  command.add_option("--faces", options.faces, "only these faces, as 1,2,5-9; the first is 0")
+      ->type_name("LIST")
+      ->excludes(region);
+  command.add_flag("--no-tame", options.no_tame, "keep folded patches as they are");
+}
+
+template <class Number>
+Number parse(const std::string& text, const std::string& whole) {
+  Number number{};
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, number);
+  if (error != std::errc() || stop != end) {
+    throw InputError(fmt::format("'{}': '{}' is not a number as wanted", whole, text));
+  }
+  return number;
+}
+
+Vec3 parse_corner(const std::string& text, const std::string& whole) {
+  const auto numbers = split(text, ',');
+  if (numbers.size() != 3) throw InputError(fmt::format("'{}': a corner is x,y,z", whole));
+  Vec3 corner;
+  for (std::size_t i = 0; i < 3; ++i) {
+    corner[static_cast<int>(i)] = parse<double>(numbers[i], whole);
+  }
+  return corner;
+}
+
+std::vector<std::uint32_t> parse_region(const Mesh& mesh, const std::string& text) {
+  const auto corners = split(text, ':');
+  if (corners.size() != 2) throw InputError(fmt::format("'{}' is not x0,y0,z0:x1,y1,z1", text));
+  const Vec3 a = parse_corner(corners[0], text), b = parse_corner(corners[1], text);
+  auto faces = faces_in_box(mesh, {a.cwiseMin(b), a.cwiseMax(b)});
+  if (faces.empty()) throw InputError(fmt::format("no face meets the region '{}'", text));
+  return faces;
+}
+
+std::vector<std::uint32_t> parse_faces(const Mesh& mesh, const std::string& text) {
+  std::set<std::uint32_t> faces;
+  for (const std::string& item : split(text, ',')) {
+    const auto ends = split(item, '-');
+    const auto first = parse<std::uint32_t>(ends.front(), text),
+               last = parse<std::uint32_t>(ends.back(), text);
+    if (ends.size() > 2 || last < first) {
+      throw InputError(fmt::format("'{}': '{}' is no range of faces", text, item));
+    }
+    if (last >= mesh.face_count()) {
+      throw InputError(fmt::format("'{}': face {} is beyond the last of {}, which is {}", text,
+                                   last, mesh.source, mesh.face_count() - 1));
+    }
+    for (std::uint32_t face = first; face <= last; ++face) faces.insert(face);
+  }
+  return {faces.begin(), faces.end()};
+}
+
+void run(const BakeOptions& options) {
+  const Stopwatch clock;
+  const auto engine = make_engine(options);
+  const Mesh mesh = read_mesh(options);
+  BuildOptions build_options;
+  build_options.tame = !options.no_tame;
+  if (!options.region.empty()) build_options.faces = parse_region(mesh, options.region);
+  if (!options.faces.empty()) build_options.faces = parse_faces(mesh, options.faces);
+  BuildReport found;
+  const PatchCache cache = build(mesh, options, *engine, build_options, &found);
+  save_cache(cache, options.output);
+
+  const std::size_t faces =
+      build_options.faces.empty() ? mesh.face_count() : build_options.faces.size();
+  const std::string unit = unit_name(cache.unit);
+  const double seconds = clock.seconds();
+  report(options,
+         fmt::format("{}: {} of {} faces, {} patches in {}, unit {}\n"
+                     "folded {}, degenerate {}; eased {}, split {}, bent {}\n"
+                     "rho_min {:.4g} {}, {} bytes, {:.2f} s\n",
+                     options.output, faces, mesh.face_count(), cache.patch_count(),
+                     precision_name(cache.precision()), unit, found.folded, found.degenerate,
+                     found.eased, found.split, found.bent, cache.smallest_rho(), unit,
+                     cache.bytes(), seconds),
+         {{"output", options.output},
+          {"mesh_faces", mesh.face_count()},
+          {"faces", faces},
+          {"patches", cache.patch_count()},
+          {"precision", precision_name(cache.precision())},
+          {"unit", unit},
+          {"folded", found.folded},
+          {"degenerate", found.degenerate},
+          {"eased", found.eased},
+          {"split", found.split},
+          {"bent", found.bent},
+          {"flagged_faces", found.flagged_faces},
+          {"rho_min", cache.smallest_rho()},
+          {"bytes", cache.bytes()},
+          {"mesh_hash", hash_name(cache.mesh_hash)},
+          {"seconds", seconds}});
+}
+
+}  // namespace
+
+void add_bake(CLI::App& program) {
+  add_command<BakeOptions>(program, "bake", "Build the patches of a mesh and keep them in a cache.",
+                           "gliss bake teeth.obj --unit mm -o teeth.gliss", describe, run);
+}
+
+}  // namespace gliss::tools

@@ -1,0 +1,108 @@
+// What the commands share: their options, their errors, and how they speak.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "host/engine.h"
+#include "host/sweep.h"
+
+namespace gliss::tools {
+
+using Json = nlohmann::ordered_json;
+
+struct InputError : std::runtime_error {  // exit code 2
+  using std::runtime_error::runtime_error;
+};
+struct BackendError : std::runtime_error {  // exit code 4
+  using std::runtime_error::runtime_error;
+};
+struct Interrupted {};  // exit code 130
+
+struct CommonOptions {
+  int threads = 0;  // 0: as many as the machine has
+  std::string backend = "tbb";
+  bool json = false, quiet = false;
+};
+
+// Of commands that read a mesh or a cache.
+struct SurfaceOptions : CommonOptions {
+  std::string surface;                 // path
+  double unit = 1;                     // m, of coordinates read and written
+  std::optional<Precision> precision;  // as the cache has it, or double
+  bool split_non_manifold = false;
+};
+
+// Of the commands that outsiders script against: one table out.
+struct TableOptions : SurfaceOptions {
+  std::string output = "-";
+};
+
+void add_common_options(CLI::App& command, CommonOptions& options);
+// `name` of the positional argument: "MESH" or "MESH_OR_CACHE".
+void add_surface_options(CLI::App& command, SurfaceOptions& options, const std::string& name);
+void add_output_option(CLI::App& command, std::string& output, const std::string& description);
+void add_input_option(CLI::App& command, const std::string& name, std::string& path,
+                      const std::string& description);
+void add_stiffness_option(CLI::App& command, double& stiffness);
+void add_solver_option(CLI::App& command, Solver& solver);
+void add_methods_option(CLI::App& command, std::vector<Method>& methods);
+Method parse_method(const std::string& name);
+std::vector<std::string> split(const std::string& text, char separator);
+
+// Registers a command: its options are described, filled in from the command line, and run.
+template <class Options>
+void add_command(CLI::App& parent, const std::string& name, const std::string& description,
+                 const std::string& example,
+                 const std::function<void(CLI::App&, Options&)>& describe,
+                 const std::function<void(const Options&)>& run) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = parent.add_subcommand(name, description);
+  command->footer("Example: " + example);
+  describe(*command, *options);
+  add_common_options(*command, *options);
+  command->callback([options, run] { run(*options); });
+}
+
+std::unique_ptr<Engine> make_engine(const CommonOptions& options);
+
+// The command line as given, for the files that it leaves.
+void keep_command_line(int count, const char* const* words);
+const std::string& command_line();
+
+// To standard output, or to stderr where a table goes to standard output: JSON with --json, else
+// text, nothing with --quiet.
+void report(const CommonOptions& options, const std::string& text, const Json& json,
+            bool table_on_stdout = false);
+
+std::string unit_name(double unit);  // "mm"; "0.5 m" where it has no name
+const char* precision_name(Precision precision);
+std::string hash_name(std::uint64_t hash);
+
+class Stopwatch {
+ public:
+  double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+void add_bake(CLI::App& program);
+void add_info(CLI::App& program);
+void add_check(CLI::App& program);
+void add_eval(CLI::App& program);
+void add_project(CLI::App& program);
+void add_sweep(CLI::App& program);
+void add_trace(CLI::App& program);
+void add_generate(CLI::App& program);
+
+}  // namespace gliss::tools

@@ -1,0 +1,73 @@
+// gliss <command>: registers the commands and turns whatever goes wrong into one line and an exit
+// code.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <new>
+
+#include "host/csv_reader.h"
+#include "host/units.h"
+#include "tools/command.h"
+#include "tools/interrupt.h"
+
+namespace gliss::tools {
+namespace {
+
+enum ExitCode { kDone, kInternal, kBadInput, kBadCache, kNoBackend };
+
+int say(std::string message, int code) {
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  fmt::print(stderr, "gliss: {}\n", message);
+  return code;
+}
+
+int run(int count, char** words) {
+  CLI::App program("Smooth haptic force on coarse polygon meshes.", "gliss");
+  program.set_version_flag("--version", "gliss " GLISS_VERSION);
+  program.require_subcommand(1);
+  program.footer(
+      "gliss <command> --help tells more.\n"
+      "Exit codes: 0 done, 1 internal error, 2 bad input, 3 stale or foreign cache,\n"
+      "4 backend not available, 130 interrupted.");
+  for (const auto add :
+       {add_bake, add_info, add_check, add_eval, add_project, add_sweep, add_trace, add_generate}) {
+    add(program);
+  }
+  try {
+    program.parse(count, words);
+    if (std::fflush(stdout) != 0) return say("cannot write to standard output", kInternal);
+    return kDone;
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return program.exit(error);  // --help, --version
+    return say(error.what(), kBadInput);
+  } catch (const MeshError& error) {
+    return say(error.what(), kBadInput);
+  } catch (const CsvError& error) {
+    return say(error.what(), kBadInput);
+  } catch (const UnitError& error) {
+    return say(error.what(), kBadInput);
+  } catch (const InputError& error) {
+    return say(error.what(), kBadInput);
+  } catch (const std::invalid_argument& error) {
+    return say(error.what(), kBadInput);
+  } catch (const CacheError& error) {
+    return say(error.what(), kBadCache);
+  } catch (const BackendError& error) {
+    return say(error.what(), kNoBackend);
+  } catch (const Interrupted&) {
+    return say("interrupted", kExitInterrupted);
+  } catch (const std::bad_alloc&) {
+    return say("out of memory", kInternal);
+  } catch (const std::exception& error) {
+    return say(error.what(), kInternal);
+  }
+}
+
+}  // namespace
+}  // namespace gliss::tools
+
+int main(int count, char** words) {
+  gliss::catch_interrupts();
+  gliss::tools::keep_command_line(count, words);
+  return gliss::tools::run(count, words);
+}
