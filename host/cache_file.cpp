@@ -5,6 +5,7 @@
 #include <xxhash.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <system_error>
@@ -74,7 +75,7 @@ class Reader {
   }
 
   PatchCache read() {
-    const std::vector<Section> table = read_header();
+    const std::array<Section, kSections> table = read_header();
     PatchCache cache;
     cache.unit = header_.unit;
     cache.origin = Vec3(header_.origin[0], header_.origin[1], header_.origin[2]);
@@ -84,10 +85,9 @@ class Reader {
     if (static_cast<Precision>(header_.precision) == Precision::kDouble) cache.surface.emplace<1>();
     std::size_t next = 0;
     for_each_section(cache, [&](const char* name, auto& values) {
-      if (next == table.size()) fail("header", "sections are missing");
-      read_section(table[next++], name, values);
+      read_section(table.at(next++), name, values);
     });
-    if (next != table.size() || position_ != file_bytes_) fail("header", "more than its sections");
+    if (position_ != file_bytes_) fail("header", "more than its sections");
     check_cache(cache, path_);
     return cache;
   }
@@ -117,7 +117,7 @@ class Reader {
   }
 
   // Sound and of this program when it returns.
-  std::vector<Section> read_header() {
+  std::array<Section, kSections> read_header() {
     std::vector<unsigned char> bytes(kFixedBytes);
     read_bytes(bytes.data(), std::min<std::uint64_t>(file_bytes_, kFixedBytes), "header");
     if (std::memcmp(bytes.data(), kMagic.data(), kMagic.size()) != 0) {
@@ -145,15 +145,14 @@ class Reader {
     if (header_.format != kFormat) {
       fail_as_stale(fmt::format("of format {}, this program reads {}", header_.format, kFormat));
     }
-    if (bytes.size() < sizeof(Header)) fail("header", "cut short");
+    if (bytes.size() < sizeof(Header)) fail("header", "its size is wrong");
     std::memcpy(&header_, bytes.data(), sizeof(Header));
     check_origin();
-    std::vector<Section> table(
-        header_.section_count <= bytes.size() / sizeof(Section) ? header_.section_count : 0);
-    if (bytes.size() != sizeof(Header) + table.size() * sizeof(Section)) {
+    if (header_.section_count != kSections || bytes.size() != kHeaderBytes) {
       fail("header", "its size is wrong");
     }
-    std::memcpy(table.data(), bytes.data() + sizeof(Header), table.size() * sizeof(Section));
+    std::array<Section, kSections> table;
+    std::memcpy(table.data(), bytes.data() + sizeof(Header), sizeof(table));
     return table;
   }
 
@@ -205,22 +204,22 @@ class Reader {
 
 void save_cache(const PatchCache& cache, const std::string& path) {
   AtomicFile file(path);
-  std::vector<Section> table;
-  std::uint64_t end = 0;
+  std::array<Section, kSections> table;
+  std::size_t next = 0;
+  std::uint64_t end = kHeaderBytes;
   for_each_section(cache, [&]<class T>(const char* name, const std::vector<T>& values) {
-    table.push_back(section_of<T>(name, values.size(), end));
-    table.back().checksum = checksum(values.data(), values.size() * sizeof(T));
+    Section& section = table.at(next++) = section_of<T>(name, values.size(), end);
+    section.checksum = checksum(values.data(), values.size() * sizeof(T));
     end += values.size() * sizeof(T);
   });
   Header header = header_of(cache);
-  header.section_count = static_cast<std::uint32_t>(table.size());
-  header.header_bytes = static_cast<std::uint32_t>(sizeof(Header) + table.size() * sizeof(Section));
-  header.file_bytes = header.header_bytes + end;
-  for (Section& section : table) section.offset += header.header_bytes;
+  header.section_count = kSections;
+  header.header_bytes = kHeaderBytes;
+  header.file_bytes = end;
 
-  std::vector<unsigned char> head(header.header_bytes);
-  std::memcpy(head.data(), &header, sizeof(Header));
-  std::memcpy(head.data() + sizeof(Header), table.data(), table.size() * sizeof(Section));
+  std::array<unsigned char, kHeaderBytes> head;
+  std::memcpy(head.data(), &header, sizeof(header));
+  std::memcpy(&head[sizeof(header)], table.data(), sizeof(table));
   const std::uint64_t sum = checksum(&head[kChecksumBegin], head.size() - kChecksumBegin);
   std::memcpy(&head[offsetof(Header, checksum)], &sum, sizeof(sum));
   file.write(head.data(), head.size());

@@ -52,6 +52,9 @@ struct Section {
 };
 static_assert(sizeof(Section) == 48, "no padding");
 
+inline constexpr std::size_t kSections = 18;
+inline constexpr std::size_t kHeaderBytes = sizeof(Header) + kSections * sizeof(Section);
+
 // Calls f(name, vector) for each section, in the order of the file.
 template <class Cache, class F>
 void for_each_section(Cache& cache, const F& f) {

@@ -47,7 +47,8 @@ class Builder {
 
   // Splits ranges level by level until there are enough to share out, then each by itself.
   void run(const ParallelFor& parallel) {
-    std::vector<Range> level{{0, static_cast<std::uint32_t>(order_.size()), 0}};
+    std::vector<Range> level;  // a single patch needs no node
+    if (order_.size() > 1) level.push_back({0, static_cast<std::uint32_t>(order_.size()), 0});
     while (!level.empty() && level.size() < kShared) {
       std::vector<Range> next(2 * level.size());
       parallel(level.size(), 1, [&](std::size_t begin, std::size_t end) {

@@ -9,6 +9,7 @@
 namespace gliss {
 
 enum class Method { kGregory, kShaded, kFlat };
+inline constexpr std::size_t kMethods = 3;
 enum class Solver { kNewton, kGaussNewton, kPaper };
 
 // Layout of the arrays that kernels/ defines, for the host.
@@ -45,8 +46,6 @@ struct RawHip {
   Real high[3], low[3];
 };
 
-enum class Query { kNearest, kTrack, kTick };
-
 template <class Real>
 struct Kernels {
   const char* isa;
@@ -68,11 +67,14 @@ struct Kernels {
   void (*side_normal)(const Real* side, Real t, Real* out);
   // Squared distance of a point (local frame) to the base polygon of a patch.
   Real (*polygon_distance2)(const Surface<Real>&, std::uint32_t patch, const Real* point);
-  // Nearest base polygon.
-  std::uint32_t (*nearest_polygon)(const Surface<Real>&, const RawHip<Real>& hip);
-  // A query. `state` is what the last one left, for kTrack and kTick; it is overwritten.
-  void (*query)(const Surface<Real>&, Query, Method, const TrackOptions<Real>&, const RawHip<Real>& hip,
+  // Global: the nearest point for each of `count` methods, which share the search of the base polygons.
+  void (*nearest)(const Surface<Real>&, const Method* methods, std::size_t count, const TrackOptions<Real>&,
+                  const RawHip<Real>& hip, RawContact<Real>* out);
+  // Local: what `state` became after the HIP moved; tick is Algorithm 1, track follows whatever the state.
+  void (*track)(const Surface<Real>&, Method, const TrackOptions<Real>&, const RawHip<Real>& hip,
                 RawContact<Real>* state);
+  void (*tick)(const Surface<Real>&, Method, const TrackOptions<Real>&, const RawHip<Real>& hip,
+               RawContact<Real>* state);
 };
 
 // Of the machine's best instruction set, or of the one that the environment variable GLISS_ISA names (baseline, v3, v4).

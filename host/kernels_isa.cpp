@@ -63,8 +63,9 @@ namespace gliss::GLISS_ISA {
                                         SPACE::wide::evaluate_points,                          \
                                         SPACE::side_normal_at,                                 \
                                         SPACE::polygon_distance2,                              \
-                                        SPACE::nearest_polygon,                                \
-                                        SPACE::query};                                         \
+                                        SPACE::nearest,                                        \
+                                        SPACE::track,                                          \
+                                        SPACE::tick_state};                                    \
     return table;                                                                              \
   }
 GLISS_TABLE(kernels_f32, float, f32)

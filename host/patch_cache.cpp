@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "host/hierarchy.h"
@@ -20,12 +21,14 @@ constexpr std::size_t kGrain = 64;
 // Everything of a build that outlives a step.
 class CacheBuilder {
  public:
-  CacheBuilder(const Mesh& mesh, const BuildOptions& options, const ParallelFor& parallel)
-      : mesh_(mesh), options_(options), parallel_(parallel), topology_(build_topology(mesh)) {}
+  CacheBuilder(const Mesh& mesh, const Topology& topology, const BuildOptions& options, const ParallelFor& parallel,
+               bool base_only = false)
+      : mesh_(mesh), topology_(topology), options_(options), parallel_(parallel), base_only_(base_only) {}
 
   PatchCache build(BuildReport* report) {
     set_frame();
-    draft_faces(report);
+    drafted_.resize(faces_.size());
+    if (!base_only_) draft_faces(report);
     lay_out();
     if (options_.precision == Precision::kFloat) {
       cache_.surface.emplace<0>();
@@ -76,7 +79,6 @@ class CacheBuilder {
   }
 
   void draft_faces(BuildReport* report) {
-    drafted_.resize(faces_.size());
     parallel_(faces_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const FaceCorners corners = corners_of(faces_[i]);
@@ -165,7 +167,7 @@ class CacheBuilder {
     for (std::uint32_t p = 0; p < patches; ++p) {
       for (std::uint32_t side = s.side_begin[p]; side < s.side_begin[p + 1]; ++side) s.side_patch[side] = p;
     }
-    s.control.resize(sides * kSideReals);
+    if (!base_only_) s.control.resize(sides * kSideReals);
     s.corner.resize(sides * 6);
     s.patch.resize(patches * kPatchReals);
     s.triangle.resize(3 * (sides - 2 * patches));
@@ -178,7 +180,7 @@ class CacheBuilder {
         std::vector<PatchDraft>& tamer = drafted_[i].tamer;
         if (tamer.empty()) {
           PatchDraft exact = draft_exact(corners_of(faces_[i]));
-          exact.shape = drafted_[i].shape;
+          exact.shape = base_only_ ? base_shape(exact) : drafted_[i].shape;
           store(exact, first, s, boxes);
         } else {
           for (std::size_t t = 0; t < tamer.size(); ++t) store(tamer[t], first + static_cast<std::uint32_t>(t), s, boxes);
@@ -210,7 +212,7 @@ class CacheBuilder {
       for (std::size_t i = 0; i < from.size(); ++i) to[i] = static_cast<Real>(from[i]);
     };
     const std::size_t first = s.side_begin[patch];
-    narrow(d.control, &s.control[first * kSideReals]);
+    if (!base_only_) narrow(d.control, &s.control[first * kSideReals]);
     narrow(d.corner, &s.corner[first * 6]);
     std::copy(d.triangle.begin(), d.triangle.end(), s.triangle.begin() + static_cast<std::ptrdiff_t>(3 * (first - 2 * patch)));
     Real* numbers = &s.patch[patch * kPatchReals];
@@ -231,9 +233,10 @@ class CacheBuilder {
   }
 
   const Mesh& mesh_;
+  const Topology& topology_;
   const BuildOptions& options_;
   const ParallelFor& parallel_;
-  const Topology topology_;
+  const bool base_only_;
   PatchCache cache_;
   std::vector<std::uint32_t> faces_;
   std::vector<Drafted> drafted_;           // [faces_]
@@ -247,7 +250,8 @@ void serial_for(std::size_t count, std::size_t grain, const std::function<void(s
   for (std::size_t begin = 0; begin < count; begin += grain) body(begin, std::min(count, begin + grain));
 }
 
-PatchCache build_cache(const Mesh& mesh, const BuildOptions& options, BuildReport* report, const ParallelFor& parallel) {
+PatchCache build_cache(const Mesh& mesh, const Topology& topology, const BuildOptions& options, BuildReport* report,
+                       const ParallelFor& parallel) {
   if (mesh.face_count() == 0) throw MeshError(mesh.source + ": no faces to build");
   for (const std::uint32_t f : options.faces) {
     if (f >= mesh.face_count()) {
@@ -255,14 +259,26 @@ PatchCache build_cache(const Mesh& mesh, const BuildOptions& options, BuildRepor
                       std::to_string(mesh.face_count()) + " faces)");
     }
   }
-  if (mesh.normals.empty()) {
-    Mesh with_normals = mesh;
-    add_vertex_normals(with_normals);
-    PatchCache cache = CacheBuilder(with_normals, options, parallel).build(report);
-    cache.mesh_hash = hash_of(mesh);
-    return cache;
+  if (std::adjacent_find(options.faces.begin(), options.faces.end(), std::greater_equal<>()) != options.faces.end()) {
+    throw MeshError(mesh.source + ": the faces to build must be ascending, each once");
   }
-  return CacheBuilder(mesh, options, parallel).build(report);
+  return CacheBuilder(mesh, topology, options, parallel).build(report);
+}
+
+PatchCache build_base(const Mesh& mesh, const Topology& topology, Precision precision) {
+  BuildOptions options;
+  options.precision = precision;
+  const ParallelFor serial = serial_for;
+  return CacheBuilder(mesh, topology, options, serial, true).build(nullptr);
+}
+
+PatchCache build_cache(const Mesh& mesh, const BuildOptions& options, BuildReport* report, const ParallelFor& parallel) {
+  if (!mesh.normals.empty()) return build_cache(mesh, build_topology(mesh), options, report, parallel);
+  Mesh with_normals = mesh;
+  add_vertex_normals(with_normals);
+  PatchCache cache = build_cache(with_normals, build_topology(with_normals), options, report, parallel);
+  cache.mesh_hash = hash_of(mesh);
+  return cache;
 }
 
 std::vector<std::uint32_t> faces_in_box(const Mesh& mesh, const Box& box) {
@@ -279,8 +295,7 @@ std::vector<std::uint32_t> faces_in_box(const Mesh& mesh, const Box& box) {
   return faces;
 }
 
-std::vector<std::uint32_t> faces_around(const Mesh& mesh, std::uint32_t face, int rings) {
-  const Topology topology = build_topology(mesh);
+std::vector<std::uint32_t> faces_around(const Mesh& mesh, const Topology& topology, std::uint32_t face, int rings) {
   std::vector<std::uint32_t> found{face}, front{face};
   std::vector<char> seen(mesh.face_count(), 0);
   seen[face] = 1;

@@ -11,6 +11,7 @@
 
 #include "host/mesh.h"
 #include "host/surface.h"
+#include "host/topology.h"
 
 namespace gliss {
 
@@ -33,7 +34,7 @@ enum class PatchKind : std::uint8_t {
 struct BuildOptions {
   Precision precision = Precision::kDouble;
   bool tame = true;                  // false: folded patches are found and flagged, and kept as they are
-  std::vector<std::uint32_t> faces;  // only these (ascending); empty: all
+  std::vector<std::uint32_t> faces{};  // only these, each once, ascending; empty: all
 };
 
 // Axis-aligned box in the mesh's unit.
@@ -84,9 +85,16 @@ struct PatchCache {
 PatchCache build_cache(const Mesh& mesh, const BuildOptions& options = {}, BuildReport* report = nullptr,
                        const ParallelFor& parallel = serial_for);
 
-// Faces that meet a box; faces within `rings` edges of a face.
+// The same with a topology made before and vertex normals in the mesh, for builds of many regions.
+PatchCache build_cache(const Mesh& mesh, const Topology& topology, const BuildOptions& options,
+                       BuildReport* report = nullptr, const ParallelFor& parallel = serial_for);
+
+// Base polygons alone, for searches with the flat and shaded methods: no patch is built and none may be evaluated.
+PatchCache build_base(const Mesh& mesh, const Topology& topology, Precision precision);
+
+// Faces that meet a box; faces within `rings` edges of a face. Ascending.
 std::vector<std::uint32_t> faces_in_box(const Mesh& mesh, const Box& box);
-std::vector<std::uint32_t> faces_around(const Mesh& mesh, std::uint32_t face, int rings);
+std::vector<std::uint32_t> faces_around(const Mesh& mesh, const Topology& topology, std::uint32_t face, int rings);
 
 std::uint64_t hash_of(const Mesh& mesh);
 

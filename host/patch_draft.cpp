@@ -71,6 +71,15 @@ double largest_curvature(const Vec3& gx, const Vec3& gy, const Vec3& nx, const V
   return std::abs(mean) + std::sqrt(std::max(0.0, mean * mean - gauss));
 }
 
+// Widens both boxes of a shape by a point.
+void include(const PatchDraft& d, const Vec3& p, PatchShape& shape) {
+  const Vec3 along(p.dot(d.tangent), p.dot(d.normal.cross(d.tangent)), p.dot(d.normal));
+  shape.box.low = shape.box.low.cwiseMin(p);
+  shape.box.high = shape.box.high.cwiseMax(p);
+  shape.low = shape.low.cwiseMin(along);
+  shape.high = shape.high.cwiseMax(along);
+}
+
 // Frame, base polygon and exact control data; not yet examined.
 PatchDraft build_draft(const FaceCorners& face, std::vector<std::uint32_t> face_corner) {
   PatchDraft d;
@@ -184,6 +193,17 @@ PatchDraft draft_exact(const FaceCorners& face) {
   return build_draft(face, std::move(all));
 }
 
+PatchShape base_shape(const PatchDraft& d) {
+  const Vec3 most = Vec3::Constant(std::numeric_limits<double>::infinity());
+  PatchShape shape;
+  shape.box = {most, -most};
+  shape.low = most;
+  shape.high = -most;
+  shape.bend.setZero();
+  for (std::size_t k = 0; k < d.corner.size(); k += 6) include(d, Vec3(d.corner[k], d.corner[k + 1], d.corner[k + 2]), shape);
+  return shape;
+}
+
 PatchShape examine(const PatchDraft& d) {
   const std::uint32_t n = static_cast<std::uint32_t>(d.corner.size() / 6);
   const Probes& probes = probes_of(n);
@@ -202,18 +222,7 @@ PatchShape examine(const PatchDraft& d) {
   base.corner = d.corner;
   base.triangle = d.triangle;
 
-  PatchShape shape;
-  shape.box = {Vec3::Constant(std::numeric_limits<double>::infinity()),
-           Vec3::Constant(-std::numeric_limits<double>::infinity())};
-  const auto include = [&](const Vec3& p) {
-    shape.box.low = shape.box.low.cwiseMin(p);
-    shape.box.high = shape.box.high.cwiseMax(p);
-  };
-  for (std::uint32_t k = 0; k < n; ++k) include(Vec3(d.corner[6 * k], d.corner[6 * k + 1], d.corner[6 * k + 2]));
-  Eigen::Matrix3d axes;
-  axes << d.tangent, d.normal.cross(d.tangent), d.normal;
-  shape.low = Vec3::Constant(std::numeric_limits<double>::infinity());
-  shape.high = -shape.low;
+  PatchShape shape = base_shape(d);
   double curvature = 0, stretch2 = 0;
   bool finite = true;
   for (std::size_t i = 0; i < count; ++i) {
@@ -222,9 +231,7 @@ PatchShape examine(const PatchDraft& d) {
     const Vec3 nx = (triple(3, count + i).cross(triple(6, count + i)).normalized() - normal) / kProbe;
     const Vec3 ny = (triple(3, 2 * count + i).cross(triple(6, 2 * count + i)).normalized() - normal) / kProbe;
     finite = finite && p.allFinite() && normal.allFinite();
-    include(p);
-    shape.low = shape.low.cwiseMin(axes.transpose() * p);
-    shape.high = shape.high.cwiseMax(axes.transpose() * p);
+    include(d, p, shape);
     if (i == 0) shape.bend = -Vec3(gx.dot(nx), 0.5 * (gx.dot(ny) + gy.dot(nx)), gy.dot(ny));
     shape.turn = std::min(shape.turn, normal.dot(d.normal));
     curvature = std::max(curvature, largest_curvature(gx, gy, nx, ny));

@@ -47,6 +47,7 @@ struct FaceCorners {
 // Frame, base polygon and control data of the exact patch of a face; and its shape, by sampling.
 PatchDraft draft_exact(const FaceCorners& face);
 PatchShape examine(const PatchDraft& draft);
+PatchShape base_shape(const PatchDraft& draft);  // of the base polygon alone
 
 // What stands in for a patch that folds or degenerates: one patch, or one for each triangle of the face. Boundary curves
 // are kept, so that the surface stays closed; boundary normals unless the kind is kBent.

@@ -1,6 +1,7 @@
 #include "host/query.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace gliss {
@@ -105,7 +106,7 @@ TrackOptions<Real> track_options(const QueryOptions& options) {
 }
 
 template <class Real>
-Contact contact_of(const PatchCache& cache, const Surface<Real>& s, const RawContact<Real>& raw, const Vec3& hip) {
+Contact contact_of(const PatchCache& cache, const Surface<Real>& s, const RawContact<Real>& raw) {
   Contact c;
   c.touching = raw.touching;
   c.at = face_point(cache, s, raw.patch, static_cast<double>(raw.xi), static_cast<double>(raw.eta));
@@ -118,7 +119,6 @@ Contact contact_of(const PatchCache& cache, const Surface<Real>& s, const RawCon
   c.iterations = raw.iterations;
   c.crossings = raw.crossings;
   c.flags = raw.flags;
-  (void)hip;
   return c;
 }
 
@@ -157,13 +157,6 @@ void evaluate_points(const PatchCache& cache, const Surface<Real>& s, std::uint3
   }
 }
 
-template <class Real>
-Contact run_query(const PatchCache& cache, const Surface<Real>& s, Query kind, const Vec3& hip,
-                  const QueryOptions& options, RawContact<Real>& state) {
-  kernels<Real>().query(s, kind, options.method, track_options<Real>(options), raw_hip<Real>(cache, hip), &state);
-  return contact_of(cache, s, state, hip);
-}
-
 // Calls f with the surface in its own precision.
 template <class F>
 auto with_surface(const PatchCache& cache, F f) {
@@ -197,9 +190,18 @@ void evaluate(const PatchCache& cache, std::uint32_t face, std::span<const doubl
 }
 
 Contact nearest(const PatchCache& cache, const Vec3& hip, const QueryOptions& options) {
-  return with_surface(cache, [&]<class Real>(const Surface<Real>& s) {
-    RawContact<Real> state;
-    return run_query(cache, s, Query::kNearest, hip, options, state);
+  Contact contact;
+  nearest(cache, hip, {&options.method, 1}, options, {&contact, 1});
+  return contact;
+}
+
+void nearest(const PatchCache& cache, const Vec3& hip, std::span<const Method> methods, const QueryOptions& options,
+             std::span<Contact> out) {
+  with_surface(cache, [&]<class Real>(const Surface<Real>& s) {
+    std::array<RawContact<Real>, kMethods> raw;
+    kernels<Real>().nearest(s, methods.data(), methods.size(), track_options<Real>(options), raw_hip<Real>(cache, hip),
+                            raw.data());
+    for (std::size_t i = 0; i < methods.size(); ++i) out[i] = contact_of(cache, s, raw[i]);
   });
 }
 
@@ -209,7 +211,9 @@ ContactTracker::ContactTracker(const PatchCache& cache, const QueryOptions& opti
 
 Contact ContactTracker::tick(const Vec3& hip) noexcept {
   return with_surface(cache_, [&]<class Real>(const Surface<Real>& s) {
-    return run_query(cache_, s, Query::kTick, hip, options_, *std::get_if<RawContact<Real>>(&state_));
+    RawContact<Real>& state = *std::get_if<RawContact<Real>>(&state_);
+    kernels<Real>().tick(s, options_.method, track_options<Real>(options_), raw_hip<Real>(cache_, hip), &state);
+    return contact_of(cache_, s, state);
   });
 }
 
@@ -220,8 +224,13 @@ Contact ContactTracker::track(const Vec3& hip, const DomainPoint& start) noexcep
     state.patch = place.patch;
     state.xi = static_cast<Real>(place.xi);
     state.eta = static_cast<Real>(place.eta);
-    return run_query(cache_, s, Query::kTrack, hip, options_, state);
+    kernels<Real>().track(s, options_.method, track_options<Real>(options_), raw_hip<Real>(cache_, hip), &state);
+    return contact_of(cache_, s, state);
   });
+}
+
+bool ContactTracker::touching() const {
+  return std::visit([](const auto& state) { return state.touching; }, state_);
 }
 
 }  // namespace gliss

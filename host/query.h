@@ -49,6 +49,10 @@ struct Contact {
 // Global: the nearest point of the surface.
 Contact nearest(const PatchCache& cache, const Vec3& hip, const QueryOptions& options = {});
 
+// The same for several methods (at most kMethods, each once; options.method is not read), which share the search.
+void nearest(const PatchCache& cache, const Vec3& hip, std::span<const Method> methods, const QueryOptions& options,
+             std::span<Contact> out);
+
 // Algorithm 1 for one HIP: a search while free, local tracking in contact. One object per HIP, cache and method.
 class ContactTracker {
  public:
@@ -56,6 +60,7 @@ class ContactTracker {
   Contact tick(const Vec3& hip) noexcept;
   // As tick, from a given contact, whatever the state: the local nearest point.
   Contact track(const Vec3& hip, const DomainPoint& start) noexcept;
+  bool touching() const;
 
  private:
   const PatchCache& cache_;

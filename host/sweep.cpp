@@ -111,10 +111,10 @@ class Sweeper {
     std::uint64_t points = 0;
   };
 
-  // Contact and force of one HIP, for all methods.
+  // Contacts and forces of one HIP, by method.
   struct Felt {
-    Contact contact;
-    Vec3 force;
+    std::array<Contact, kMethods> contact;
+    std::array<Vec3, kMethods> force;
   };
 
   void find_twins() {
@@ -138,19 +138,24 @@ class Sweeper {
         cache_.surface);
   }
 
-  Felt feel(const Vec3& hip, Method method) const {
+  Felt feel(const Vec3& hip) const {
     QueryOptions query;
-    query.method = method;
     query.solver = options_.solver;
     Felt felt;
-    felt.contact = nearest(cache_, hip, query);
-    felt.force = force(cache_, felt.contact, options_.stiffness);
+    nearest(cache_, hip, options_.methods, query, felt.contact);
+    for (std::size_t m = 0; m < options_.methods.size(); ++m) {
+      felt.force[m] = force(cache_, felt.contact[m], options_.stiffness);
+    }
     return felt;
   }
 
-  static void count_step(const Vec3& a, const Vec3& b, Histogram& step, Histogram& angle) {
-    step.add((a - b).norm());
-    if (a.squaredNorm() > 0 && b.squaredNorm() > 0) angle.add(std::atan2(a.cross(b).norm(), a.dot(b)));
+  void count_step(const Felt& felt, const Felt& other, Histogram SweepStatistics::* step,
+                  std::span<SweepStatistics> statistics) const {
+    for (std::size_t m = 0; m < statistics.size(); ++m) {
+      const Vec3 &a = felt.force[m], &b = other.force[m];
+      (statistics[m].*step).add((a - b).norm());
+      if (a.squaredNorm() > 0 && b.squaredNorm() > 0) statistics[m].angle.add(std::atan2(a.cross(b).norm(), a.dot(b)));
+    }
   }
 
   void compute(std::size_t chunk, bool keep, Piece& piece) const {
@@ -164,52 +169,56 @@ class Sweeper {
       }
     }
     std::vector<SurfacePoint> points;
-    std::vector<Vec3> forces;
+    std::vector<Felt> felt;
     for (std::size_t i = chunk_begin_[chunk]; i < chunk_begin_[chunk + 1]; ++i) {
       const std::uint32_t face = faces_[i], n = cache_.face_valence[face];
       const Grid& grid = grids_.at(n);
       points.resize(grid.xi.size());
-      forces.resize(grid.xi.size());
+      felt.resize(grid.xi.size());
       evaluate(cache_, face, grid.xi, grid.eta, points);
       piece.points += points.size();
-      for (std::size_t kind = 0; kind < kinds; ++kind) {
-        const double depth = options_.depths[kind / methods] / cache_.unit;
-        const Method method = options_.methods[kind % methods];
-        SweepStatistics& statistics = piece.statistics[kind];
+      for (std::size_t d = 0; d < options_.depths.size(); ++d) {
+        const double depth = options_.depths[d] / cache_.unit;
+        const std::span<SweepStatistics> statistics(&piece.statistics[d * methods], methods);
         for (std::size_t p = 0; p < points.size(); ++p) {
           const Vec3 hip = points[p].position - depth * points[p].normal;
-          const Felt felt = feel(hip, method);
-          forces[p] = felt.force;
-          count_sample(felt, options_.stiffness * cache_.unit * depth * points[p].normal, statistics);
-          if (keep) append(piece.blocks[kind], face, grid.xi[p], grid.eta[p], hip, felt);
+          felt[p] = feel(hip);
+          const Vec3 exact = options_.stiffness * cache_.unit * depth * points[p].normal;
+          for (std::size_t m = 0; m < methods; ++m) {
+            count_sample(felt[p].contact[m], (felt[p].force[m] - exact).norm(), statistics[m]);
+            if (keep) {
+              append(piece.blocks[d * methods + m], face, grid.xi[p], grid.eta[p], hip, felt[p].contact[m],
+                     felt[p].force[m]);
+            }
+          }
         }
-        count_steps(face, n, depth, method, forces, statistics);
+        count_steps(face, n, depth, felt, statistics);
       }
     }
   }
 
-  static void count_sample(const Felt& felt, const Vec3& exact, SweepStatistics& s) {
+  static void count_sample(const Contact& contact, double error, SweepStatistics& s) {
     ++s.samples;
-    s.touching += felt.contact.touching;
-    s.unconverged += (felt.contact.flags & kConverged) == 0;
-    s.iterations += static_cast<std::uint64_t>(felt.contact.iterations);
-    s.crossings += static_cast<std::uint64_t>(felt.contact.crossings);
-    s.error.add((felt.force - exact).norm());
-    s.residual.add(felt.contact.residual_angle);
+    s.touching += contact.touching;
+    s.unconverged += (contact.flags & kConverged) == 0;
+    s.iterations += static_cast<std::uint64_t>(contact.iterations);
+    s.crossings += static_cast<std::uint64_t>(contact.crossings);
+    s.error.add(error);
+    s.residual.add(contact.residual_angle);
   }
 
   // Neighbours along the rings, from ring to ring, and across the edges to faces of a higher number.
-  void count_steps(std::uint32_t face, std::uint32_t n, double depth, Method method, const std::vector<Vec3>& forces,
-                   SweepStatistics& statistics) const {
+  void count_steps(std::uint32_t face, std::uint32_t n, double depth, const std::vector<Felt>& felt,
+                   std::span<SweepStatistics> statistics) const {
     const std::uint32_t rings = options_.rings;
     for (std::uint32_t r = 1; r <= rings; ++r) {
       const std::size_t first = grid_index(n, r, 0, 0), count = std::size_t{n} * r;
       for (std::size_t i = 0; i < count; ++i) {
-        count_step(forces[first + i], forces[first + (i + 1) % count], statistics.step, statistics.angle);
+        count_step(felt[first + i], felt[first + (i + 1) % count], &SweepStatistics::step, statistics);
         if (r == rings) continue;
         const auto sector = static_cast<std::uint32_t>(i / r), at = static_cast<std::uint32_t>(i % r);
         const std::size_t outward = grid_index(n, r + 1, sector, (2 * at + 1) * (r + 1) / (2 * r));
-        count_step(forces[first + i], forces[outward], statistics.step, statistics.angle);
+        count_step(felt[first + i], felt[outward], &SweepStatistics::step, statistics);
       }
     }
     for (std::uint32_t k = 0; k < n; ++k) {
@@ -223,24 +232,25 @@ class Sweeper {
                points);
       for (std::uint32_t i = 0; i < rings; ++i) {
         const SurfacePoint& p = points[rings - 1 - i];
-        const Felt felt = feel(p.position - depth * p.normal, method);
-        count_step(forces[grid_index(n, rings, k, i)], felt.force, statistics.edge_step, statistics.angle);
+        count_step(felt[grid_index(n, rings, k, i)], feel(p.position - depth * p.normal), &SweepStatistics::edge_step,
+                   statistics);
       }
     }
   }
 
-  static void append(SweepBlock& block, std::uint32_t face, double xi, double eta, const Vec3& hip, const Felt& felt) {
+  static void append(SweepBlock& block, std::uint32_t face, double xi, double eta, const Vec3& hip, const Contact& contact,
+                     const Vec3& force) {
     const auto byte = [](std::uint32_t count) { return static_cast<std::uint8_t>(std::min(count, 255u)); };
     block.face.push_back(face);
     block.xi.push_back(xi);
     block.eta.push_back(eta);
     block.hip.push_back(hip);
-    block.scp.push_back(felt.contact.scp);
-    block.force.push_back(felt.force);
-    block.residual_angle.push_back(static_cast<float>(felt.contact.residual_angle));
-    block.iterations.push_back(byte(static_cast<std::uint32_t>(felt.contact.iterations)));
-    block.crossings.push_back(byte(static_cast<std::uint32_t>(felt.contact.crossings)));
-    block.flags.push_back(byte(felt.contact.flags));
+    block.scp.push_back(contact.scp);
+    block.force.push_back(force);
+    block.residual_angle.push_back(static_cast<float>(contact.residual_angle));
+    block.iterations.push_back(byte(static_cast<std::uint32_t>(contact.iterations)));
+    block.crossings.push_back(byte(static_cast<std::uint32_t>(contact.crossings)));
+    block.flags.push_back(byte(contact.flags));
   }
 
   static void merge(const SweepStatistics& from, SweepStatistics& to) {

@@ -57,18 +57,19 @@ FN contact contact_of_base(surface_view view, hip_point h, base_point b, int met
   return c;
 }
 
-// Global: the nearest point of the surface.
-FN_LARGE contact nearest_contact(surface_view view, hip_point h, int method, track_options options) {
-  if (method == METHOD_GREGORY) return contact_of_foot(view, nearest_foot(view, h, options));
-  return contact_of_base(view, h, nearest_base(view, h), method, 0);
+// Global: the nearest point of the surface, given that of the base polygons.
+FN_LARGE contact nearest_contact(surface_view view, hip_point h, base_point base, int method, track_options options) {
+  if (method == METHOD_GREGORY) return contact_of_foot(view, nearest_foot(view, h, base, options));
+  return contact_of_base(view, h, base, method, 0);
 }
 
 // Local: the point that `last` was, after the HIP has moved to h.
 FN_LARGE contact track_contact(surface_view view, hip_point h, contact last, track_options options) {
   if (last.method == METHOD_GREGORY) {
     const foot f = start_foot(view, h, last.patch, last.xi, last.eta);
+    const known_minimum none = {NONE, K(0)};
     return contact_of_foot(view, options.solver == SOLVER_PAPER ? track_as_printed(view, h, f, options)
-                                                               : track_foot(view, h, f, options, NONE));
+                                                               : track_foot(view, h, f, options, none));
   }
   return contact_of_base(view, h, track_base(view, h, last.patch, options.max_iterations), last.method, 0);
 }
@@ -77,5 +78,5 @@ FN_LARGE contact track_contact(surface_view view, hip_point h, contact last, tra
 // force.
 FN contact tick(surface_view view, hip_point h, contact last, track_options options) {
   return last.state == CONTACT_TOUCHING ? track_contact(view, h, last, options)
-                                        : nearest_contact(view, h, last.method, options);
+                                        : nearest_contact(view, h, nearest_base(view, h), last.method, options);
 }

@@ -16,12 +16,11 @@ FN base_point base_point_on(surface_view view, hip_point h, uint patch) {
   return b;
 }
 
-// Nearest point of all base polygons.
+// Nearest point of all base polygons; on the first where the HIP is not a number or its distance overflows.
 FN_LARGE base_point nearest_base(surface_view view, hip_point h) {
   walk w = start_walk(view);
-  base_point best;
-  best.patch = NONE;
-  best.distance2 = K(0x1p126f);
+  base_point best = base_point_on(view, h, 0u);
+  if (!(best.distance2 <= K(0x1p126f))) return best;
   for (uint p = next_patch(view, &w, h.high, best.distance2); p != NONE;
        p = next_patch(view, &w, h.high, best.distance2)) {
     const base_point b = base_point_on(view, h, p);
@@ -89,20 +88,20 @@ FN real patch_box_distance2(surface_view view, hip_point h, uint patch) {
   return dot3(out, out) * unscale * unscale;
 }
 
-// The local nearest point of the surface, from where a point of the base polygon lies (4.1). Gives up where it enters the
-// patch `settled` (NONE: never): its minimum is known.
-FN foot track_from_base(surface_view view, hip_point h, base_point base, track_options options, uint settled) {
+// The local nearest point of the surface, from where a point of the base polygon lies (4.1).
+FN foot track_from_base(surface_view view, hip_point h, base_point base, track_options options,
+                         known_minimum known) {
   const polygon_blend start = blend_on_polygon(view, base.patch, base.at);
   const foot f = start_foot(view, h, base.patch, start.xi, start.eta);
   return options.solver == SOLVER_PAPER ? track_as_printed(view, h, f, options)
-                                        : track_foot(view, h, f, options, settled);
+                                        : track_foot(view, h, f, options, known);
 }
 
-// Nearest point of the whole surface: from the nearest base polygon, then from every patch that may still be nearer: by
+// Nearest point of the whole surface: from the nearest base polygon of all, then from every patch that may still be nearer: by
 // its box, and because no point of a patch is nearer than its base polygon by more than its sag.
-FN_LARGE foot nearest_foot(surface_view view, hip_point h, track_options options) {
-  const base_point base = nearest_base(view, h);
-  foot best = track_from_base(view, h, base, options, NONE);
+FN_LARGE foot nearest_foot(surface_view view, hip_point h, base_point base, track_options options) {
+  known_minimum known = {NONE, K(0)};
+  foot best = track_from_base(view, h, base, options, known);
   int iterations = best.iterations;
   walk w = start_walk(view);
   for (uint p = next_patch(view, &w, h.high, best.distance2); p != NONE;
@@ -112,7 +111,9 @@ FN_LARGE foot nearest_foot(surface_view view, hip_point h, track_options options
     const base_point b = base_point_on(view, h, p);
     const real least = (sqrt(b.at.distance2) - numbers[PATCH_SAG]) * numbers[PATCH_UNSCALE];
     if (least > K(0) && least * least >= best.distance2) continue;
-    const foot f = track_from_base(view, h, b, options, best.patch);
+    known.patch = best.patch;
+    known.distance2 = best.distance2;
+    const foot f = track_from_base(view, h, b, options, known);
     iterations += f.iterations;
     if (f.distance2 < best.distance2) best = f;
   }

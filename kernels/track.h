@@ -159,7 +159,7 @@ FN domain_vector newton_step(sym2 first, sym2 second, domain_vector gradient) {
   sym2 m = {first.a + second.a, first.b + second.b, first.c + second.c};
   const real whole = first.a * first.c - first.b * first.b;
   real det = m.a * m.c - m.b * m.b;
-  if (!(det > K(0.0625f) * whole && m.a + m.c > K(0))) {
+  if (!(det > K(0.0009765625f) * whole && m.a + m.c > K(0))) {
     m = first;
     det = whole;
   }
@@ -196,11 +196,19 @@ FN domain_vector edge_step(GLOBAL scalar *domain, int n, held_sides held, sym2 m
   return best;
 }
 
-// Secant update of the curvature term sum r . G_ij after a step (Dennis, Gay and Welsch 1981, eq. 2.9).
+// Secant update of the curvature term sum r . G_ij after a step, sized first, so that an estimate that was far too large
+// does not linger (Dennis, Gay and Welsch 1981, section 3).
 FN sym2 secant_update(sym2 s, domain_vector step, domain_vector y, domain_vector v) {
   const real vs = fma(v.xi, step.xi, v.eta * step.eta);
   const real size = fma(step.xi, step.xi, step.eta * step.eta);
   if (!(fabs(vs) > TINY + EPSILON * size)) return s;
+  const real seen = fabs(fma(step.xi, y.xi, step.eta * y.eta)), held = fabs(quadratic(s, step));
+  if (seen < held) {
+    const real sizing = seen / held;
+    s.a *= sizing;
+    s.b *= sizing;
+    s.c *= sizing;
+  }
   const real over = K(1) / vs;
   const real ex = y.xi - fma(s.a, step.xi, s.b * step.eta), ey = y.eta - fma(s.b, step.xi, s.c * step.eta);
   const real es = fma(ex, step.xi, ey * step.eta) * over;
@@ -259,9 +267,15 @@ FN sym2 start_bend(surface_view view, foot f, track_options options) {
   return s;
 }
 
+typedef struct {
+  uint patch;
+  real distance2;
+} known_minimum;
+
 // Tracks the local nearest point from a start. An edge is crossed where the distance falls on its other side; having
-// crossed, not again before it has fallen. Gives up on entering the patch `settled` (NONE: none).
-FN_LARGE foot track_foot(surface_view view, hip_point h, foot f, track_options options, uint settled) {
+// crossed, not again before it has fallen. Gives up on entering the patch of `known`, a minimum found before, at no less
+// than its distance (patch NONE: never).
+FN_LARGE foot track_foot(surface_view view, hip_point h, foot f, track_options options, known_minimum known) {
   sym2 second = start_bend(view, f, options);
   int just_crossed = 0;
   real last2 = -K(1);  // squared length of the last step, in the same patch
@@ -313,7 +327,7 @@ FN_LARGE foot track_foot(surface_view view, hip_point h, foot f, track_options o
         ++f.iterations;
         ++f.crossings;
         just_crossed = 1;
-        if (f.patch == settled) break;
+        if (f.patch == known.patch && f.distance2 >= known.distance2) break;
         second = start_bend(view, f, options);
         last2 = -K(1);
         continue;
@@ -367,7 +381,7 @@ FN_LARGE foot track_foot(surface_view view, hip_point h, foot f, track_options o
     to.flags = f.flags;
     last2 = crossed || along.a >= 0 ? -K(1) : length * length * length2;
     if (crossed) {
-      if (to.patch == settled) return to;
+      if (to.patch == known.patch && to.distance2 >= known.distance2) return to;
       second = start_bend(view, to, options);
     } else if (options.solver == SOLVER_NEWTON) {
       const domain_vector after = gradient_of(to);

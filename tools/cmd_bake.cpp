@@ -1,7 +1,6 @@
 // gliss bake: a mesh to a patch cache.
 #include <fmt/format.h>
 
-#include <charconv>
 #include <set>
 
 #include "tools/surface_input.h"
@@ -14,47 +13,35 @@ struct BakeOptions : SurfaceOptions {
   bool no_tame = false;
 };
 
-void describe(CLI::App& command, BakeOptions& options) {
+void describe(Command& command, BakeOptions& options) {
   add_surface_options(command, options, "MESH");
-  command.add_option("-o,--output", options.output, "cache to write")
-      ->required()
-      ->type_name("FILE");
-  CLI::Option* region = command.add_option("--region", options.region,
-                                           "only faces that meet the box, in the unit of --unit");
-  region->type_name("X0,Y0,Z0:X1,Y1,Z1");
-  command.add_option("--faces", options.faces, "only these faces, as 1,2,5-9; the first is 0")
-      ->type_name("LIST")
-      ->excludes(region);
-  command.add_flag("--no-tame", options.no_tame, "keep folded patches as they are");
+  command.option({"-o,--output", "FILE", "cache to write", true}, options.output);
+  command.option(
+      {"--region", "X0,Y0,Z0:X1,Y1,Z1", "only faces that meet the box, in the unit of --unit"},
+      options.region);
+  command.option({"--faces", "LIST", "only these faces, as 1,2,5-9; the first is 0"},
+                 options.faces);
+  command.exclude("--faces", "--region");
+  command.flag("--no-tame", options.no_tame, "keep folded patches as they are");
 }
 
-template <class Number>
-Number parse(const std::string& text, const std::string& whole) {
-  Number number{};
-  const char* end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, number);
-  if (error != std::errc() || stop != end) {
-    throw InputError(fmt::format("'{}': '{}' is not a number as wanted", whole, text));
-  }
-  return number;
-}
-
-Vec3 parse_corner(const std::string& text, const std::string& whole) {
+Vec3 parse_corner(const std::string& text) {
   const auto numbers = split(text, ',');
-  if (numbers.size() != 3) throw InputError(fmt::format("'{}': a corner is x,y,z", whole));
+  if (numbers.size() != 3) throw InputError(fmt::format("--region: '{}' is not x,y,z", text));
   Vec3 corner;
   for (std::size_t i = 0; i < 3; ++i) {
-    corner[static_cast<int>(i)] = parse<double>(numbers[i], whole);
+    corner[static_cast<int>(i)] = parse_number<double>("--region", numbers[i]);
   }
   return corner;
 }
 
 std::vector<std::uint32_t> parse_region(const Mesh& mesh, const std::string& text) {
   const auto corners = split(text, ':');
-  if (corners.size() != 2) throw InputError(fmt::format("'{}' is not x0,y0,z0:x1,y1,z1", text));
-  const Vec3 a = parse_corner(corners[0], text), b = parse_corner(corners[1], text);
+  if (corners.size() != 2)
+    throw InputError(fmt::format("--region: '{}' is not x0,y0,z0:x1,y1,z1", text));
+  const Vec3 a = parse_corner(corners[0]), b = parse_corner(corners[1]);
   auto faces = faces_in_box(mesh, {a.cwiseMin(b), a.cwiseMax(b)});
-  if (faces.empty()) throw InputError(fmt::format("no face meets the region '{}'", text));
+  if (faces.empty()) throw InputError(fmt::format("--region: no face meets '{}'", text));
   return faces;
 }
 
@@ -62,14 +49,14 @@ std::vector<std::uint32_t> parse_faces(const Mesh& mesh, const std::string& text
   std::set<std::uint32_t> faces;
   for (const std::string& item : split(text, ',')) {
     const auto ends = split(item, '-');
-    const auto first = parse<std::uint32_t>(ends.front(), text),
-               last = parse<std::uint32_t>(ends.back(), text);
+    const auto first = parse_number<std::uint32_t>("--faces", ends.front()),
+               last = parse_number<std::uint32_t>("--faces", ends.back());
     if (ends.size() > 2 || last < first) {
-      throw InputError(fmt::format("'{}': '{}' is no range of faces", text, item));
+      throw InputError(fmt::format("--faces: '{}' is no range", item));
     }
     if (last >= mesh.face_count()) {
-      throw InputError(fmt::format("'{}': face {} is beyond the last of {}, which is {}", text,
-                                   last, mesh.source, mesh.face_count() - 1));
+      throw InputError(fmt::format("--faces: {} is beyond the last of {}, which is {}", last,
+                                   mesh.source, mesh.face_count() - 1));
     }
     for (std::uint32_t face = first; face <= last; ++face) faces.insert(face);
   }
@@ -95,10 +82,10 @@ void run(const BakeOptions& options) {
   report(options,
          fmt::format("{}: {} of {} faces, {} patches in {}, unit {}\n"
                      "folded {}, degenerate {}; eased {}, split {}, bent {}\n"
-                     "rho_min {:.4g} {}, {} bytes, {:.2f} s\n",
+                     "rho_min {} {}, {} bytes, {:.2f} s\n",
                      options.output, faces, mesh.face_count(), cache.patch_count(),
                      precision_name(cache.precision()), unit, found.folded, found.degenerate,
-                     found.eased, found.split, found.bent, cache.smallest_rho(), unit,
+                     found.eased, found.split, found.bent, radius_text(cache.smallest_rho()), unit,
                      cache.bytes(), seconds),
          {{"output", options.output},
           {"mesh_faces", mesh.face_count()},
@@ -112,7 +99,7 @@ void run(const BakeOptions& options) {
           {"split", found.split},
           {"bent", found.bent},
           {"flagged_faces", found.flagged_faces},
-          {"rho_min", cache.smallest_rho()},
+          {"rho_min", radius_json(cache.smallest_rho())},
           {"bytes", cache.bytes()},
           {"mesh_hash", hash_name(cache.mesh_hash)},
           {"seconds", seconds}});
@@ -120,7 +107,7 @@ void run(const BakeOptions& options) {
 
 }  // namespace
 
-void add_bake(CLI::App& program) {
+void add_bake(Command& program) {
   add_command<BakeOptions>(program, "bake", "Build the patches of a mesh and keep them in a cache.",
                            "gliss bake teeth.obj --unit mm -o teeth.gliss", describe, run);
 }

@@ -30,7 +30,7 @@ Json json_of(const Finding& finding) {
           {"count", finding.count}};
 }
 
-void describe(CLI::App& command, SurfaceOptions& options) {
+void describe(Command& command, SurfaceOptions& options) {
   add_surface_options(command, options, "MESH");
 }
 
@@ -85,7 +85,7 @@ void run(const SurfaceOptions& options) {
 
 }  // namespace
 
-void add_check(CLI::App& program) {
+void add_check(Command& program) {
   add_command<SurfaceOptions>(program, "check", "List all that is wrong or odd about a mesh.",
                               "gliss check teeth.obj --unit mm", describe, run);
 }

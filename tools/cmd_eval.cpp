@@ -14,7 +14,7 @@ struct EvalOptions : TableOptions {
   std::string points;
 };
 
-void describe(CLI::App& command, EvalOptions& options) {
+void describe(Command& command, EvalOptions& options) {
   add_surface_options(command, options, "MESH_OR_CACHE");
   add_input_option(command, "--at", options.points,
                    "points: columns patch,xi,eta; a patch is the number of its face, from 0");
@@ -78,7 +78,7 @@ void run(const EvalOptions& options) {
 
 }  // namespace
 
-void add_eval(CLI::App& program) {
+void add_eval(Command& program) {
   add_command<EvalOptions>(program, "eval", "Evaluate patches at points of their domains.",
                            "gliss eval teeth.gliss --at points.csv --unit mm -o surface.csv",
                            describe, run);

@@ -1,6 +1,9 @@
 // gliss generate: meshes made by formula, in millimetres.
 #include <fmt/format.h>
 
+#include <limits>
+#include <type_traits>
+
 #include "host/generate.h"
 #include "tools/command.h"
 
@@ -16,21 +19,22 @@ struct GenerateOptions : CommonOptions {
 
 struct Shape {
   const char *name, *description, *example;
-  void (*describe)(CLI::App&, GenerateOptions&);
+  void (*describe)(Command&, GenerateOptions&);
   Generated (*make)(const GenerateOptions&);
 };
 
 template <class Number>
-void add(CLI::App& command, const char* name, Number& value, Number initial,
+void add(Command& command, const char* name, Number& value, Number initial,
          const char* description) {
+  constexpr bool kCount = std::is_same_v<Number, int>;
   value = initial;
-  command.add_option(name, value, fmt::format("{}; default {}", description, initial))
-      ->type_name(std::is_same_v<Number, int> ? "N" : "MM");
+  command.option({name, kCount ? "N" : "MM", fmt::format("{}; default {}", description, initial)},
+                 value, kCount ? Number(1) : std::numeric_limits<Number>::min(), Number(1'000'000));
 }
 
 const Shape kShapes[] = {
     {"knot", "Tube round the (2, 3) torus knot.", "--along 240 --around 24",
-     [](CLI::App& c, GenerateOptions& o) {
+     [](Command& c, GenerateOptions& o) {
        add(c, "--along", o.along, 120, "faces along the knot");
        add(c, "--around", o.around, 12, "faces around the tube");
        add(c, "--major", o.major, 33.0, "radius of the torus");
@@ -41,7 +45,7 @@ const Shape kShapes[] = {
        return torus_knot(o.along, o.around, o.major, o.minor, o.tube);
      }},
     {"torus", "Torus of quads.", "--major 30 --minor 10",
-     [](CLI::App& c, GenerateOptions& o) {
+     [](Command& c, GenerateOptions& o) {
        add(c, "--along", o.along, 24, "faces along the ring");
        add(c, "--around", o.around, 12, "faces around the tube");
        add(c, "--major", o.major, 30.0, "radius of the ring");
@@ -49,26 +53,26 @@ const Shape kShapes[] = {
      },
      [](const GenerateOptions& o) { return torus(o.along, o.around, o.major, o.minor); }},
     {"goldberg", "Sphere of 12 pentagons and hexagons.", "--frequency 4",
-     [](CLI::App& c, GenerateOptions& o) {
+     [](Command& c, GenerateOptions& o) {
        add(c, "--frequency", o.frequency, 4, "10 (N^2 - 1) hexagons");
        add(c, "--radius", o.radius, 10.0, "radius of the sphere");
      },
      [](const GenerateOptions& o) { return goldberg(o.frequency, o.radius); }},
     {"banana", "Banana of quads with two end caps.", "--along 37 --around 11",
-     [](CLI::App& c, GenerateOptions& o) {
+     [](Command& c, GenerateOptions& o) {
        add(c, "--along", o.along, 37, "faces from end to end");
        add(c, "--around", o.around, 11, "faces around; sides of the caps");
      },
      [](const GenerateOptions& o) { return banana(o.along, o.around); }},
     {"prism", "Prism with n-gon caps.", "--sides 300",
-     [](CLI::App& c, GenerateOptions& o) {
+     [](Command& c, GenerateOptions& o) {
        add(c, "--sides", o.sides, 6, "sides of the caps");
        add(c, "--radius", o.radius, 10.0, "radius of the caps");
        add(c, "--height", o.height, 10.0, "distance of the caps");
      },
      [](const GenerateOptions& o) { return prism(o.sides, o.radius, o.height); }},
     {"plate", "Thin closed plate.", "--width 30 --thickness 0.5",
-     [](CLI::App& c, GenerateOptions& o) {
+     [](Command& c, GenerateOptions& o) {
        add(c, "--along", o.along, 12, "faces in x");
        add(c, "--around", o.around, 12, "faces in y");
        add(c, "--width", o.width, 30.0, "size in x and y");
@@ -76,7 +80,7 @@ const Shape kShapes[] = {
      },
      [](const GenerateOptions& o) { return thin_plate(o.along, o.around, o.width, o.thickness); }},
     {"fin", "Fin with a sharp ridge.", "--height 15 --base 4",
-     [](CLI::App& c, GenerateOptions& o) {
+     [](Command& c, GenerateOptions& o) {
        add(c, "--along", o.along, 16, "faces along the ridge");
        add(c, "--height", o.height, 15.0, "height of the ridge");
        add(c, "--base", o.base, 4.0, "width of the foot");
@@ -98,19 +102,16 @@ void write(const GenerateOptions& options, const Generated& made) {
 
 }  // namespace
 
-void add_generate(CLI::App& program) {
-  CLI::App* generate =
-      program.add_subcommand("generate", "Make a mesh by formula, an OBJ in millimetres.");
-  generate->require_subcommand(1);
-  generate->footer("Example: gliss generate knot -o knot.obj");
+void add_generate(Command& program) {
+  Command& generate =
+      program.add_command("generate", "Make a mesh by formula, an OBJ in millimetres.");
+  generate.set_footer("Example: gliss generate knot -o knot.obj");
   for (const Shape& shape : kShapes) {
     add_command<GenerateOptions>(
-        *generate, shape.name, shape.description,
+        generate, shape.name, shape.description,
         fmt::format("gliss generate {0} {1} -o {0}.obj", shape.name, shape.example),
-        [&shape](CLI::App& command, GenerateOptions& options) {
-          command.add_option("-o,--output", options.output, "OBJ file to write")
-              ->required()
-              ->type_name("FILE");
+        [&shape](Command& command, GenerateOptions& options) {
+          command.option({"-o,--output", "FILE", "OBJ file to write", true}, options.output);
           shape.describe(command, options);
         },
         [&shape](const GenerateOptions& options) { write(options, shape.make(options)); });

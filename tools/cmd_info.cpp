@@ -71,7 +71,7 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-void describe(CLI::App& command, SurfaceOptions& options) {
+void describe(Command& command, SurfaceOptions& options) {
   add_surface_options(command, options, "MESH_OR_CACHE");
 }
 
@@ -105,14 +105,15 @@ void run(const SurfaceOptions& options) {
                      "folded faces  {}\n"
                      "unit          {} (coordinates here in {})\n"
                      "bounds        {:.6g} {:.6g} {:.6g} to {:.6g} {:.6g} {:.6g}\n"
-                     "rho_min       {:.4g}, median {:.4g}\n"
+                     "rho_min       {}, median {}\n"
                      "precision     {}, {:.2f} MiB\n"
                      "mesh hash     {}\n",
                      faces, cache.mesh_face_count, valence_text, shape.vertices, shape.edges,
                      shape.border_sides, shape.parts, cache.patch_count(), kinds.at("exact"),
                      kinds.at("eased"), kinds.at("split"), kinds.at("bent"), folded,
                      unit_name(cache.unit), unit, low.x(), low.y(), low.z(), high.x(), high.y(),
-                     high.z(), rho_min, rho_median, precision_name(cache.precision()),
+                     high.z(), radius_text(rho_min), radius_text(rho_median),
+                     precision_name(cache.precision()),
                      static_cast<double>(cache.bytes()) / (1 << 20), hash_name(cache.mesh_hash)),
          {{"surface", options.surface},
           {"mesh_faces", cache.mesh_face_count},
@@ -128,8 +129,8 @@ void run(const SurfaceOptions& options) {
           {"surface_unit", unit_name(cache.unit)},
           {"unit", unit},
           {"bounds", {{low.x(), low.y(), low.z()}, {high.x(), high.y(), high.z()}}},
-          {"rho_min", rho_min},
-          {"rho_median", rho_median},
+          {"rho_min", radius_json(rho_min)},
+          {"rho_median", radius_json(rho_median)},
           {"precision", precision_name(cache.precision())},
           {"bytes", cache.bytes()},
           {"mesh_hash", hash_name(cache.mesh_hash)}});
@@ -137,7 +138,7 @@ void run(const SurfaceOptions& options) {
 
 }  // namespace
 
-void add_info(CLI::App& program) {
+void add_info(Command& program) {
   add_command<SurfaceOptions>(program, "info", "Say what a mesh or a cache holds.",
                               "gliss info teeth.obj --unit mm", describe, run);
 }

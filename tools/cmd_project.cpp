@@ -13,18 +13,15 @@ struct ProjectOptions : TableOptions {
   QueryOptions query;
 };
 
-void describe(CLI::App& command, ProjectOptions& options) {
+void describe(Command& command, ProjectOptions& options) {
   add_surface_options(command, options, "MESH_OR_CACHE");
   add_input_option(command, "--hip", options.hips,
                    "HIPs: columns x,y,z in the unit of --unit, or x_mm,y_mm,z_mm");
   add_output_option(command, options.output, "table to write; CSV on standard output without it");
   add_solver_option(command, options.query.solver);
-  command
-      .add_option_function<std::string>(
-          "--method",
-          [&options](const std::string& name) { options.query.method = parse_method(name); },
-          "gregory (default), shaded or flat")
-      ->type_name("NAME");
+  command.option(
+      {"--method", "NAME", "gregory (default), shaded or flat"},
+      [&options](const std::string& name) { options.query.method = parse_method(name); });
 }
 
 void run(const ProjectOptions& options) {
@@ -80,7 +77,7 @@ void run(const ProjectOptions& options) {
 
 }  // namespace
 
-void add_project(CLI::App& program) {
+void add_project(Command& program) {
   add_command<ProjectOptions>(
       program, "project", "Find the nearest point of the surface to each HIP.",
       "gliss project teeth.gliss --hip hips.csv --unit mm -o nearest.csv", describe, run);

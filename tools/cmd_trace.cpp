@@ -19,7 +19,7 @@ struct TracingOptions : TableOptions {
   TraceOptions trace;
 };
 
-void describe(CLI::App& command, TracingOptions& options) {
+void describe(Command& command, TracingOptions& options) {
   add_surface_options(command, options, "MESH_OR_CACHE");
   add_input_option(
       command, "--path", options.path,
@@ -123,7 +123,7 @@ void run(const TracingOptions& options) {
 
 }  // namespace
 
-void add_trace(CLI::App& program) {
+void add_trace(Command& program) {
   add_command<TracingOptions>(
       program, "trace", "Track a recorded path of HIPs and compare the methods' forces.",
       "gliss trace knot.obj --path path.csv --unit mm --stiffness 0.5N/mm -o forces.csv", describe,

@@ -2,126 +2,120 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
-#include <map>
+#include <filesystem>
+#include <utility>
 
 #include "host/units.h"
 
 namespace gliss::tools {
 namespace {
 
-const std::map<std::string, Solver> kSolvers = {
+// Patches without curvature have the largest double as radius, in the unit of their mesh.
+constexpr double kFlat = 1e290;
+
+template <class Value>
+using Names = std::vector<std::pair<std::string, Value>>;
+
+const Names<Solver> kSolvers = {
     {"newton", Solver::kNewton}, {"gauss-newton", Solver::kGaussNewton}, {"paper", Solver::kPaper}};
-const std::map<std::string, Precision> kPrecisions = {{"float", Precision::kFloat},
-                                                      {"double", Precision::kDouble}};
+const Names<Precision> kPrecisions = {{"float", Precision::kFloat}, {"double", Precision::kDouble}};
+const Names<Method> kMethods = {
+    {"gregory", Method::kGregory}, {"shaded", Method::kShaded}, {"flat", Method::kFlat}};
+const Names<std::string> kBackends = {{"tbb", "tbb"}, {"serial", "serial"}, {"opencl", "opencl"}};
+
+template <class Value>
+Value find(const Names<Value>& names, const std::string& option, const std::string& wanted) {
+  std::string known;
+  for (const auto& [name, value] : names) {
+    if (name == wanted) return value;
+    known += (known.empty() ? "" : ", ") + name;
+  }
+  throw InputError(fmt::format("{}: '{}' is none of {}", option, wanted, known));
+}
 
 std::string& kept_command_line() {
   static std::string line;
   return line;
 }
 
-// An option of one word that a function reads.
-template <class Read>
-CLI::Option* add_read(CLI::App& command, const std::string& name, const std::string& type,
-                      const std::string& description, Read read) {
-  return command.add_option_function<std::string>(name, read, description)->type_name(type);
-}
-
 }  // namespace
 
-void add_common_options(CLI::App& command, CommonOptions& options) {
-  command.add_option("--threads", options.threads, "threads to use; 0: all of the machine")
-      ->check(CLI::Range(0, 4096))
-      ->type_name("N");
-  command.add_option("--backend", options.backend, "tbb (default), serial or opencl")
-      ->check(CLI::IsMember({"tbb", "serial", "opencl"}))
-      ->type_name("NAME");
-  command.add_flag("--json", options.json, "print figures as JSON");
-  command.add_flag("--quiet", options.quiet, "print errors only");
+void add_common_options(Command& command, CommonOptions& options) {
+  command.option({"--threads", "N", "threads to use; 0, the default: all of the machine"},
+                 options.threads, 0, 4096);
+  command.option({"--backend", "NAME", "tbb (default), serial or opencl"},
+                 [&options](const std::string& text) {
+                   options.backend = find(kBackends, "--backend", text);
+                 });
+  command.flag("--json", options.json, "print figures as JSON");
+  command.flag("--quiet", options.quiet, "print errors only");
 }
 
-void add_surface_options(CLI::App& command, SurfaceOptions& options, const std::string& name) {
-  command
-      .add_option(name, options.surface,
+void add_surface_options(Command& command, SurfaceOptions& options, const std::string& name) {
+  command.option({name, "FILE",
                   name == "MESH" ? "mesh file: .obj, .off or .ply"
-                                 : "mesh file (.obj, .off, .ply) or cache made by gliss bake")
-      ->required()
-      ->type_name("FILE");
-  add_read(command, "--unit", "UNIT", "unit of the coordinates: m (default), cm, mm, um, nm, in",
-           [&options](const std::string& text) { options.unit = parse_unit(text); });
-  add_read(command, "--precision", "NAME", "float or double (default)",
-           [&options](const std::string& text) { options.precision = kPrecisions.at(text); })
-      ->check(CLI::IsMember({"float", "double"}));
-  command.add_flag("--split-non-manifold", options.split_non_manifold,
-                   "cut non-manifold edges and vertices open instead of refusing them");
+                                 : "mesh file (.obj, .off, .ply) or cache made by gliss bake",
+                  true},
+                 options.surface);
+  command.option({"--unit", "UNIT", "unit of the coordinates: m (default), cm, mm, um, nm, in"},
+                 [&options](const std::string& text) { options.unit = parse_unit(text); });
+  command.option({"--precision", "NAME", "float or double (default)"},
+                 [&options](const std::string& text) {
+                   options.precision = find(kPrecisions, "--precision", text);
+                 });
+  command.flag("--split-non-manifold", options.split_non_manifold,
+               "cut non-manifold edges and vertices open instead of refusing them");
 }
 
-void add_output_option(CLI::App& command, std::string& output, const std::string& description) {
-  const auto known_ending = [](const std::string& path) -> std::string {
-    for (const char* ending : {".csv", ".h5", ".hdf5"}) {
-      if (path.ends_with(ending)) return "";
-    }
-    return path == "-" ? "" : fmt::format("'{}' must end in .csv, .h5 or .hdf5", path);
-  };
-  command.add_option("-o,--output", output, description)
-      ->check(CLI::Validator(known_ending, ""))
-      ->type_name("FILE");
+void add_output_option(Command& command, std::string& output, const std::string& description) {
+  command.option({"-o,--output", "FILE", description}, [&output](const std::string& path) {
+    const bool known =
+        path == "-" || path.ends_with(".csv") || path.ends_with(".h5") || path.ends_with(".hdf5");
+    if (!known) throw InputError(fmt::format("'{}' must end in .csv, .h5 or .hdf5", path));
+    output = path;
+  });
 }
 
-void add_input_option(CLI::App& command, const std::string& name, std::string& path,
+void add_input_option(Command& command, const std::string& name, std::string& path,
                       const std::string& description) {
-  command.add_option(name, path, description)
-      ->required()
-      ->check(CLI::ExistingFile)
-      ->type_name("FILE");
+  command.option({name, "FILE", description, true}, [name, &path](const std::string& text) {
+    const auto status = std::filesystem::status(text);
+    if (!exists(status)) throw InputError(fmt::format("{}: there is no file '{}'", name, text));
+    if (is_directory(status)) throw InputError(fmt::format("{}: '{}' is a folder", name, text));
+    path = text;
+  });
 }
 
-void add_stiffness_option(CLI::App& command, double& stiffness) {
-  add_read(command, "--stiffness", "STIFFNESS", "force per depth; default 0.5N/mm",
-           [&stiffness](const std::string& text) {
-             stiffness = parse_stiffness(text);
-             if (!(stiffness > 0)) throw InputError("--stiffness must be positive");
-           });
+void add_stiffness_option(Command& command, double& stiffness) {
+  command.option({"--stiffness", "STIFFNESS", "force over depth; default 0.5N/mm"},
+                 [&stiffness](const std::string& text) {
+                   stiffness = parse_stiffness(text);
+                   if (!(stiffness > 0)) throw InputError("--stiffness must be positive");
+                 });
 }
 
-void add_solver_option(CLI::App& command, Solver& solver) {
-  add_read(command, "--solver", "NAME", "newton (default), gauss-newton or paper",
-           [&solver](const std::string& text) { solver = kSolvers.at(text); })
-      ->check(CLI::IsMember({"newton", "gauss-newton", "paper"}));
+void add_solver_option(Command& command, Solver& solver) {
+  command.option({"--solver", "NAME", "newton (default), gauss-newton or paper"},
+                 [&solver](const std::string& text) { solver = find(kSolvers, "--solver", text); });
 }
 
-void add_methods_option(CLI::App& command, std::vector<Method>& methods) {
-  add_read(command, "--method", "LIST", "of gregory, shaded and flat; all by default",
-           [&methods](const std::string& text) {
-             methods.clear();
-             for (const std::string& name : split(text, ',')) {
-               const Method method = parse_method(name);
-               if (std::find(methods.begin(), methods.end(), method) != methods.end()) {
-                 throw InputError(fmt::format("--method: '{}' is there twice", name));
-               }
-               methods.push_back(method);
-             }
-           });
+void add_methods_option(Command& command, std::vector<Method>& methods) {
+  command.option({"--method", "LIST", "of gregory, shaded and flat; all by default"},
+                 [&methods](const std::string& text) {
+                   methods.clear();
+                   for (const std::string& name : split(text, ',')) {
+                     const Method method = parse_method(name);
+                     if (std::find(methods.begin(), methods.end(), method) != methods.end()) {
+                       throw InputError(fmt::format("--method: '{}' is there twice", name));
+                     }
+                     methods.push_back(method);
+                   }
+                 });
 }
 
-Method parse_method(const std::string& name) {
-  for (const Method method : {Method::kGregory, Method::kShaded, Method::kFlat}) {
-    if (name == method_name(method)) return method;
-  }
-  throw InputError(fmt::format("--method: '{}' is none of gregory, shaded, flat", name));
-}
-
-std::vector<std::string> split(const std::string& text, char separator) {
-  std::vector<std::string> parts(1);
-  for (const char c : text) {
-    if (c == separator) {
-      parts.emplace_back();
-    } else {
-      parts.back() += c;
-    }
-  }
-  return parts;
-}
+Method parse_method(const std::string& name) { return find(kMethods, "--method", name); }
 
 std::unique_ptr<Engine> make_engine(const CommonOptions& options) {
   if (options.backend == "opencl") throw BackendError("backend 'opencl' is not available");
@@ -144,11 +138,21 @@ void report(const CommonOptions& options, const std::string& text, const Json& j
             bool table_on_stdout) {
   std::FILE* stream = table_on_stdout ? stderr : stdout;
   if (options.json) {
-    fmt::print(stream, "{}\n", json.dump(2));
+    fmt::print(stream, "{}", printed(json));
   } else if (!options.quiet) {
     fmt::print(stream, "{}", text);
   }
 }
+
+std::string printed(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string radius_text(double radius) {
+  return radius < kFlat ? fmt::format("{:.4g}", radius) : "none";
+}
+
+Json radius_json(double radius) { return radius < kFlat ? Json(radius) : Json(); }
 
 std::string unit_name(double unit) {
   for (const char* name : {"m", "cm", "mm", "um", "nm", "in"}) {

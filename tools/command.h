@@ -1,7 +1,6 @@
 // What the commands share: their options, their errors, and how they speak.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <chrono>
 #include <functional>
 #include <memory>
@@ -13,14 +12,12 @@
 
 #include "host/engine.h"
 #include "host/sweep.h"
+#include "tools/command_line.h"
 
 namespace gliss::tools {
 
 using Json = nlohmann::ordered_json;
 
-struct InputError : std::runtime_error {  // exit code 2
-  using std::runtime_error::runtime_error;
-};
 struct BackendError : std::runtime_error {  // exit code 4
   using std::runtime_error::runtime_error;
 };
@@ -45,30 +42,29 @@ struct TableOptions : SurfaceOptions {
   std::string output = "-";
 };
 
-void add_common_options(CLI::App& command, CommonOptions& options);
+void add_common_options(Command& command, CommonOptions& options);
 // `name` of the positional argument: "MESH" or "MESH_OR_CACHE".
-void add_surface_options(CLI::App& command, SurfaceOptions& options, const std::string& name);
-void add_output_option(CLI::App& command, std::string& output, const std::string& description);
-void add_input_option(CLI::App& command, const std::string& name, std::string& path,
+void add_surface_options(Command& command, SurfaceOptions& options, const std::string& name);
+void add_output_option(Command& command, std::string& output, const std::string& description);
+void add_input_option(Command& command, const std::string& name, std::string& path,
                       const std::string& description);
-void add_stiffness_option(CLI::App& command, double& stiffness);
-void add_solver_option(CLI::App& command, Solver& solver);
-void add_methods_option(CLI::App& command, std::vector<Method>& methods);
+void add_stiffness_option(Command& command, double& stiffness);
+void add_solver_option(Command& command, Solver& solver);
+void add_methods_option(Command& command, std::vector<Method>& methods);
 Method parse_method(const std::string& name);
-std::vector<std::string> split(const std::string& text, char separator);
 
 // Registers a command: its options are described, filled in from the command line, and run.
 template <class Options>
-void add_command(CLI::App& parent, const std::string& name, const std::string& description,
+void add_command(Command& parent, const std::string& name, const std::string& description,
                  const std::string& example,
-                 const std::function<void(CLI::App&, Options&)>& describe,
+                 const std::function<void(Command&, Options&)>& describe,
                  const std::function<void(const Options&)>& run) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command = parent.add_subcommand(name, description);
-  command->footer("Example: " + example);
-  describe(*command, *options);
-  add_common_options(*command, *options);
-  command->callback([options, run] { run(*options); });
+  Command& command = parent.add_command(name, description);
+  command.set_footer("Example: " + example);
+  describe(command, *options);
+  add_common_options(command, *options);
+  command.on_run([options, run] { run(*options); });
 }
 
 std::unique_ptr<Engine> make_engine(const CommonOptions& options);
@@ -82,6 +78,10 @@ const std::string& command_line();
 void report(const CommonOptions& options, const std::string& text, const Json& json,
             bool table_on_stdout = false);
 
+std::string printed(const Json& json);  // with a line end; text that is no UTF-8 is made some
+
+std::string radius_text(double radius);  // "4.67", or "none" where all is flat
+Json radius_json(double radius);
 std::string unit_name(double unit);  // "mm"; "0.5 m" where it has no name
 const char* precision_name(Precision precision);
 std::string hash_name(std::uint64_t hash);
@@ -96,13 +96,13 @@ class Stopwatch {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-void add_bake(CLI::App& program);
-void add_info(CLI::App& program);
-void add_check(CLI::App& program);
-void add_eval(CLI::App& program);
-void add_project(CLI::App& program);
-void add_sweep(CLI::App& program);
-void add_trace(CLI::App& program);
-void add_generate(CLI::App& program);
+void add_bake(Command& program);
+void add_info(Command& program);
+void add_check(Command& program);
+void add_eval(Command& program);
+void add_project(Command& program);
+void add_sweep(Command& program);
+void add_trace(Command& program);
+void add_generate(Command& program);
 
 }  // namespace gliss::tools

@@ -22,10 +22,9 @@ int say(std::string message, int code) {
 }
 
 int run(int count, char** words) {
-  CLI::App program("Smooth haptic force on coarse polygon meshes.", "gliss");
-  program.set_version_flag("--version", "gliss " GLISS_VERSION);
-  program.require_subcommand(1);
-  program.footer(
+  Command program("Smooth haptic force on coarse polygon meshes.", "gliss");
+  program.set_version("gliss " GLISS_VERSION);
+  program.set_footer(
       "gliss <command> --help tells more.\n"
       "Exit codes: 0 done, 1 internal error, 2 bad input, 3 stale or foreign cache,\n"
       "4 backend not available, 130 interrupted.");
@@ -34,12 +33,9 @@ int run(int count, char** words) {
     add(program);
   }
   try {
-    program.parse(count, words);
+    program.run(count, words);
     if (std::fflush(stdout) != 0) return say("cannot write to standard output", kInternal);
     return kDone;
-  } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return program.exit(error);  // --help, --version
-    return say(error.what(), kBadInput);
   } catch (const MeshError& error) {
     return say(error.what(), kBadInput);
   } catch (const CsvError& error) {

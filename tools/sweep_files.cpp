@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "tools/sweep_report.h"
+
 namespace gliss::tools {
 namespace {
 
@@ -27,8 +29,6 @@ std::string group_name(const SweepOptions& sweep, std::size_t kind) {
 }
 
 }  // namespace
-
-std::string depth_name(double depth) { return fmt::format("{:.9g}mm", depth * 1e3); }
 
 SampleFile::SampleFile(const std::string& path, const PatchCache& cache, const SweepOptions& sweep,
                        double unit)

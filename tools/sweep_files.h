@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "host/sweep.h"
@@ -37,10 +38,11 @@ class SampleFile {
 class SweepPicture {
  public:
   static constexpr std::uint64_t kMostPoints = 1'000'000;
+  static constexpr std::string_view kEnding = ".vtp";
 
   SweepPicture(const PatchCache& cache, const SweepOptions& sweep, double unit);
   void add(const SweepBlock& block);
-  void write(const std::string& path) const;  // and <path>_mesh.vtp
+  void write(const std::string& path) const;  // "a.vtp", and "a_mesh.vtp" beside it
 
  private:
   void write_mesh(const std::string& path) const;
@@ -53,18 +55,5 @@ class SweepPicture {
   std::vector<std::vector<float>> forces_;  // [method][hip][3]
   std::vector<std::uint64_t> seen_;         // [method]
 };
-
-// The distributions of a depth and method, by the names that files and tables give them.
-struct NamedHistogram {
-  const char *name, *unit;
-  Histogram SweepStatistics::*histogram;
-};
-inline constexpr NamedHistogram kHistograms[] = {{"step", "N", &SweepStatistics::step},
-                                                 {"edge_step", "N", &SweepStatistics::edge_step},
-                                                 {"angle", "rad", &SweepStatistics::angle},
-                                                 {"error", "N", &SweepStatistics::error},
-                                                 {"residual", "rad", &SweepStatistics::residual}};
-
-std::string depth_name(double depth);  // "2mm"
 
 }  // namespace gliss::tools

@@ -37,7 +37,7 @@ void SweepPicture::write(const std::string& path) const {
                                std::span<const float>(forces_[m])});
   }
   write_vtp(path, data);
-  write_mesh(path.substr(0, path.rfind('.')) + "_mesh.vtp");
+  write_mesh(path.substr(0, path.size() - kEnding.size()) + "_mesh.vtp");
 }
 
 // From the patches, whose corners are the polygons': a cache has no other mesh.

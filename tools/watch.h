@@ -11,14 +11,14 @@
 
 namespace gliss::tools {
 
-// Any thread may report; Ctrl-C is answered with the exception Interrupted.
+// Ctrl-C is answered with the exception Interrupted, out of add() or reach().
 class Watch {
  public:
   Watch(const CommonOptions& options, std::string label, std::uint64_t total, std::string noun);
   ~Watch();
 
-  void add(std::uint64_t more);
-  void reach(std::uint64_t done);
+  void add(std::uint64_t more);    // from any thread
+  void reach(std::uint64_t done);  // from one
 
  private:
   std::mutex mutex_;

@@ -1,0 +1,138 @@
+// Rates of the hot paths on generated meshes. Names: path/level/precision/n/backend/threads.
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <random>
+#include <string>
+
+#include "host/engine.h"
+#include "host/generate.h"
+#include "host/sweep.h"
+
+namespace {
+
+using namespace gliss;
+
+struct Setup {
+  PatchCache cache;
+  std::vector<Vec3> hips;  // 2 % of the tube's radius beneath the surface, one point a patch in turn
+};
+
+Setup make_setup(Precision precision) {
+  BuildOptions options;
+  options.precision = precision;
+  Setup s{make_tbb_engine()->build(torus_knot().mesh, options), {}};
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> uniform(-0.4, 0.4);
+  for (std::uint32_t i = 0; i < 4096; ++i) {
+    const SurfacePoint p = evaluate(s.cache, {i % s.cache.mesh_face_count, uniform(random), uniform(random)});
+    s.hips.push_back(p.position - 0.24 * p.normal);
+  }
+  return s;
+}
+
+const Setup& setup(Precision precision) {
+  static const Setup in_float = make_setup(Precision::kFloat), in_double = make_setup(Precision::kDouble);
+  return precision == Precision::kFloat ? in_float : in_double;
+}
+
+void build(benchmark::State& state, Precision precision, int threads) {
+  const Mesh mesh = torus_knot().mesh;
+  const auto engine = make_tbb_engine(threads);
+  BuildOptions options;
+  options.precision = precision;
+  for (auto _ : state) benchmark::DoNotOptimize(engine->build(mesh, options));
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(mesh.face_count()));
+}
+
+// Positions and normals, 256 points of a patch at a time.
+template <class Real>
+void evaluate_points(benchmark::State& state, Precision precision) {
+  const Surface<Real>& s = std::get<Surface<Real>>(setup(precision).cache.surface);
+  std::vector<Real> xi(256), eta(256), out(9 * 256);
+  for (std::size_t i = 0; i < 256; ++i) {
+    xi[i] = static_cast<Real>(i % 16) / Real(16) - Real(0.5);
+    eta[i] = static_cast<Real>(i / 16) / Real(16) - Real(0.5);
+  }
+  std::uint32_t patch = 0;
+  for (auto _ : state) {
+    kernels<Real>().evaluate(&s.domain[s.domain_begin[4]], &s.control[s.side_begin[patch] * kSideReals], 4, xi.data(),
+                             eta.data(), 256, 256, out.data());
+    benchmark::DoNotOptimize(out.data());
+    patch = (patch + 1) % s.patch_count();
+  }
+  state.SetItemsProcessed(state.iterations() * 256);
+}
+
+void project(benchmark::State& state, Precision precision, Method method, Solver solver, int threads) {
+  const Setup& s = setup(precision);
+  const auto engine = make_tbb_engine(threads);
+  QueryOptions options;
+  options.method = method;
+  options.solver = solver;
+  std::vector<Contact> contacts(s.hips.size());
+  for (auto _ : state) engine->project(s.cache, s.hips, options, contacts);
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(s.hips.size()));
+}
+
+// A contact that slides 0.01 mm a tick.
+void tick(benchmark::State& state, Precision precision) {
+  const Setup& s = setup(precision);
+  ContactTracker tracker(s.cache, {});
+  const std::uint32_t face = 7;
+  double t = 0;
+  for (auto _ : state) {
+    t = t > 0.8 ? 0 : t + 0.002;
+    const SurfacePoint p = evaluate(s.cache, {face, t - 0.4, 0.1});
+    benchmark::DoNotOptimize(tracker.tick(p.position - 2 * p.normal));
+  }
+  state.SetItemsProcessed(state.iterations());
+}
+
+void sweep_knot(benchmark::State& state, Precision precision, int threads) {
+  const auto engine = make_tbb_engine(threads);
+  SweepOptions options;
+  options.depths = {2e-3, 4e-3};
+  options.rings = 6;
+  std::int64_t samples = 0;
+  for (auto _ : state) {
+    for (const SweepStatistics& s : sweep(setup(precision).cache, *engine, options).statistics) {
+      samples += static_cast<std::int64_t>(s.samples);
+    }
+  }
+  state.SetItemsProcessed(samples);
+}
+
+void register_all() {
+  for (const Precision p : {Precision::kFloat, Precision::kDouble}) {
+    const std::string precision = p == Precision::kFloat ? "float" : "double";
+    const auto name = [&](const std::string& path, const std::string& level, int threads) {
+      return path + "/" + level + "/" + precision + "/4/tbb/" + std::to_string(threads);
+    };
+    benchmark::RegisterBenchmark(name("evaluate", "exact", 1).c_str(),
+                                 p == Precision::kFloat ? evaluate_points<float> : evaluate_points<double>, p);
+    benchmark::RegisterBenchmark(name("tick", "exact", 1).c_str(), tick, p);
+    for (const int threads : {1, 2}) {
+      benchmark::RegisterBenchmark(name("build", "exact", threads).c_str(), build, p, threads)->UseRealTime();
+      benchmark::RegisterBenchmark(name("nearest", "exact", threads).c_str(), project, p, Method::kGregory,
+                                   Solver::kNewton, threads)->UseRealTime();
+      benchmark::RegisterBenchmark(name("sweep", "exact", threads).c_str(), sweep_knot, p, threads)->UseRealTime();
+    }
+    benchmark::RegisterBenchmark(name("nearest", "exact-gauss-newton", 1).c_str(), project, p, Method::kGregory,
+                                 Solver::kGaussNewton, 1);
+    benchmark::RegisterBenchmark(name("nearest", "exact-paper", 1).c_str(), project, p, Method::kGregory,
+                                 Solver::kPaper, 1);
+    benchmark::RegisterBenchmark(name("nearest", "shaded", 1).c_str(), project, p, Method::kShaded, Solver::kNewton, 1);
+    benchmark::RegisterBenchmark(name("nearest", "flat", 1).c_str(), project, p, Method::kFlat, Solver::kNewton, 1);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  register_all();
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
+  benchmark::RunSpecifiedBenchmarks();
+  benchmark::Shutdown();
+}

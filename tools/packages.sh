@@ -1,0 +1,35 @@
+# Debian and Ubuntu packages that Gliss needs, and how scripts of this folder get them.
+# To be sourced by bash.
+
+# What the program needs, and its pictures.
+build_packages=(cmake ninja-build g++ libtbb-dev libeigen3-dev libhdf5-dev libfmt-dev libxxhash-dev
+  nlohmann-json3-dev libcli11-dev python3)
+
+# What the tests and benchmarks need besides. clang reads the kernels as OpenCL C.
+test_packages=(libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev libembree-dev
+  clang clang-format-14 python3-h5py python3-numpy)
+
+# Installs those of the packages named that are missing; asks nothing and needs no network when none is.
+install_packages() {
+  if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
+    echo "No apt-get here. Gliss needs what these Debian packages hold: $*" >&2
+    return
+  fi
+  local package missing=() root=()
+  for package in "$@"; do
+    dpkg-query -W -f '${db:Status-Status}\n' "$package" 2>/dev/null | grep -qx installed ||
+      missing+=("$package")
+  done
+  ((${#missing[@]})) || return 0
+  if ((EUID != 0)); then
+    if ! command -v sudo >/dev/null; then
+      echo "Run this as root, or install: ${missing[*]}" >&2
+      return 1
+    fi
+    root=(sudo)
+  fi
+  echo "Installing ${missing[*]}"
+  local apt=("${root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -q -o DPkg::Lock::Timeout=300)
+  "${apt[@]}" update
+  "${apt[@]}" install -y --no-install-recommends "${missing[@]}"
+}

@@ -1,0 +1,16 @@
+#!/usr/bin/env bash
+# What CI runs: installs packages (as root or with sudo), checks the formatting, builds everything with warnings
+# as errors, runs the tests. Arguments go to ctest: tools/test.sh -R Sweep
+set -euo pipefail
+cd "$(dirname -- "${BASH_SOURCE[0]}")/.."
+source tools/packages.sh
+install_packages "${build_packages[@]}" "${test_packages[@]}"
+
+# Another release formats in another way.
+find kernels host tools tests bench -name '*.h' -o -name '*.cpp' -o -name '*.inc' | sort |
+  xargs clang-format-14 --dry-run -Werror
+
+cores=$(nproc)
+cmake --preset release -DGLISS_TESTS=ON -DGLISS_BENCH=ON
+cmake --build --preset release --parallel "$cores"
+exec ctest --preset release --parallel "$cores" "$@"
