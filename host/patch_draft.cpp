@@ -128,29 +128,54 @@ PatchDraft ease(const PatchDraft& draft) {
   return best;
 }
 
-// The same boundary curves, with cross tangents in the plane of the polygon.
+// The same boundary curves, with cross tangents in the plane of the polygon, shorter and shorter: without any, a corner
+// interpolator is the sum of its two curves.
 PatchDraft bend(const PatchDraft& draft) {
-  PatchDraft d = draft;
-  d.kind = PatchKind::kBent;
-  d.soundness = 1;
-  kernels<double>().bend_patch(d.control.data(), static_cast<std::uint32_t>(d.face_corner.size()), d.normal.data());
-  d.shape = examine(d);
-  return ease(d);
+  PatchDraft best;
+  for (const double length : {1.0, 0.5, 0.0}) {
+    PatchDraft d = draft;
+    d.kind = PatchKind::kBent;
+    d.soundness = 1;
+    const auto n = static_cast<std::uint32_t>(d.face_corner.size());
+    for (std::size_t k = 0; k < n; ++k) {
+      for (const std::size_t at : {kSideLength, kSideLength + 1}) d.control[k * kSideReals + at] *= length;
+    }
+    kernels<double>().bend_patch(d.control.data(), n, d.normal.data());
+    d.shape = examine(d);
+    if (best.control.empty() || d.shape.turn > best.shape.turn) best = std::move(d);
+    if (best.shape.turn > kSafeTurn) break;
+  }
+  return best;
+}
+
+// The cuts inside a face as straight lines, which both of their triangles can share when normals are given up.
+void straighten_cuts(PatchDraft& d, std::uint32_t face_valence) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::uint32_t start = d.face_corner[k], end = d.face_corner[(k + 1) % 3];
+    if (start < face_valence && end == (start + 1) % face_valence) continue;
+    double* curve = &d.control[k * kSideReals];
+    for (std::size_t i = 0; i < 3; ++i) {
+      curve[3 + i] = d.corner[6 * ((k + 1) % 3) + i] - d.corner[6 * k + i];
+      curve[6 + i] = curve[9 + i] = 0;
+    }
+  }
 }
 
 // The face cut into triangles that share its corners and perhaps a centre, each with the normals of its corners: they
-// join each other and the neighbours with G1 continuity as any two patches do.
-std::vector<PatchDraft> split(const FaceCorners& face, const std::vector<std::array<std::uint32_t, 3>>& triangles, bool bent) {
+// join each other and the neighbours with G1 continuity as any two patches do. Bent: with continuity of position only.
+std::vector<PatchDraft> split(const FaceCorners& face, const std::vector<std::array<std::uint32_t, 3>>& triangles,
+                              std::uint32_t face_valence, bool bent) {
   std::vector<PatchDraft> parts;
   for (const auto& t : triangles) {
     PatchDraft d = build_draft(face, {t[0], t[1], t[2]});
-    d.kind = PatchKind::kSplit;
-    d.shape = examine(d);
-    if (is_degenerate(d)) d.shape.turn = -1;
-    d = ease(d);
-    if (bent && !(d.shape.turn > kSafeTurn)) {
-      PatchDraft other = bend(d);
-      if (other.shape.turn > d.shape.turn) d = std::move(other);
+    if (bent) {
+      straighten_cuts(d, face_valence);
+      d = bend(d);
+    } else {
+      d.kind = PatchKind::kSplit;
+      d.shape = examine(d);
+      if (is_degenerate(d)) d.shape.turn = -1;
+      d = ease(d);
     }
     parts.push_back(std::move(d));
   }
@@ -272,9 +297,9 @@ std::vector<PatchDraft> draft_tamer(const FaceCorners& face, PatchDraft exact) {
     if (worst_turn(best) > kSafeTurn) break;
     if (bent && offer({bend(exact)})) break;
     for (const FaceCorners& f : fans) {
-      if (offer(split(f, fan, bent))) break;
+      if (offer(split(f, fan, n, bent))) break;
     }
-    if (n > 3) offer(split(face, ears, bent));
+    if (n > 3) offer(split(face, ears, n, bent));
   }
   return best;
 }

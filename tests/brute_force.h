@@ -12,11 +12,11 @@ struct NearestPoint {
   double distance = 0;
 };
 
-// Of a mesh that has normals: samples every patch, then searches each whose best sample is no farther than the best of all by
-// more than the samples of either can be wrong.
+// Of a mesh that has normals: samples every patch, then searches each whose best sample is no
+// farther than the best of all by more than the samples of either can be wrong.
 class PatchBruteForce {
  public:
-  explicit PatchBruteForce(const Mesh& mesh, int resolution = 8) {
+  explicit PatchBruteForce(const Mesh& mesh, int resolution = 12) {
     for (std::size_t face = 0; face < mesh.face_count(); ++face) {
       Patch patch;
       patch.polygon = polygon_of(mesh, face);
@@ -42,7 +42,7 @@ class PatchBruteForce {
     result.distance = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < patches_.size(); ++i) {
       if (!(lower_bound(sampled[i], patches_[i].spacing) <= least)) continue;
-      const auto found = oracle::nearest(patches_[i].polygon, hip, 8, 2);
+      const auto found = oracle::nearest(patches_[i].polygon, hip, 6, 2);
       if (found.distance < result.distance) result = {found.G, found.distance};
     }
     return result;
@@ -59,7 +59,8 @@ class PatchBruteForce {
   // than `spacing` from a sample. A foot on the surface is at right angles to what is near it.
   static double lower_bound(double distance, double spacing) {
     const double nearest = distance - spacing;
-    return nearest <= spacing ? nearest : std::sqrt(distance * distance - spacing * spacing) - spacing / 8;
+    return nearest <= spacing ? nearest
+                              : std::sqrt(distance * distance - spacing * spacing) - spacing / 8;
   }
 
   std::vector<Patch> patches_;
