@@ -15,7 +15,8 @@ using namespace gliss;
 
 struct Setup {
   PatchCache cache;
-  std::vector<Vec3> hips;  // 2 % of the tube's radius beneath the surface, one point a patch in turn
+  std::vector<Vec3>
+      hips;  // 2 % of the tube's radius beneath the surface, one point a patch in turn
 };
 
 Setup make_setup(Precision precision) {
@@ -25,14 +26,16 @@ Setup make_setup(Precision precision) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> uniform(-0.4, 0.4);
   for (std::uint32_t i = 0; i < 4096; ++i) {
-    const SurfacePoint p = evaluate(s.cache, {i % s.cache.mesh_face_count, uniform(random), uniform(random)});
+    const SurfacePoint p =
+        evaluate(s.cache, {i % s.cache.mesh_face_count, uniform(random), uniform(random)});
     s.hips.push_back(p.position - 0.24 * p.normal);
   }
   return s;
 }
 
 const Setup& setup(Precision precision) {
-  static const Setup in_float = make_setup(Precision::kFloat), in_double = make_setup(Precision::kDouble);
+  static const Setup in_float = make_setup(Precision::kFloat),
+                     in_double = make_setup(Precision::kDouble);
   return precision == Precision::kFloat ? in_float : in_double;
 }
 
@@ -56,15 +59,17 @@ void evaluate_points(benchmark::State& state, Precision precision) {
   }
   std::uint32_t patch = 0;
   for (auto _ : state) {
-    kernels<Real>().evaluate(&s.domain[s.domain_begin[4]], &s.control[s.side_begin[patch] * kSideReals], 4, xi.data(),
-                             eta.data(), 256, 256, out.data());
+    kernels<Real>().evaluate(&s.domain[s.domain_begin[4]],
+                             &s.control[s.side_begin[patch] * kSideReals], 4, xi.data(), eta.data(),
+                             256, 256, out.data());
     benchmark::DoNotOptimize(out.data());
     patch = (patch + 1) % s.patch_count();
   }
   state.SetItemsProcessed(state.iterations() * 256);
 }
 
-void project(benchmark::State& state, Precision precision, Method method, Solver solver, int threads) {
+void project(benchmark::State& state, Precision precision, Method method, Solver solver,
+             int threads) {
   const Setup& s = setup(precision);
   const auto engine = make_tbb_engine(threads);
   QueryOptions options;
@@ -109,21 +114,27 @@ void register_all() {
     const auto name = [&](const std::string& path, const std::string& level, int threads) {
       return path + "/" + level + "/" + precision + "/4/tbb/" + std::to_string(threads);
     };
-    benchmark::RegisterBenchmark(name("evaluate", "exact", 1).c_str(),
-                                 p == Precision::kFloat ? evaluate_points<float> : evaluate_points<double>, p);
+    benchmark::RegisterBenchmark(
+        name("evaluate", "exact", 1).c_str(),
+        p == Precision::kFloat ? evaluate_points<float> : evaluate_points<double>, p);
     benchmark::RegisterBenchmark(name("tick", "exact", 1).c_str(), tick, p);
     for (const int threads : {1, 2}) {
-      benchmark::RegisterBenchmark(name("build", "exact", threads).c_str(), build, p, threads)->UseRealTime();
-      benchmark::RegisterBenchmark(name("nearest", "exact", threads).c_str(), project, p, Method::kGregory,
-                                   Solver::kNewton, threads)->UseRealTime();
-      benchmark::RegisterBenchmark(name("sweep", "exact", threads).c_str(), sweep_knot, p, threads)->UseRealTime();
+      benchmark::RegisterBenchmark(name("build", "exact", threads).c_str(), build, p, threads)
+          ->UseRealTime();
+      benchmark::RegisterBenchmark(name("nearest", "exact", threads).c_str(), project, p,
+                                   Method::kGregory, Solver::kNewton, threads)
+          ->UseRealTime();
+      benchmark::RegisterBenchmark(name("sweep", "exact", threads).c_str(), sweep_knot, p, threads)
+          ->UseRealTime();
     }
-    benchmark::RegisterBenchmark(name("nearest", "exact-gauss-newton", 1).c_str(), project, p, Method::kGregory,
-                                 Solver::kGaussNewton, 1);
-    benchmark::RegisterBenchmark(name("nearest", "exact-paper", 1).c_str(), project, p, Method::kGregory,
-                                 Solver::kPaper, 1);
-    benchmark::RegisterBenchmark(name("nearest", "shaded", 1).c_str(), project, p, Method::kShaded, Solver::kNewton, 1);
-    benchmark::RegisterBenchmark(name("nearest", "flat", 1).c_str(), project, p, Method::kFlat, Solver::kNewton, 1);
+    benchmark::RegisterBenchmark(name("nearest", "exact-gauss-newton", 1).c_str(), project, p,
+                                 Method::kGregory, Solver::kGaussNewton, 1);
+    benchmark::RegisterBenchmark(name("nearest", "exact-paper", 1).c_str(), project, p,
+                                 Method::kGregory, Solver::kPaper, 1);
+    benchmark::RegisterBenchmark(name("nearest", "shaded", 1).c_str(), project, p, Method::kShaded,
+                                 Solver::kNewton, 1);
+    benchmark::RegisterBenchmark(name("nearest", "flat", 1).c_str(), project, p, Method::kFlat,
+                                 Solver::kNewton, 1);
   }
 }
 

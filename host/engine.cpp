@@ -19,17 +19,20 @@ class SerialEngine final : public Engine {
 
 PatchCache Engine::build(const Mesh& mesh, const BuildOptions& options, BuildReport* report) const {
   return build_cache(mesh, options, report,
-                     [this](std::size_t count, std::size_t grain, const auto& body) { for_each(count, grain, body); });
+                     [this](std::size_t count, std::size_t grain, const auto& body) {
+                       for_each(count, grain, body);
+                     });
 }
 
-void Engine::evaluate(const PatchCache& cache, std::span<const DomainPoint> points, std::span<SurfacePoint> out) const {
+void Engine::evaluate(const PatchCache& cache, std::span<const DomainPoint> points,
+                      std::span<SurfacePoint> out) const {
   for_each(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) out[i] = gliss::evaluate(cache, points[i]);
   });
 }
 
-void Engine::project(const PatchCache& cache, std::span<const Vec3> hips, const QueryOptions& options,
-                     std::span<Contact> out) const {
+void Engine::project(const PatchCache& cache, std::span<const Vec3> hips,
+                     const QueryOptions& options, std::span<Contact> out) const {
   for_each(hips.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) out[i] = nearest(cache, hips[i], options);
   });

@@ -1,4 +1,5 @@
-// The batch engine: many patches, points or HIPs at once. One interface; oneTBB behind it here, OpenCL later.
+// The batch engine: many patches, points or HIPs at once. One interface; oneTBB behind it here,
+// OpenCL later.
 #pragma once
 
 #include <memory>
@@ -14,14 +15,17 @@ class Engine {
   virtual ~Engine() = default;
   virtual const char* name() const = 0;  // "serial", "tbb"
   virtual int threads() const = 0;
-  // Runs body(begin, end) over [0, count) in pieces of `grain`. Pieces are the same on any number of threads, so that
-  // results that are merged by piece are too. An exception of the body is thrown again here.
+  // Runs body(begin, end) over [0, count) in pieces of `grain`. Pieces are the same on any number
+  // of threads, so that results that are merged by piece are too. An exception of the body is
+  // thrown again here.
   virtual void for_each(std::size_t count, std::size_t grain,
                         const std::function<void(std::size_t, std::size_t)>& body) const = 0;
 
-  PatchCache build(const Mesh& mesh, const BuildOptions& options = {}, BuildReport* report = nullptr) const;
+  PatchCache build(const Mesh& mesh, const BuildOptions& options = {},
+                   BuildReport* report = nullptr) const;
   // out.size() == points.size(); every point must be in_domain.
-  void evaluate(const PatchCache& cache, std::span<const DomainPoint> points, std::span<SurfacePoint> out) const;
+  void evaluate(const PatchCache& cache, std::span<const DomainPoint> points,
+                std::span<SurfacePoint> out) const;
   // The global nearest point of each HIP.
   void project(const PatchCache& cache, std::span<const Vec3> hips, const QueryOptions& options,
                std::span<Contact> out) const;

@@ -29,6 +29,8 @@ class TbbEngine final : public Engine {
 
 }  // namespace
 
-std::unique_ptr<Engine> make_tbb_engine(int threads) { return std::make_unique<TbbEngine>(threads); }
+std::unique_ptr<Engine> make_tbb_engine(int threads) {
+  return std::make_unique<TbbEngine>(threads);
+}
 
 }  // namespace gliss

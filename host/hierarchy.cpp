@@ -15,8 +15,8 @@ struct Range {
   std::uint32_t node;        // where its nodes begin: a range of m patches owns m - 1 nodes
 };
 
-Box box_of(const std::vector<Box>& boxes, const std::vector<std::uint32_t>& order, std::uint32_t begin,
-           std::uint32_t end) {
+Box box_of(const std::vector<Box>& boxes, const std::vector<std::uint32_t>& order,
+           std::uint32_t begin, std::uint32_t end) {
   Box all = boxes[order[begin]];
   for (std::uint32_t i = begin + 1; i < end; ++i) {
     all.low = all.low.cwiseMin(boxes[order[i]].low);
@@ -78,16 +78,20 @@ class Builder {
     int axis = 0;
     (high - low).maxCoeff(&axis);
     const std::uint32_t middle = range.begin + (range.end - range.begin) / 2;
-    const auto at = [&](std::uint32_t i) { return order_.begin() + static_cast<std::ptrdiff_t>(i); };
-    std::nth_element(at(range.begin), at(middle), at(range.end), [&](std::uint32_t a, std::uint32_t b) {
-      const double ca = centre(a, axis), cb = centre(b, axis);
-      return ca < cb || (ca == cb && a < b);
-    });
+    const auto at = [&](std::uint32_t i) {
+      return order_.begin() + static_cast<std::ptrdiff_t>(i);
+    };
+    std::nth_element(at(range.begin), at(middle), at(range.end),
+                     [&](std::uint32_t a, std::uint32_t b) {
+                       const double ca = centre(a, axis), cb = centre(b, axis);
+                       return ca < cb || (ca == cb && a < b);
+                     });
     halves[0] = {range.begin, middle, range.node + 1};
     halves[1] = {middle, range.end, range.node + (middle - range.begin)};
     for (int side = 0; side < 2; ++side) {
       const Range& half = halves[side];
-      store(box_of(boxes_, order_, half.begin, half.end), &node_[range.node * kNodeReals + 6 * side]);
+      store(box_of(boxes_, order_, half.begin, half.end),
+            &node_[range.node * kNodeReals + 6 * side]);
       child_[2 * std::size_t{range.node} + static_cast<std::size_t>(side)] =
           half.end - half.begin == 1 ? order_[half.begin] | kNodeLeaf : half.node;
     }
@@ -110,14 +114,14 @@ class Builder {
 }  // namespace
 
 template <class Real>
-void build_hierarchy(const std::vector<Box>& boxes, std::vector<Real>& node, std::vector<std::uint32_t>& child,
-                     const ParallelFor& parallel) {
+void build_hierarchy(const std::vector<Box>& boxes, std::vector<Real>& node,
+                     std::vector<std::uint32_t>& child, const ParallelFor& parallel) {
   Builder<Real>(boxes, node, child).run(parallel);
 }
 
-template void build_hierarchy(const std::vector<Box>&, std::vector<float>&, std::vector<std::uint32_t>&,
-                              const ParallelFor&);
-template void build_hierarchy(const std::vector<Box>&, std::vector<double>&, std::vector<std::uint32_t>&,
-                              const ParallelFor&);
+template void build_hierarchy(const std::vector<Box>&, std::vector<float>&,
+                              std::vector<std::uint32_t>&, const ParallelFor&);
+template void build_hierarchy(const std::vector<Box>&, std::vector<double>&,
+                              std::vector<std::uint32_t>&, const ParallelFor&);
 
 }  // namespace gliss

@@ -6,7 +6,8 @@
 namespace gliss {
 
 void Histogram::add(double value) {
-  const int bin = value > kLowest ? static_cast<int>(std::floor(kPerDecade * std::log10(value / kLowest))) : 0;
+  const int bin =
+      value > kLowest ? static_cast<int>(std::floor(kPerDecade * std::log10(value / kLowest))) : 0;
   ++bins_[static_cast<std::size_t>(std::clamp(bin, 0, kBins - 1))];
   ++count_;
   sum_ += value;

@@ -5,10 +5,10 @@
 
 namespace gliss {
 
-#define GLISS_DECLARE(isa)               \
-  namespace isa {                        \
-  const Kernels<float>& kernels_f32();   \
-  const Kernels<double>& kernels_f64();  \
+#define GLISS_DECLARE(isa)              \
+  namespace isa {                       \
+  const Kernels<float>& kernels_f32();  \
+  const Kernels<double>& kernels_f64(); \
   }
 GLISS_DECLARE(baseline)
 GLISS_DECLARE(v3)
@@ -19,7 +19,8 @@ namespace {
 // 0 baseline, 1 v3, 2 v4: never above what the machine can do.
 int chosen_isa() {
 #if defined(__x86_64__)
-  const bool v3 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") && __builtin_cpu_supports("bmi2");
+  const bool v3 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
+                  __builtin_cpu_supports("bmi2");
   const bool v4 = v3 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
                   __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl");
   const int best = v4 ? 2 : v3 ? 1 : 0;

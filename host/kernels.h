@@ -1,4 +1,5 @@
-// The kernels as functions over arrays, compiled for several instruction sets; the machine's best is picked once.
+// The kernels as functions over arrays, compiled for several instruction sets; the machine's best
+// is picked once.
 #pragma once
 
 #include <cstddef>
@@ -15,8 +16,9 @@ enum class Solver { kNewton, kGaussNewton, kPaper };
 // Layout of the arrays that kernels/ defines, for the host.
 inline constexpr std::size_t kSideReals = 51, kPatchReals = 21, kNodeReals = 12;
 inline constexpr std::size_t kSideLength = 48, kSideEase = 50;
-inline constexpr std::size_t kPatchOrigin = 0, kPatchNormal = 3, kPatchScale = 6, kPatchUnscale = 7, kPatchSag = 8,
-                             kPatchTangent = 9, kPatchLow = 12, kPatchHigh = 15, kPatchBend = 18;
+inline constexpr std::size_t kPatchOrigin = 0, kPatchNormal = 3, kPatchScale = 6, kPatchUnscale = 7,
+                             kPatchSag = 8, kPatchTangent = 9, kPatchLow = 12, kPatchHigh = 15,
+                             kPatchBend = 18;
 inline constexpr std::uint32_t kNodeLeaf = 0x80000000u;
 
 // Bits of RawContact::flags.
@@ -26,10 +28,12 @@ template <class Real>
 struct TrackOptions {
   Solver solver = Solver::kNewton;
   int max_iterations = 0;
-  Real tolerance = 0;  // length of the last step relative to the size of the patch (paper: residual angle)
+  Real tolerance =
+      0;  // length of the last step relative to the size of the patch (paper: residual angle)
 };
 
-// A contact as the kernels see it (kernels/method.h): local frame of its patch, offsets in the mesh frame.
+// A contact as the kernels see it (kernels/method.h): local frame of its patch, offsets in the mesh
+// frame.
 template <class Real>
 struct RawContact {
   bool touching = false;
@@ -53,31 +57,35 @@ struct Kernels {
   // Numbers of the table of a valence, written at `table` (domain_reals(n) of them).
   std::size_t (*domain_reals)(std::uint32_t n);
   void (*fill_domain)(std::uint32_t n, Real* table);
-  // Control data [n][kSideReals] of a polygon from its corners [n][2][3] (position, unit normal). Returns the
-  // soundness of its weakest ribbon: 0 where the edge is parallel to a normal, 1 at right angles.
+  // Control data [n][kSideReals] of a polygon from its corners [n][2][3] (position, unit normal).
+  // Returns the soundness of its weakest ribbon: 0 where the edge is parallel to a normal, 1 at
+  // right angles.
   Real (*build_patch)(const Real* corners, std::uint32_t n, Real* control);
   // Shortens the cross tangents to (1 - ease) of their length at mid-side.
   void (*ease_patch)(Real* control, std::uint32_t n, Real ease);
   // Turns the cross tangents into the plane across `normal` (unit, 3 numbers).
   void (*bend_patch)(Real* control, std::uint32_t n, const Real* normal);
   // G, G_xi, G_eta as nine rows of `stride` numbers, at `count` points of one patch.
-  void (*evaluate)(const Real* domain, const Real* control, std::uint32_t n, const Real* xi, const Real* eta,
-                   std::size_t count, std::size_t stride, Real* out);
+  void (*evaluate)(const Real* domain, const Real* control, std::uint32_t n, const Real* xi,
+                   const Real* eta, std::size_t count, std::size_t stride, Real* out);
   // Surface normal (not unit) along side data at t: n_c of eq. 10.
   void (*side_normal)(const Real* side, Real t, Real* out);
   // Squared distance of a point (local frame) to the base polygon of a patch.
   Real (*polygon_distance2)(const Surface<Real>&, std::uint32_t patch, const Real* point);
-  // Global: the nearest point for each of `count` methods, which share the search of the base polygons.
-  void (*nearest)(const Surface<Real>&, const Method* methods, std::size_t count, const TrackOptions<Real>&,
-                  const RawHip<Real>& hip, RawContact<Real>* out);
-  // Local: what `state` became after the HIP moved; tick is Algorithm 1, track follows whatever the state.
+  // Global: the nearest point for each of `count` methods, which share the search of the base
+  // polygons.
+  void (*nearest)(const Surface<Real>&, const Method* methods, std::size_t count,
+                  const TrackOptions<Real>&, const RawHip<Real>& hip, RawContact<Real>* out);
+  // Local: what `state` became after the HIP moved; tick is Algorithm 1, track follows whatever the
+  // state.
   void (*track)(const Surface<Real>&, Method, const TrackOptions<Real>&, const RawHip<Real>& hip,
                 RawContact<Real>* state);
   void (*tick)(const Surface<Real>&, Method, const TrackOptions<Real>&, const RawHip<Real>& hip,
                RawContact<Real>* state);
 };
 
-// Of the machine's best instruction set, or of the one that the environment variable GLISS_ISA names (baseline, v3, v4).
+// Of the machine's best instruction set, or of the one that the environment variable GLISS_ISA
+// names (baseline, v3, v4).
 template <class Real>
 const Kernels<Real>& kernels();
 template <>

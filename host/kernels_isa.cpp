@@ -1,4 +1,5 @@
-// The C++ instances of the kernels for one instruction set, GLISS_ISA: scalar for queries, lanes for evaluation.
+// The C++ instances of the kernels for one instruction set, GLISS_ISA: scalar for queries, lanes
+// for evaluation.
 #include <cmath>
 #include <numbers>
 
@@ -20,12 +21,10 @@ namespace {
 namespace f32 {
 #define GLISS_SCALAR float
 #define GLISS_LANES 1
-#include "kernels/kernels.h"
 #include "host/kernels_scalar.inc"
 #undef GLISS_LANES
 namespace wide {
 #define GLISS_LANES (GLISS_VECTOR_BYTES / 4)
-#include "kernels/kernels.h"
 #include "host/kernels_lanes.inc"
 #undef GLISS_LANES
 }  // namespace wide
@@ -34,12 +33,10 @@ namespace wide {
 namespace f64 {
 #define GLISS_SCALAR double
 #define GLISS_LANES 1
-#include "kernels/kernels.h"
 #include "host/kernels_scalar.inc"
 #undef GLISS_LANES
 namespace wide {
 #define GLISS_LANES (GLISS_VECTOR_BYTES / 8)
-#include "kernels/kernels.h"
 #include "host/kernels_lanes.inc"
 #undef GLISS_LANES
 }  // namespace wide
@@ -51,22 +48,17 @@ namespace wide {
 #define GLISS_STRING(x) GLISS_STRING_(x)
 
 namespace gliss::GLISS_ISA {
-#define GLISS_TABLE(NAME, REAL, SPACE)                                                         \
-  const Kernels<REAL>& NAME() {                                                                \
-    static const Kernels<REAL> table = {GLISS_STRING(GLISS_ISA),                               \
-                                        static_cast<int>(GLISS_VECTOR_BYTES / sizeof(REAL)),   \
-                                        SPACE::domain_reals,                                   \
-                                        SPACE::fill_domain,                                    \
-                                        SPACE::build_patch,                                    \
-                                        SPACE::ease_patch,                                     \
-                                        SPACE::bend_patch,                                     \
-                                        SPACE::wide::evaluate_points,                          \
-                                        SPACE::side_normal_at,                                 \
-                                        SPACE::polygon_distance2,                              \
-                                        SPACE::nearest,                                        \
-                                        SPACE::track,                                          \
-                                        SPACE::tick_state};                                    \
-    return table;                                                                              \
+#define GLISS_TABLE(NAME, REAL, SPACE)                                                \
+  const Kernels<REAL>& NAME() {                                                       \
+    static const Kernels<REAL> table = {                                              \
+        GLISS_STRING(GLISS_ISA), static_cast<int>(GLISS_VECTOR_BYTES / sizeof(REAL)), \
+        SPACE::domain_reals,     SPACE::fill_domain,                                  \
+        SPACE::build_patch,      SPACE::ease_patch,                                   \
+        SPACE::bend_patch,       SPACE::wide::evaluate_points,                        \
+        SPACE::side_normal_at,   SPACE::polygon_distance2,                            \
+        SPACE::nearest,          SPACE::track,                                        \
+        SPACE::tick_state};                                                           \
+    return table;                                                                     \
   }
 GLISS_TABLE(kernels_f32, float, f32)
 GLISS_TABLE(kernels_f64, double, f64)

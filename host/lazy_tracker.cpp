@@ -45,7 +45,8 @@ Contact LazyTracker::tick(const Vec3& hip) {
   const bool touching = tracker_ != nullptr && tracker_->touching();
   if (!touching) {
     const std::uint32_t face = nearest_face(hip);
-    if (region_ == nullptr || region_->face_patch[face] == kNone || near_rim(face)) build_around(face);
+    if (region_ == nullptr || region_->face_patch[face] == kNone || near_rim(face))
+      build_around(face);
   }
   Contact contact = tracker_->tick(hip);
   // At the rim the surface goes on where the region does not: build there and follow on.

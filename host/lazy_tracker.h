@@ -1,5 +1,5 @@
-// Patches only where the hand is (Algorithm 1, Figure 6): those of the faces around the contact, built when it comes near.
-// For meshes too large, or too short-lived, to build as a whole.
+// Patches only where the hand is (Algorithm 1, Figure 6): those of the faces around the contact,
+// built when it comes near. For meshes too large, or too short-lived, to build as a whole.
 #pragma once
 
 #include <memory>
@@ -15,16 +15,19 @@ struct LazyOptions {
   QueryOptions query;  // method: kGregory
 };
 
-// One HIP on one mesh. Free, the nearest base polygon of the whole mesh is found first (4.1), then its patches are built
-// and the nearest point of those is taken. Building happens inside tick(), which therefore may allocate.
+// One HIP on one mesh. Free, the nearest base polygon of the whole mesh is found first (4.1), then
+// its patches are built and the nearest point of those is taken. Building happens inside tick(),
+// which therefore may allocate.
 class LazyTracker {
  public:
   // The mesh must be validated; vertex normals are made where it has none.
   LazyTracker(Mesh mesh, const LazyOptions& options = {});
   Contact tick(const Vec3& hip);
 
-  const PatchCache& region() const { return *region_; }  // what is built now; requires a tick before
-  std::uint64_t built() const { return built_; }         // patches built so far
+  const PatchCache& region() const {
+    return *region_;
+  }                                               // what is built now; requires a tick before
+  std::uint64_t built() const { return built_; }  // patches built so far
 
  private:
   void build_around(std::uint32_t face);

@@ -21,9 +21,13 @@ constexpr std::size_t kGrain = 64;
 // Everything of a build that outlives a step.
 class CacheBuilder {
  public:
-  CacheBuilder(const Mesh& mesh, const Topology& topology, const BuildOptions& options, const ParallelFor& parallel,
-               bool base_only = false)
-      : mesh_(mesh), topology_(topology), options_(options), parallel_(parallel), base_only_(base_only) {}
+  CacheBuilder(const Mesh& mesh, const Topology& topology, const BuildOptions& options,
+               const ParallelFor& parallel, bool base_only = false)
+      : mesh_(mesh),
+        topology_(topology),
+        options_(options),
+        parallel_(parallel),
+        base_only_(base_only) {}
 
   PatchCache build(BuildReport* report) {
     set_frame();
@@ -72,7 +76,8 @@ class CacheBuilder {
   FaceCorners corners_of(std::uint32_t face) const {
     FaceCorners c;
     for (std::uint32_t s = mesh_.face_begin[face]; s < mesh_.face_begin[face + 1]; ++s) {
-      c.position.push_back((mesh_.positions[mesh_.corner_vertex[s]] - cache_.origin) * cache_.scale);
+      c.position.push_back((mesh_.positions[mesh_.corner_vertex[s]] - cache_.origin) *
+                           cache_.scale);
       c.normal.push_back(mesh_.normals[mesh_.corner_normal[s]].normalized());
     }
     return c;
@@ -88,7 +93,8 @@ class CacheBuilder {
         d.shape = exact.shape;
         d.degenerate = is_degenerate(exact);
         d.folded = is_folded(exact);
-        if ((d.folded || d.degenerate) && options_.tame) d.tamer = draft_tamer(corners, std::move(exact));
+        if ((d.folded || d.degenerate) && options_.tame)
+          d.tamer = draft_tamer(corners, std::move(exact));
       }
     });
     if (report == nullptr) return;
@@ -120,10 +126,12 @@ class CacheBuilder {
         const std::size_t valence = draft == nullptr ? n : draft->face_corner.size();
         for (std::size_t k = 0; k < valence; ++k) {
           const auto corner = [&](std::size_t j) {
-            return draft == nullptr ? static_cast<std::uint32_t>(j % n) : draft->face_corner[j % valence];
+            return draft == nullptr ? static_cast<std::uint32_t>(j % n)
+                                    : draft->face_corner[j % valence];
           };
           const auto side = static_cast<std::uint32_t>(cache_.corner_of_face.size());
-          if (corner(k) < n && corner(k + 1) == (corner(k) + 1) % n) patch_side[first + corner(k)] = side;
+          if (corner(k) < n && corner(k + 1) == (corner(k) + 1) % n)
+            patch_side[first + corner(k)] = side;
           cache_.corner_of_face.push_back(corner(k));
         }
         side_begin_.push_back(static_cast<std::uint32_t>(cache_.corner_of_face.size()));
@@ -143,13 +151,16 @@ class CacheBuilder {
   // The sides that the triangles of one face share.
   void join_diagonals() {
     for (std::uint32_t p = 0; p < cache_.patch_count(); ++p) {
-      for (std::uint32_t q = p + 1; q < cache_.patch_count() && cache_.patch_face[q] == cache_.patch_face[p]; ++q) {
+      for (std::uint32_t q = p + 1;
+           q < cache_.patch_count() && cache_.patch_face[q] == cache_.patch_face[p]; ++q) {
         for (std::uint32_t a = side_begin_[p]; a < side_begin_[p + 1]; ++a) {
           for (std::uint32_t b = side_begin_[q]; b < side_begin_[q + 1]; ++b) {
             const auto end = [&](std::uint32_t s, std::uint32_t patch) {
-              return cache_.corner_of_face[s + 1 == side_begin_[patch + 1] ? side_begin_[patch] : s + 1];
+              return cache_
+                  .corner_of_face[s + 1 == side_begin_[patch + 1] ? side_begin_[patch] : s + 1];
             };
-            if (cache_.corner_of_face[a] != end(b, q) || cache_.corner_of_face[b] != end(a, p)) continue;
+            if (cache_.corner_of_face[a] != end(b, q) || cache_.corner_of_face[b] != end(a, p))
+              continue;
             side_twin_[a] = b;
             side_twin_[b] = a;
           }
@@ -165,7 +176,8 @@ class CacheBuilder {
     s.side_twin = std::move(side_twin_);
     s.side_patch.resize(sides);
     for (std::uint32_t p = 0; p < patches; ++p) {
-      for (std::uint32_t side = s.side_begin[p]; side < s.side_begin[p + 1]; ++side) s.side_patch[side] = p;
+      for (std::uint32_t side = s.side_begin[p]; side < s.side_begin[p + 1]; ++side)
+        s.side_patch[side] = p;
     }
     if (!base_only_) s.control.resize(sides * kSideReals);
     s.corner.resize(sides * 6);
@@ -183,7 +195,8 @@ class CacheBuilder {
           exact.shape = base_only_ ? base_shape(exact) : drafted_[i].shape;
           store(exact, first, s, boxes);
         } else {
-          for (std::size_t t = 0; t < tamer.size(); ++t) store(tamer[t], first + static_cast<std::uint32_t>(t), s, boxes);
+          for (std::size_t t = 0; t < tamer.size(); ++t)
+            store(tamer[t], first + static_cast<std::uint32_t>(t), s, boxes);
         }
       }
     });
@@ -214,10 +227,12 @@ class CacheBuilder {
     const std::size_t first = s.side_begin[patch];
     if (!base_only_) narrow(d.control, &s.control[first * kSideReals]);
     narrow(d.corner, &s.corner[first * 6]);
-    std::copy(d.triangle.begin(), d.triangle.end(), s.triangle.begin() + static_cast<std::ptrdiff_t>(3 * (first - 2 * patch)));
+    std::copy(d.triangle.begin(), d.triangle.end(),
+              s.triangle.begin() + static_cast<std::ptrdiff_t>(3 * (first - 2 * patch)));
     Real* numbers = &s.patch[patch * kPatchReals];
     const auto put = [&](std::size_t at, const Vec3& v) {
-      for (int i = 0; i < 3; ++i) numbers[at + static_cast<std::size_t>(i)] = static_cast<Real>(v[i]);
+      for (int i = 0; i < 3; ++i)
+        numbers[at + static_cast<std::size_t>(i)] = static_cast<Real>(v[i]);
     };
     put(kPatchOrigin, d.origin);
     put(kPatchNormal, d.normal);
@@ -229,7 +244,8 @@ class CacheBuilder {
     numbers[kPatchUnscale] = static_cast<Real>(1 / d.scale);
     numbers[kPatchSag] = static_cast<Real>(d.shape.sag);
     boxes[patch] = {d.origin + d.shape.box.low / d.scale, d.origin + d.shape.box.high / d.scale};
-    cache_.rho_min[patch] = std::min(d.shape.rho_min / (d.scale * cache_.scale), std::numeric_limits<double>::max());
+    cache_.rho_min[patch] =
+        std::min(d.shape.rho_min / (d.scale * cache_.scale), std::numeric_limits<double>::max());
   }
 
   const Mesh& mesh_;
@@ -246,12 +262,14 @@ class CacheBuilder {
 
 }  // namespace
 
-void serial_for(std::size_t count, std::size_t grain, const std::function<void(std::size_t, std::size_t)>& body) {
-  for (std::size_t begin = 0; begin < count; begin += grain) body(begin, std::min(count, begin + grain));
+void serial_for(std::size_t count, std::size_t grain,
+                const std::function<void(std::size_t, std::size_t)>& body) {
+  for (std::size_t begin = 0; begin < count; begin += grain)
+    body(begin, std::min(count, begin + grain));
 }
 
-PatchCache build_cache(const Mesh& mesh, const Topology& topology, const BuildOptions& options, BuildReport* report,
-                       const ParallelFor& parallel) {
+PatchCache build_cache(const Mesh& mesh, const Topology& topology, const BuildOptions& options,
+                       BuildReport* report, const ParallelFor& parallel) {
   if (mesh.face_count() == 0) throw MeshError(mesh.source + ": no faces to build");
   for (const std::uint32_t f : options.faces) {
     if (f >= mesh.face_count()) {
@@ -259,7 +277,8 @@ PatchCache build_cache(const Mesh& mesh, const Topology& topology, const BuildOp
                       std::to_string(mesh.face_count()) + " faces)");
     }
   }
-  if (std::adjacent_find(options.faces.begin(), options.faces.end(), std::greater_equal<>()) != options.faces.end()) {
+  if (std::adjacent_find(options.faces.begin(), options.faces.end(), std::greater_equal<>()) !=
+      options.faces.end()) {
     throw MeshError(mesh.source + ": the faces to build must be ascending, each once");
   }
   return CacheBuilder(mesh, topology, options, parallel).build(report);
@@ -272,11 +291,14 @@ PatchCache build_base(const Mesh& mesh, const Topology& topology, Precision prec
   return CacheBuilder(mesh, topology, options, serial, true).build(nullptr);
 }
 
-PatchCache build_cache(const Mesh& mesh, const BuildOptions& options, BuildReport* report, const ParallelFor& parallel) {
-  if (!mesh.normals.empty()) return build_cache(mesh, build_topology(mesh), options, report, parallel);
+PatchCache build_cache(const Mesh& mesh, const BuildOptions& options, BuildReport* report,
+                       const ParallelFor& parallel) {
+  if (!mesh.normals.empty())
+    return build_cache(mesh, build_topology(mesh), options, report, parallel);
   Mesh with_normals = mesh;
   add_vertex_normals(with_normals);
-  PatchCache cache = build_cache(with_normals, build_topology(with_normals), options, report, parallel);
+  PatchCache cache =
+      build_cache(with_normals, build_topology(with_normals), options, report, parallel);
   cache.mesh_hash = hash_of(mesh);
   return cache;
 }
@@ -290,12 +312,15 @@ std::vector<std::uint32_t> faces_in_box(const Mesh& mesh, const Box& box) {
       face.low = face.low.cwiseMin(mesh.positions[mesh.corner_vertex[s]]);
       face.high = face.high.cwiseMax(mesh.positions[mesh.corner_vertex[s]]);
     }
-    if ((face.low.array() <= box.high.array()).all() && (face.high.array() >= box.low.array()).all()) faces.push_back(f);
+    if ((face.low.array() <= box.high.array()).all() &&
+        (face.high.array() >= box.low.array()).all())
+      faces.push_back(f);
   }
   return faces;
 }
 
-std::vector<std::uint32_t> faces_around(const Mesh& mesh, const Topology& topology, std::uint32_t face, int rings) {
+std::vector<std::uint32_t> faces_around(const Mesh& mesh, const Topology& topology,
+                                        std::uint32_t face, int rings) {
   std::vector<std::uint32_t> found{face}, front{face};
   std::vector<char> seen(mesh.face_count(), 0);
   seen[face] = 1;
@@ -329,7 +354,9 @@ std::uint64_t hash_of(const Mesh& mesh) {
   return hash;
 }
 
-double PatchCache::smallest_rho() const { return *std::min_element(rho_min.begin(), rho_min.end()); }
+double PatchCache::smallest_rho() const {
+  return *std::min_element(rho_min.begin(), rho_min.end());
+}
 
 Box PatchCache::bounds() const {
   return std::visit(
@@ -341,7 +368,9 @@ Box PatchCache::bounds() const {
           const Vec3 at(numbers[0], numbers[1], numbers[2]);
           for (std::uint32_t side = s.side_begin[p]; side < s.side_begin[p + 1]; ++side) {
             const auto* c = &s.corner[6 * side];
-            const Vec3 x = origin + (at + Vec3(c[0], c[1], c[2]) * static_cast<double>(numbers[kPatchUnscale])) / scale;
+            const Vec3 x =
+                origin +
+                (at + Vec3(c[0], c[1], c[2]) * static_cast<double>(numbers[kPatchUnscale])) / scale;
             box.low = box.low.cwiseMin(x);
             box.high = box.high.cwiseMax(x);
           }
@@ -355,9 +384,10 @@ std::size_t PatchCache::bytes() const {
   const auto size = [](const auto& v) { return v.size() * sizeof(v[0]); };
   return std::visit(
       [&](const auto& s) {
-        return size(s.domain) + size(s.domain_begin) + size(s.side_begin) + size(s.side_patch) + size(s.side_twin) +
-               size(s.control) + size(s.corner) + size(s.patch) + size(s.triangle) + size(s.node) + size(s.child) +
-               size(patch_face) + size(face_patch) + size(kind) + size(folded) + size(rho_min) + size(corner_of_face) +
+        return size(s.domain) + size(s.domain_begin) + size(s.side_begin) + size(s.side_patch) +
+               size(s.side_twin) + size(s.control) + size(s.corner) + size(s.patch) +
+               size(s.triangle) + size(s.node) + size(s.child) + size(patch_face) +
+               size(face_patch) + size(kind) + size(folded) + size(rho_min) + size(corner_of_face) +
                size(face_valence);
       },
       surface);

@@ -1,5 +1,5 @@
-// The prebuilt surface: patches, base polygons, hierarchy, and what is known of each patch. Everything that evaluates,
-// projects, sweeps or runs the device loop reads one of these.
+// The prebuilt surface: patches, base polygons, hierarchy, and what is known of each patch.
+// Everything that evaluates, projects, sweeps or runs the device loop reads one of these.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,8 @@
 
 namespace gliss {
 
-// A cache that cannot be read; what() names the file and the section. `stale`: sound, but of another mesh or version.
+// A cache that cannot be read; what() names the file and the section. `stale`: sound, but of
+// another mesh or version.
 struct CacheError : std::runtime_error {
   CacheError(const std::string& what, bool stale) : std::runtime_error(what), stale(stale) {}
   bool stale;
@@ -27,13 +28,14 @@ enum class Precision { kFloat, kDouble };
 enum class PatchKind : std::uint8_t {
   kExact,  // the paper's, eq. 2 to 14
   kEased,  // folded: cross tangents shortened; boundary curves and normals as they were
-  kSplit,  // folded: its face is cut into triangles, each a patch; boundary curves and normals as they were
+  kSplit,  // folded: its face is cut into triangles, each a patch; boundary curves and normals as
+           // they were
   kBent,   // folded or degenerate beyond that: boundary curves as they were, boundary normals not
 };
 
 struct BuildOptions {
   Precision precision = Precision::kDouble;
-  bool tame = true;                  // false: folded patches are found and flagged, and kept as they are
+  bool tame = true;  // false: folded patches are found and flagged, and kept as they are
   std::vector<std::uint32_t> faces{};  // only these, each once, ascending; empty: all
 };
 
@@ -44,8 +46,9 @@ struct Box {
 
 // What a build found, by face.
 struct BuildReport {
-  std::uint32_t folded = 0;      // the exact patch's normal turns against its face somewhere
-  std::uint32_t degenerate = 0;  // a ribbon vanishes: an edge parallel to a normal, or opposed end normals
+  std::uint32_t folded = 0;  // the exact patch's normal turns against its face somewhere
+  std::uint32_t degenerate =
+      0;  // a ribbon vanishes: an edge parallel to a normal, or opposed end normals
   std::uint32_t eased = 0, split = 0, bent = 0;
   std::vector<std::uint32_t> flagged_faces;  // folded or degenerate, ascending
 };
@@ -53,26 +56,31 @@ struct BuildReport {
 // Runs body(begin, end) over [0, count) in pieces of `grain`, on one thread or on many.
 using ParallelFor = std::function<void(std::size_t count, std::size_t grain,
                                        const std::function<void(std::size_t, std::size_t)>& body)>;
-void serial_for(std::size_t count, std::size_t grain, const std::function<void(std::size_t, std::size_t)>& body);
+void serial_for(std::size_t count, std::size_t grain,
+                const std::function<void(std::size_t, std::size_t)>& body);
 
-// Invariants: every index in range, every number finite, hierarchy a binary tree over all patches. A patch is a face of
-// the mesh, in the order of faces, except that a split face has a patch for each of its triangles.
+// Invariants: every index in range, every number finite, hierarchy a binary tree over all patches.
+// A patch is a face of the mesh, in the order of faces, except that a split face has a patch for
+// each of its triangles.
 struct PatchCache {
-  double unit = 1.0;                // metres per unit of the mesh
-  Vec3 origin = Vec3::Zero();       // of the mesh frame, in the mesh's unit
-  double scale = 1.0;               // mesh-frame length of one unit: a power of two
+  double unit = 1.0;           // metres per unit of the mesh
+  Vec3 origin = Vec3::Zero();  // of the mesh frame, in the mesh's unit
+  double scale = 1.0;          // mesh-frame length of one unit: a power of two
   std::uint32_t mesh_face_count = 0;
-  std::uint64_t mesh_hash = 0;      // XXH3 of the mesh's arrays and unit
+  std::uint64_t mesh_hash = 0;  // XXH3 of the mesh's arrays and unit
   std::variant<Surface<float>, Surface<double>> surface;
-  std::vector<std::uint32_t> patch_face;      // [patch]
-  std::vector<std::uint32_t> face_patch;      // [face], its first patch; kNone: not built
-  std::vector<PatchKind> kind;                // [patch]
-  std::vector<std::uint8_t> folded;           // [patch], 1: the exact patch folds or degenerates
-  std::vector<double> rho_min;                // [patch], least radius of curvature, mesh's unit
-  std::vector<std::uint32_t> corner_of_face;  // [side], which corner of its face it starts at; valence: the centre
-  std::vector<std::uint32_t> face_valence;    // [face]
+  std::vector<std::uint32_t> patch_face;  // [patch]
+  std::vector<std::uint32_t> face_patch;  // [face], its first patch; kNone: not built
+  std::vector<PatchKind> kind;            // [patch]
+  std::vector<std::uint8_t> folded;       // [patch], 1: the exact patch folds or degenerates
+  std::vector<double> rho_min;            // [patch], least radius of curvature, mesh's unit
+  std::vector<std::uint32_t>
+      corner_of_face;  // [side], which corner of its face it starts at; valence: the centre
+  std::vector<std::uint32_t> face_valence;  // [face]
 
-  Precision precision() const { return surface.index() == 0 ? Precision::kFloat : Precision::kDouble; }
+  Precision precision() const {
+    return surface.index() == 0 ? Precision::kFloat : Precision::kDouble;
+  }
   std::uint32_t patch_count() const { return static_cast<std::uint32_t>(patch_face.size()); }
   double smallest_rho() const;
   // Largest |coordinate| extent, mesh's unit: what "relative to the size" means for a whole mesh.
@@ -80,26 +88,29 @@ struct PatchCache {
   std::size_t bytes() const;
 };
 
-// Builds all patches, or those of options.faces. The mesh must be validated; vertex normals are made where it has none.
-// Throws MeshError.
-PatchCache build_cache(const Mesh& mesh, const BuildOptions& options = {}, BuildReport* report = nullptr,
-                       const ParallelFor& parallel = serial_for);
+// Builds all patches, or those of options.faces. The mesh must be validated; vertex normals are
+// made where it has none. Throws MeshError.
+PatchCache build_cache(const Mesh& mesh, const BuildOptions& options = {},
+                       BuildReport* report = nullptr, const ParallelFor& parallel = serial_for);
 
 // The same with a topology made before and vertex normals in the mesh, for builds of many regions.
 PatchCache build_cache(const Mesh& mesh, const Topology& topology, const BuildOptions& options,
                        BuildReport* report = nullptr, const ParallelFor& parallel = serial_for);
 
-// Base polygons alone, for searches with the flat and shaded methods: no patch is built and none may be evaluated.
+// Base polygons alone, for searches with the flat and shaded methods: no patch is built and none
+// may be evaluated.
 PatchCache build_base(const Mesh& mesh, const Topology& topology, Precision precision);
 
 // Faces that meet a box; faces within `rings` edges of a face. Ascending.
 std::vector<std::uint32_t> faces_in_box(const Mesh& mesh, const Box& box);
-std::vector<std::uint32_t> faces_around(const Mesh& mesh, const Topology& topology, std::uint32_t face, int rings);
+std::vector<std::uint32_t> faces_around(const Mesh& mesh, const Topology& topology,
+                                        std::uint32_t face, int rings);
 
 std::uint64_t hash_of(const Mesh& mesh);
 
-// Written to a temporary beside `path`, synced and renamed: a reader sees a whole cache or none. Throws
-// std::system_error. Reading checks every section's checksum, size, index and number; throws CacheError.
+// Written to a temporary beside `path`, synced and renamed: a reader sees a whole cache or none.
+// Throws std::system_error. Reading checks every section's checksum, size, index and number; throws
+// CacheError.
 void save_cache(const PatchCache& cache, const std::string& path);
 PatchCache load_cache(const std::string& path);
 bool is_cache_file(const std::string& path);

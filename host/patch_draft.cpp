@@ -15,12 +15,13 @@
 namespace gliss {
 namespace {
 
-constexpr double kSafeTurn = 0.02;  // a patch whose normal stays within 88.9 degrees of its polygon's does not fold
+constexpr double kSafeTurn =
+    0.02;  // a patch whose normal stays within 88.9 degrees of its polygon's does not fold
 constexpr std::uint32_t kMaxFan = 64;  // faces of more sides are not cut from their centre: slivers
-constexpr double kProbe = 1e-5;  // step of the differences that curvature is taken from
+constexpr double kProbe = 1e-5;        // step of the differences that curvature is taken from
 
-// Where patches of a valence are examined: rings of a fan from the centre to the sides, and beside each point two more
-// for differences. Ring r of L has n r points.
+// Where patches of a valence are examined: rings of a fan from the centre to the sides, and beside
+// each point two more for differences. Ring r of L has n r points.
 struct Probes {
   std::vector<double> domain, xi, eta;  // xi, eta: [3][count]
   std::size_t count = 0;
@@ -37,7 +38,8 @@ Probes make_probes(std::uint32_t n) {
   const double shrink = 1 - 2 * kProbe;  // keeps the neighbours inside
   for (std::uint32_t ring = 1; ring <= p.levels; ++ring) {
     for (std::uint32_t i = 0; i < n * ring; ++i) {
-      const double a = 2 * std::numbers::pi * (i / ring) / n, b = 2 * std::numbers::pi * (i / ring + 1) / n;
+      const double a = 2 * std::numbers::pi * (i / ring) / n,
+                   b = 2 * std::numbers::pi * (i / ring + 1) / n;
       const double t = static_cast<double>(i % ring) / ring, r = shrink * ring / p.levels;
       x.push_back(r * ((1 - t) * std::cos(a) + t * std::cos(b)));
       y.push_back(r * ((1 - t) * std::sin(a) + t * std::sin(b)));
@@ -61,7 +63,8 @@ const Probes& probes_of(std::uint32_t n) {
   return found != all.end() ? found->second : all.emplace(n, make_probes(n)).first->second;
 }
 
-// Largest |principal curvature| at a point from its derivatives and those of its unit normal (Weingarten).
+// Largest |principal curvature| at a point from its derivatives and those of its unit normal
+// (Weingarten).
 double largest_curvature(const Vec3& gx, const Vec3& gy, const Vec3& nx, const Vec3& ny) {
   const double e = gx.dot(gx), f = gx.dot(gy), g = gy.dot(gy);
   const double l = -gx.dot(nx), m = -0.5 * (gx.dot(ny) + gy.dot(nx)), n = -gy.dot(ny);
@@ -100,7 +103,8 @@ PatchDraft build_draft(const FaceCorners& face, std::vector<std::uint32_t> face_
   for (std::size_t k = 0; k < n; ++k) {
     position[k] = (position[k] - d.origin) * d.scale;
     const Vec3& normal = face.normal[d.face_corner[k]];
-    d.corner.insert(d.corner.end(), {position[k].x(), position[k].y(), position[k].z(), normal.x(), normal.y(), normal.z()});
+    d.corner.insert(d.corner.end(), {position[k].x(), position[k].y(), position[k].z(), normal.x(),
+                                     normal.y(), normal.z()});
   }
   for (std::size_t k = 0; k < n; ++k) d.normal += position[k].cross(position[(k + 1) % n]);
   triangulate(position, d.normal, d.triangle);
@@ -110,26 +114,29 @@ PatchDraft build_draft(const FaceCorners& face, std::vector<std::uint32_t> face_
   d.tangent = (position[1] - position[0]).cross(d.normal);
   d.tangent = (d.tangent.norm() > 0 ? d.tangent : d.normal.unitOrthogonal()).normalized();
   d.control.resize(n * kSideReals);
-  d.soundness = kernels<double>().build_patch(d.corner.data(), static_cast<std::uint32_t>(n), d.control.data());
+  d.soundness = kernels<double>().build_patch(d.corner.data(), static_cast<std::uint32_t>(n),
+                                              d.control.data());
   return d;
 }
 
-// The same boundary, with cross tangents shortened until the patch no longer folds; else the best of them.
+// The same boundary, with cross tangents shortened until the patch no longer folds; else the best
+// of them.
 PatchDraft ease(const PatchDraft& draft) {
   PatchDraft best = draft;
   for (const double amount : {0.25, 0.5, 0.75, 0.9}) {
     if (best.shape.turn > kSafeTurn) break;
     PatchDraft d = draft;
     if (d.kind == PatchKind::kExact) d.kind = PatchKind::kEased;
-    kernels<double>().ease_patch(d.control.data(), static_cast<std::uint32_t>(d.face_corner.size()), amount);
+    kernels<double>().ease_patch(d.control.data(), static_cast<std::uint32_t>(d.face_corner.size()),
+                                 amount);
     d.shape = examine(d);
     if (d.shape.turn > best.shape.turn) best = std::move(d);
   }
   return best;
 }
 
-// The same boundary curves, with cross tangents in the plane of the polygon, shorter and shorter: without any, a corner
-// interpolator is the sum of its two curves.
+// The same boundary curves, with cross tangents in the plane of the polygon, shorter and shorter:
+// without any, a corner interpolator is the sum of its two curves.
 PatchDraft bend(const PatchDraft& draft) {
   PatchDraft best;
   for (const double length : {1.0, 0.5, 0.0}) {
@@ -138,7 +145,8 @@ PatchDraft bend(const PatchDraft& draft) {
     d.soundness = 1;
     const auto n = static_cast<std::uint32_t>(d.face_corner.size());
     for (std::size_t k = 0; k < n; ++k) {
-      for (const std::size_t at : {kSideLength, kSideLength + 1}) d.control[k * kSideReals + at] *= length;
+      for (const std::size_t at : {kSideLength, kSideLength + 1})
+        d.control[k * kSideReals + at] *= length;
     }
     kernels<double>().bend_patch(d.control.data(), n, d.normal.data());
     d.shape = examine(d);
@@ -148,7 +156,8 @@ PatchDraft bend(const PatchDraft& draft) {
   return best;
 }
 
-// The cuts inside a face as straight lines, which both of their triangles can share when normals are given up.
+// The cuts inside a face as straight lines, which both of their triangles can share when normals
+// are given up.
 void straighten_cuts(PatchDraft& d, std::uint32_t face_valence) {
   for (std::size_t k = 0; k < 3; ++k) {
     const std::uint32_t start = d.face_corner[k], end = d.face_corner[(k + 1) % 3];
@@ -161,9 +170,11 @@ void straighten_cuts(PatchDraft& d, std::uint32_t face_valence) {
   }
 }
 
-// The face cut into triangles that share its corners and perhaps a centre, each with the normals of its corners: they
-// join each other and the neighbours with G1 continuity as any two patches do. Bent: with continuity of position only.
-std::vector<PatchDraft> split(const FaceCorners& face, const std::vector<std::array<std::uint32_t, 3>>& triangles,
+// The face cut into triangles that share its corners and perhaps a centre, each with the normals of
+// its corners: they join each other and the neighbours with G1 continuity as any two patches do.
+// Bent: with continuity of position only.
+std::vector<PatchDraft> split(const FaceCorners& face,
+                              const std::vector<std::array<std::uint32_t, 3>>& triangles,
                               std::uint32_t face_valence, bool bent) {
   std::vector<PatchDraft> parts;
   for (const auto& t : triangles) {
@@ -190,7 +201,8 @@ std::vector<FaceCorners> with_centres(const FaceCorners& face, const PatchDraft&
   double at[9];
   const double zero = 0;
   const auto n = static_cast<std::uint32_t>(face.position.size());
-  kernels<double>().evaluate(probes_of(n).domain.data(), exact.control.data(), n, &zero, &zero, 1, 1, at);
+  kernels<double>().evaluate(probes_of(n).domain.data(), exact.control.data(), n, &zero, &zero, 1,
+                             1, at);
   const Vec3 middle = exact.origin + Vec3(at[0], at[1], at[2]) / exact.scale;
   std::vector<FaceCorners> all;
   for (const Vec3& p : {middle, Vec3(0.5 * (middle + centroid)), centroid}) {
@@ -225,7 +237,8 @@ PatchShape base_shape(const PatchDraft& d) {
   shape.low = most;
   shape.high = -most;
   shape.bend.setZero();
-  for (std::size_t k = 0; k < d.corner.size(); k += 6) include(d, Vec3(d.corner[k], d.corner[k + 1], d.corner[k + 2]), shape);
+  for (std::size_t k = 0; k < d.corner.size(); k += 6)
+    include(d, Vec3(d.corner[k], d.corner[k + 1], d.corner[k + 2]), shape);
   return shape;
 }
 
@@ -235,8 +248,8 @@ PatchShape examine(const PatchDraft& d) {
   const std::size_t count = probes.count, all = 3 * count;
   thread_local std::vector<double> rows;
   rows.resize(9 * all);
-  kernels<double>().evaluate(probes.domain.data(), d.control.data(), n, probes.xi.data(), probes.eta.data(), all, all,
-                             rows.data());
+  kernels<double>().evaluate(probes.domain.data(), d.control.data(), n, probes.xi.data(),
+                             probes.eta.data(), all, all, rows.data());
   const auto triple = [&](int row, std::size_t i) {
     const std::size_t r = static_cast<std::size_t>(row) * all;
     return Vec3(rows[r + i], rows[r + all + i], rows[r + 2 * all + i]);
@@ -253,8 +266,10 @@ PatchShape examine(const PatchDraft& d) {
   for (std::size_t i = 0; i < count; ++i) {
     const Vec3 p = triple(0, i), gx = triple(3, i), gy = triple(6, i);
     const Vec3 normal = gx.cross(gy).normalized();
-    const Vec3 nx = (triple(3, count + i).cross(triple(6, count + i)).normalized() - normal) / kProbe;
-    const Vec3 ny = (triple(3, 2 * count + i).cross(triple(6, 2 * count + i)).normalized() - normal) / kProbe;
+    const Vec3 nx =
+        (triple(3, count + i).cross(triple(6, count + i)).normalized() - normal) / kProbe;
+    const Vec3 ny =
+        (triple(3, 2 * count + i).cross(triple(6, 2 * count + i)).normalized() - normal) / kProbe;
     finite = finite && p.allFinite() && normal.allFinite();
     include(d, p, shape);
     if (i == 0) shape.bend = -Vec3(gx.dot(nx), 0.5 * (gx.dot(ny) + gy.dot(nx)), gy.dot(ny));
@@ -264,10 +279,11 @@ PatchShape examine(const PatchDraft& d) {
     shape.sag = std::max(shape.sag, kernels<double>().polygon_distance2(base, 0, p.data()));
   }
   shape.rho_min = curvature > 0 ? 1 / curvature : std::numeric_limits<double>::infinity();
-  // Between samples the patch leaves their triangles by at most (spacing)^2 curvature / 8; half as much again for
-  // curvature between samples.
+  // Between samples the patch leaves their triangles by at most (spacing)^2 curvature / 8; half as
+  // much again for curvature between samples.
   const double spacing2 = stretch2 / (probes.levels * probes.levels);
-  const double slack = std::min(spacing2 * curvature * (1.5 / 8), std::sqrt(spacing2)) + 1e-4 * std::sqrt(stretch2);
+  const double slack =
+      std::min(spacing2 * curvature * (1.5 / 8), std::sqrt(spacing2)) + 1e-4 * std::sqrt(stretch2);
   shape.sag = std::sqrt(shape.sag) + slack;
   shape.box.low.array() -= slack;
   shape.box.high.array() += slack;

@@ -7,7 +7,8 @@
 namespace gliss {
 namespace {
 
-// A point of a patch's own domain, and the affine map of the face's domain to it: d(patch xi, eta) / d(face xi, eta).
+// A point of a patch's own domain, and the affine map of the face's domain to it: d(patch xi, eta)
+// / d(face xi, eta).
 struct PatchPlace {
   std::uint32_t patch = 0;
   double xi = 0, eta = 0;
@@ -25,7 +26,8 @@ Vec2 domain_corner(const Surface<Real>& s, std::uint32_t n, std::uint32_t k) {
 // Whether the patch is one triangle of its face rather than all of it.
 bool is_part(const PatchCache& cache, std::uint32_t patch) {
   const std::uint32_t face = cache.patch_face[patch], next = patch + 1;
-  return cache.face_patch[face] != patch || (next < cache.patch_count() && cache.patch_face[next] == face);
+  return cache.face_patch[face] != patch ||
+         (next < cache.patch_count() && cache.patch_face[next] == face);
 }
 
 // The corners of a part in the domain of its face, and in its own.
@@ -64,7 +66,8 @@ PatchPlace place_of(const PatchCache& cache, const Surface<Real>& s, const Domai
 }
 
 template <class Real>
-DomainPoint face_point(const PatchCache& cache, const Surface<Real>& s, std::uint32_t patch, double xi, double eta) {
+DomainPoint face_point(const PatchCache& cache, const Surface<Real>& s, std::uint32_t patch,
+                       double xi, double eta) {
   DomainPoint point{cache.patch_face[patch], xi, eta};
   if (!is_part(cache, patch)) return point;
   const PartDomain<Real> part(cache, s, patch);
@@ -75,10 +78,12 @@ DomainPoint face_point(const PatchCache& cache, const Surface<Real>& s, std::uin
 }
 
 template <class Real>
-Vec3 from_local(const PatchCache& cache, const Surface<Real>& s, std::uint32_t patch, const Vec3& local) {
+Vec3 from_local(const PatchCache& cache, const Surface<Real>& s, std::uint32_t patch,
+                const Vec3& local) {
   const Real* numbers = &s.patch[patch * kPatchReals];
   const Vec3 origin(numbers[kPatchOrigin], numbers[kPatchOrigin + 1], numbers[kPatchOrigin + 2]);
-  return cache.origin + (origin + local * static_cast<double>(numbers[kPatchUnscale])) / cache.scale;
+  return cache.origin +
+         (origin + local * static_cast<double>(numbers[kPatchUnscale])) / cache.scale;
 }
 
 template <class Real>
@@ -101,7 +106,8 @@ template <class Real>
 TrackOptions<Real> track_options(const QueryOptions& options) {
   double tolerance = options.tolerance;
   // The paper's solver ends by the residual angle: its threshold of 1e-5.
-  if (tolerance == 0) tolerance = options.solver == Solver::kPaper ? 1e-5 : sizeof(Real) == 4 ? 0x1p-18 : 0x1p-36;
+  if (tolerance == 0)
+    tolerance = options.solver == Solver::kPaper ? 1e-5 : sizeof(Real) == 4 ? 0x1p-18 : 0x1p-36;
   return {options.solver, options.max_iterations, static_cast<Real>(tolerance)};
 }
 
@@ -123,8 +129,9 @@ Contact contact_of(const PatchCache& cache, const Surface<Real>& s, const RawCon
 }
 
 template <class Real>
-void evaluate_points(const PatchCache& cache, const Surface<Real>& s, std::uint32_t face, std::span<const double> xi,
-                     std::span<const double> eta, std::span<SurfacePoint> out) {
+void evaluate_points(const PatchCache& cache, const Surface<Real>& s, std::uint32_t face,
+                     std::span<const double> xi, std::span<const double> eta,
+                     std::span<SurfacePoint> out) {
   constexpr std::size_t kBlock = 64;
   Real x[kBlock], y[kBlock], rows[9 * kBlock];
   std::size_t done = 0;
@@ -139,9 +146,11 @@ void evaluate_points(const PatchCache& cache, const Surface<Real>& s, std::uint3
       at = place_of(cache, s, {face, xi[done + count], eta[done + count]});
     }
     const std::uint32_t n = s.valence(first.patch);
-    kernels<Real>().evaluate(&s.domain[s.domain_begin[n]], &s.control[s.side_begin[first.patch] * kSideReals], n, x, y,
-                             count, kBlock, rows);
-    const double unscale = static_cast<double>(s.patch[first.patch * kPatchReals + kPatchUnscale]) / cache.scale;
+    kernels<Real>().evaluate(&s.domain[s.domain_begin[n]],
+                             &s.control[s.side_begin[first.patch] * kSideReals], n, x, y, count,
+                             kBlock, rows);
+    const double unscale =
+        static_cast<double>(s.patch[first.patch * kPatchReals + kPatchUnscale]) / cache.scale;
     for (std::size_t i = 0; i < count; ++i) {
       const auto row = [&](std::size_t r) {
         return Vec3(rows[r * kBlock + i], rows[(r + 1) * kBlock + i], rows[(r + 2) * kBlock + i]);
@@ -170,7 +179,8 @@ bool in_domain(const PatchCache& cache, const DomainPoint& point) {
   return with_surface(cache, [&](const auto& s) {
     const std::uint32_t n = cache.face_valence[point.face];
     for (std::uint32_t k = 0; k < n; ++k) {
-      const Vec2 a = domain_corner(s, n, k), b = domain_corner(s, n, (k + 1) % n), x(point.xi, point.eta);
+      const Vec2 a = domain_corner(s, n, k), b = domain_corner(s, n, (k + 1) % n),
+                 x(point.xi, point.eta);
       const double area = (b - a).x() * (x - a).y() - (b - a).y() * (x - a).x();
       if (!(area >= -1e-6 * (b - a).norm())) return false;
     }
@@ -184,8 +194,8 @@ SurfacePoint evaluate(const PatchCache& cache, const DomainPoint& point) {
   return p;
 }
 
-void evaluate(const PatchCache& cache, std::uint32_t face, std::span<const double> xi, std::span<const double> eta,
-              std::span<SurfacePoint> out) {
+void evaluate(const PatchCache& cache, std::uint32_t face, std::span<const double> xi,
+              std::span<const double> eta, std::span<SurfacePoint> out) {
   with_surface(cache, [&](const auto& s) { evaluate_points(cache, s, face, xi, eta, out); });
 }
 
@@ -195,24 +205,26 @@ Contact nearest(const PatchCache& cache, const Vec3& hip, const QueryOptions& op
   return contact;
 }
 
-void nearest(const PatchCache& cache, const Vec3& hip, std::span<const Method> methods, const QueryOptions& options,
-             std::span<Contact> out) {
+void nearest(const PatchCache& cache, const Vec3& hip, std::span<const Method> methods,
+             const QueryOptions& options, std::span<Contact> out) {
   with_surface(cache, [&]<class Real>(const Surface<Real>& s) {
     std::array<RawContact<Real>, kMethods> raw;
-    kernels<Real>().nearest(s, methods.data(), methods.size(), track_options<Real>(options), raw_hip<Real>(cache, hip),
-                            raw.data());
+    kernels<Real>().nearest(s, methods.data(), methods.size(), track_options<Real>(options),
+                            raw_hip<Real>(cache, hip), raw.data());
     for (std::size_t i = 0; i < methods.size(); ++i) out[i] = contact_of(cache, s, raw[i]);
   });
 }
 
-ContactTracker::ContactTracker(const PatchCache& cache, const QueryOptions& options) : cache_(cache), options_(options) {
+ContactTracker::ContactTracker(const PatchCache& cache, const QueryOptions& options)
+    : cache_(cache), options_(options) {
   if (cache.surface.index() == 1) state_.emplace<1>();
 }
 
 Contact ContactTracker::tick(const Vec3& hip) noexcept {
   return with_surface(cache_, [&]<class Real>(const Surface<Real>& s) {
     RawContact<Real>& state = *std::get_if<RawContact<Real>>(&state_);
-    kernels<Real>().tick(s, options_.method, track_options<Real>(options_), raw_hip<Real>(cache_, hip), &state);
+    kernels<Real>().tick(s, options_.method, track_options<Real>(options_),
+                         raw_hip<Real>(cache_, hip), &state);
     return contact_of(cache_, s, state);
   });
 }
@@ -224,7 +236,8 @@ Contact ContactTracker::track(const Vec3& hip, const DomainPoint& start) noexcep
     state.patch = place.patch;
     state.xi = static_cast<Real>(place.xi);
     state.eta = static_cast<Real>(place.eta);
-    kernels<Real>().track(s, options_.method, track_options<Real>(options_), raw_hip<Real>(cache_, hip), &state);
+    kernels<Real>().track(s, options_.method, track_options<Real>(options_),
+                          raw_hip<Real>(cache_, hip), &state);
     return contact_of(cache_, s, state);
   });
 }

@@ -1,5 +1,6 @@
-// Questions to a patch cache, in the mesh's unit and double whatever its precision: points of a face's patch, the nearest
-// point of the surface, and the tick that follows a contact. Nothing here allocates, and nothing checks its input again.
+// Questions to a patch cache, in the mesh's unit and double whatever its precision: points of a
+// face's patch, the nearest point of the surface, and the tick that follows a contact. Nothing here
+// allocates, and nothing checks its input again.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +11,8 @@
 
 namespace gliss {
 
-// A point of a face's patch: (xi, eta) lies in the regular n-gon with corners (cos 2 k pi / n, sin 2 k pi / n).
+// A point of a face's patch: (xi, eta) lies in the regular n-gon with corners (cos 2 k pi / n, sin
+// 2 k pi / n).
 struct DomainPoint {
   std::uint32_t face = 0;
   double xi = 0, eta = 0;
@@ -25,8 +27,8 @@ struct SurfacePoint {
 bool in_domain(const PatchCache& cache, const DomainPoint& point);
 SurfacePoint evaluate(const PatchCache& cache, const DomainPoint& point);
 // Many points of one face: as evaluate, several lanes at a time.
-void evaluate(const PatchCache& cache, std::uint32_t face, std::span<const double> xi, std::span<const double> eta,
-              std::span<SurfacePoint> out);
+void evaluate(const PatchCache& cache, std::uint32_t face, std::span<const double> xi,
+              std::span<const double> eta, std::span<SurfacePoint> out);
 
 struct QueryOptions {
   Method method = Method::kGregory;
@@ -40,20 +42,23 @@ struct Contact {
   DomainPoint at;         // of the SCP
   Vec3 scp, normal;       // surface contact point, mesh's unit; outward unit normal
   double distance = 0;    // signed, mesh's unit; negative inside
-  Vec3 push;              // SCP - HIP for gregory and flat, turned to the normal for shaded; zero outside. Mesh's unit
+  Vec3 push;  // SCP - HIP for gregory and flat, turned to the normal for shaded; zero outside.
+              // Mesh's unit
   double residual_angle = 0;  // between SCP - HIP and the normal, rad
   int iterations = 0, crossings = 0;
-  std::uint32_t flags = 0;    // kConverged, kOnBorder, kOnCrease
+  std::uint32_t flags = 0;  // kConverged, kOnBorder, kOnCrease
 };
 
 // Global: the nearest point of the surface.
 Contact nearest(const PatchCache& cache, const Vec3& hip, const QueryOptions& options = {});
 
-// The same for several methods (at most kMethods, each once; options.method is not read), which share the search.
-void nearest(const PatchCache& cache, const Vec3& hip, std::span<const Method> methods, const QueryOptions& options,
-             std::span<Contact> out);
+// The same for several methods (at most kMethods, each once; options.method is not read), which
+// share the search.
+void nearest(const PatchCache& cache, const Vec3& hip, std::span<const Method> methods,
+             const QueryOptions& options, std::span<Contact> out);
 
-// Algorithm 1 for one HIP: a search while free, local tracking in contact. One object per HIP, cache and method.
+// Algorithm 1 for one HIP: a search while free, local tracking in contact. One object per HIP,
+// cache and method.
 class ContactTracker {
  public:
   ContactTracker(const PatchCache& cache, const QueryOptions& options);

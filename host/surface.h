@@ -21,7 +21,9 @@ struct Surface {
   std::vector<std::uint32_t> child;         // [node][2]
 
   std::uint32_t patch_count() const { return static_cast<std::uint32_t>(side_begin.size()) - 1; }
-  std::uint32_t valence(std::uint32_t patch) const { return side_begin[patch + 1] - side_begin[patch]; }
+  std::uint32_t valence(std::uint32_t patch) const {
+    return side_begin[patch + 1] - side_begin[patch];
+  }
 };
 
 }  // namespace gliss

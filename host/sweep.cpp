@@ -3,42 +3,41 @@
 #include <algorithm>
 #include <cmath>
 #include <future>
-#include <map>
 #include <numbers>
 
 namespace gliss {
 namespace {
 
-constexpr std::uint64_t kChunkPoints = 4096;  // a chunk is whole faces, at least one
-constexpr std::size_t kChunksPerThread = 4;   // of a window
+constexpr std::uint64_t kChunkPoints =
+    4096;                                    // a chunk is whole faces, or some rings of a large one
+constexpr std::size_t kChunksPerThread = 4;  // of a window
 
-// Ring r = 1 ... rings of a face has r points in each sector, at (r - 1/2) / rings of the way to the side; so a side and
-// its twin have the same number of points beside them, in opposite order.
-struct Grid {
+// Ring r = 1 ... rings of a face has r points in each sector, at (r - 1/2) / rings of the way to
+// the side; so a side and its twin have the same number of points beside them, in opposite order.
+struct Points {
   std::vector<double> xi, eta;
+  std::vector<SurfacePoint> surface;
 };
 
-std::size_t grid_index(std::uint32_t n, std::uint32_t r, std::uint32_t sector, std::uint32_t i) {
-  return std::size_t{n} * r * (r - 1) / 2 + std::size_t{sector} * r + i;
-}
-
-std::size_t grid_size(std::uint32_t n, std::uint32_t rings) { return grid_index(n, rings + 1, 0, 0); }
-
-Grid make_grid(std::uint32_t n, std::uint32_t rings) {
-  Grid g;
-  for (std::uint32_t r = 1; r <= rings; ++r) {
-    const double radius = (r - 0.5) / rings;
-    for (std::uint32_t k = 0; k < n; ++k) {
-      const double a = 2 * std::numbers::pi * k / n, b = 2 * std::numbers::pi * (k + 1) / n;
-      for (std::uint32_t i = 0; i < r; ++i) {
-        const double t = (i + 0.5) / r;
-        g.xi.push_back(radius * ((1 - t) * std::cos(a) + t * std::cos(b)));
-        g.eta.push_back(radius * ((1 - t) * std::sin(a) + t * std::sin(b)));
-      }
-    }
+void add_sector(std::uint32_t n, std::uint32_t rings, std::uint32_t r, std::uint32_t k,
+                Points& points) {
+  const double radius = (r - 0.5) / rings;
+  const double a = 2 * std::numbers::pi * k / n, b = 2 * std::numbers::pi * (k + 1) / n;
+  for (std::uint32_t i = 0; i < r; ++i) {
+    const double t = (i + 0.5) / r;
+    points.xi.push_back(radius * ((1 - t) * std::cos(a) + t * std::cos(b)));
+    points.eta.push_back(radius * ((1 - t) * std::sin(a) + t * std::sin(b)));
   }
-  return g;
 }
+
+// Points in rings 1 to r.
+std::uint64_t grid_size(std::uint32_t n, std::uint64_t r) { return n * r * (r + 1) / 2; }
+
+// Faces [begin, end) of the list, their rings [first, last).
+struct Chunk {
+  std::size_t begin, end;
+  std::uint32_t first, last;
+};
 
 // Sides of whole faces: the outer sides of their patches.
 struct FaceSide {
@@ -50,17 +49,9 @@ class Sweeper {
   Sweeper(const PatchCache& cache, const Engine& engine, const SweepOptions& options)
       : cache_(cache), engine_(engine), options_(options) {
     for (std::uint32_t f = 0; f < cache.mesh_face_count; ++f) {
-      if (cache.face_patch[f] == kNone) continue;
-      const std::uint32_t n = cache.face_valence[f];
-      if (!grids_.contains(n)) grids_.emplace(n, make_grid(n, options.rings));
-      if (chunk_begin_.empty() || chunk_points_ + grid_size(n, options.rings) > kChunkPoints) {
-        chunk_begin_.push_back(faces_.size());
-        chunk_points_ = 0;
-      }
-      chunk_points_ += grid_size(n, options.rings);
-      faces_.push_back(f);
+      if (cache.face_patch[f] != kNone) faces_.push_back(f);
     }
-    chunk_begin_.push_back(faces_.size());
+    cut_chunks();
     find_twins();
   }
 
@@ -73,7 +64,7 @@ class Sweeper {
         result.statistics.back().method = method;
       }
     }
-    const std::size_t chunks = chunk_begin_.size() - 1;
+    const std::size_t chunks = chunks_.size();
     const std::size_t window = kChunksPerThread * static_cast<std::size_t>(engine_.threads());
     const std::uint64_t total = sample_count(cache_, options_.rings) * options_.depths.size();
     std::uint64_t done = 0;
@@ -81,10 +72,12 @@ class Sweeper {
     for (std::size_t first = 0; first < chunks; first += window) {
       auto pieces = std::make_shared<std::vector<Piece>>(std::min(window, chunks - first));
       engine_.for_each(pieces->size(), 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) compute(first + i, sink != nullptr, (*pieces)[i]);
+        for (std::size_t i = begin; i < end; ++i)
+          compute(chunks_[first + i], sink != nullptr, (*pieces)[i]);
       });
       for (const Piece& piece : *pieces) {
-        for (std::size_t i = 0; i < piece.statistics.size(); ++i) merge(piece.statistics[i], result.statistics[i]);
+        for (std::size_t i = 0; i < piece.statistics.size(); ++i)
+          merge(piece.statistics[i], result.statistics[i]);
         done += piece.points * options_.depths.size();
       }
       if (writing.valid()) writing.get();
@@ -117,6 +110,31 @@ class Sweeper {
     std::array<Vec3, kMethods> force;
   };
 
+  // As many faces as fit into a chunk, or as many rings of one face.
+  void cut_chunks() {
+    const std::uint32_t all = options_.rings + 1;
+    std::uint64_t points = 0;
+    for (std::size_t i = 0; i < faces_.size(); ++i) {
+      const std::uint32_t n = cache_.face_valence[faces_[i]];
+      const std::uint64_t size = grid_size(n, options_.rings);
+      if (size > kChunkPoints) {
+        for (std::uint32_t first = 1; first < all;) {
+          std::uint32_t last = first + 1;
+          while (last < all && grid_size(n, last) - grid_size(n, first - 1) <= kChunkPoints) ++last;
+          chunks_.push_back({i, i + 1, first, last});
+          first = last;
+        }
+        points = kChunkPoints;
+      } else if (chunks_.empty() || points + size > kChunkPoints) {
+        chunks_.push_back({i, i + 1, 1, all});
+        points = size;
+      } else {
+        chunks_.back().end = i + 1;
+        points += size;
+      }
+    }
+  }
+
   void find_twins() {
     side_begin_.assign(cache_.mesh_face_count + 1, 0);
     for (std::uint32_t f = 0; f < cache_.mesh_face_count; ++f) {
@@ -131,8 +149,10 @@ class Sweeper {
             const std::uint32_t face = cache_.patch_face[s.side_patch[side]];
             const std::uint32_t other = cache_.patch_face[s.side_patch[twin]];
             // Not the cuts inside one face.
-            if (face == other && s.valence(s.side_patch[side]) != cache_.face_valence[face]) continue;
-            twin_[side_begin_[face] + cache_.corner_of_face[side]] = {other, cache_.corner_of_face[twin]};
+            if (face == other && s.valence(s.side_patch[side]) != cache_.face_valence[face])
+              continue;
+            twin_[side_begin_[face] + cache_.corner_of_face[side]] = {other,
+                                                                      cache_.corner_of_face[twin]};
           }
         },
         cache_.surface);
@@ -149,16 +169,17 @@ class Sweeper {
     return felt;
   }
 
-  void count_step(const Felt& felt, const Felt& other, Histogram SweepStatistics::* step,
+  void count_step(const Felt& felt, const Felt& other, Histogram SweepStatistics::*step,
                   std::span<SweepStatistics> statistics) const {
     for (std::size_t m = 0; m < statistics.size(); ++m) {
       const Vec3 &a = felt.force[m], &b = other.force[m];
       (statistics[m].*step).add((a - b).norm());
-      if (a.squaredNorm() > 0 && b.squaredNorm() > 0) statistics[m].angle.add(std::atan2(a.cross(b).norm(), a.dot(b)));
+      if (a.squaredNorm() > 0 && b.squaredNorm() > 0)
+        statistics[m].angle.add(std::atan2(a.cross(b).norm(), a.dot(b)));
     }
   }
 
-  void compute(std::size_t chunk, bool keep, Piece& piece) const {
+  void compute(const Chunk& chunk, bool keep, Piece& piece) const {
     const std::size_t methods = options_.methods.size(), kinds = options_.depths.size() * methods;
     piece.statistics.resize(kinds);
     if (keep) {
@@ -168,33 +189,53 @@ class Sweeper {
         piece.blocks[i].method_index = i % methods;
       }
     }
-    std::vector<SurfacePoint> points;
-    std::vector<Felt> felt;
-    for (std::size_t i = chunk_begin_[chunk]; i < chunk_begin_[chunk + 1]; ++i) {
-      const std::uint32_t face = faces_[i], n = cache_.face_valence[face];
-      const Grid& grid = grids_.at(n);
-      points.resize(grid.xi.size());
-      felt.resize(grid.xi.size());
-      evaluate(cache_, face, grid.xi, grid.eta, points);
-      piece.points += points.size();
-      for (std::size_t d = 0; d < options_.depths.size(); ++d) {
-        const double depth = options_.depths[d] / cache_.unit;
+    for (std::size_t i = chunk.begin; i < chunk.end; ++i) compute_face(faces_[i], chunk, piece);
+  }
+
+  // Ring by ring; one more than the chunk's own, for the steps outward to it.
+  void compute_face(std::uint32_t face, const Chunk& chunk, Piece& piece) const {
+    const std::uint32_t n = cache_.face_valence[face];
+    const std::size_t depths = options_.depths.size(), methods = options_.methods.size();
+    std::vector<std::vector<Felt>> inner(depths), ring(depths);
+    for (std::uint32_t r = chunk.first; r <= std::min(chunk.last, options_.rings); ++r) {
+      Points points;
+      for (std::uint32_t k = 0; k < n; ++k) add_sector(n, options_.rings, r, k, points);
+      place(face, points);
+      const bool own = r < chunk.last;
+      if (own) piece.points += points.surface.size();
+      for (std::size_t d = 0; d < depths; ++d) {
         const std::span<SweepStatistics> statistics(&piece.statistics[d * methods], methods);
-        for (std::size_t p = 0; p < points.size(); ++p) {
-          const Vec3 hip = points[p].position - depth * points[p].normal;
-          felt[p] = feel(hip);
-          const Vec3 exact = options_.stiffness * cache_.unit * depth * points[p].normal;
+        ring[d].clear();
+        for (std::size_t p = 0; p < points.surface.size(); ++p) {
+          const Vec3 hip = hip_of(points.surface[p], d);
+          ring[d].push_back(feel(hip));
+          if (!own) continue;
+          const Vec3 exact = options_.stiffness * options_.depths[d] * points.surface[p].normal;
           for (std::size_t m = 0; m < methods; ++m) {
-            count_sample(felt[p].contact[m], (felt[p].force[m] - exact).norm(), statistics[m]);
-            if (keep) {
-              append(piece.blocks[d * methods + m], face, grid.xi[p], grid.eta[p], hip, felt[p].contact[m],
-                     felt[p].force[m]);
+            const Contact& contact = ring[d][p].contact[m];
+            const Vec3& force = ring[d][p].force[m];
+            count_sample(contact, (force - exact).norm(), statistics[m]);
+            if (!piece.blocks.empty()) {
+              append(piece.blocks[d * methods + m], face, points.xi[p], points.eta[p], hip, contact,
+                     force);
             }
           }
         }
-        count_steps(face, n, depth, felt, statistics);
+        if (r > chunk.first) count_outward(r, inner[d], ring[d], statistics);
+        if (own) count_along(ring[d], statistics);
+        if (own && r == options_.rings) count_across(face, ring[d], d, statistics);
       }
+      std::swap(inner, ring);
     }
+  }
+
+  void place(std::uint32_t face, Points& points) const {
+    points.surface.resize(points.xi.size());
+    evaluate(cache_, face, points.xi, points.eta, points.surface);
+  }
+
+  Vec3 hip_of(const SurfacePoint& point, std::size_t depth) const {
+    return point.position - options_.depths[depth] / cache_.unit * point.normal;
   }
 
   static void count_sample(const Contact& contact, double error, SweepStatistics& s) {
@@ -207,40 +248,45 @@ class Sweeper {
     s.residual.add(contact.residual_angle);
   }
 
-  // Neighbours along the rings, from ring to ring, and across the edges to faces of a higher number.
-  void count_steps(std::uint32_t face, std::uint32_t n, double depth, const std::vector<Felt>& felt,
-                   std::span<SweepStatistics> statistics) const {
-    const std::uint32_t rings = options_.rings;
-    for (std::uint32_t r = 1; r <= rings; ++r) {
-      const std::size_t first = grid_index(n, r, 0, 0), count = std::size_t{n} * r;
-      for (std::size_t i = 0; i < count; ++i) {
-        count_step(felt[first + i], felt[first + (i + 1) % count], &SweepStatistics::step, statistics);
-        if (r == rings) continue;
-        const auto sector = static_cast<std::uint32_t>(i / r), at = static_cast<std::uint32_t>(i % r);
-        const std::size_t outward = grid_index(n, r + 1, sector, (2 * at + 1) * (r + 1) / (2 * r));
-        count_step(felt[first + i], felt[outward], &SweepStatistics::step, statistics);
-      }
+  void count_along(const std::vector<Felt>& ring, std::span<SweepStatistics> statistics) const {
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+      count_step(ring[i], ring[(i + 1) % ring.size()], &SweepStatistics::step, statistics);
     }
-    for (std::uint32_t k = 0; k < n; ++k) {
+  }
+
+  // From each point of ring r - 1 to the one of ring r nearest to it in its sector.
+  void count_outward(std::uint32_t r, const std::vector<Felt>& inner, const std::vector<Felt>& ring,
+                     std::span<SweepStatistics> statistics) const {
+    for (std::size_t i = 0; i < inner.size(); ++i) {
+      const std::size_t sector = i / (r - 1), at = i % (r - 1);
+      const std::size_t outward = sector * r + (2 * at + 1) * r / (2 * (r - 1));
+      count_step(inner[i], ring[outward], &SweepStatistics::step, statistics);
+    }
+  }
+
+  // To the last ring of each neighbour with a higher number.
+  void count_across(std::uint32_t face, const std::vector<Felt>& ring, std::size_t depth,
+                    std::span<SweepStatistics> statistics) const {
+    const std::uint32_t rings = options_.rings;
+    for (std::uint32_t k = 0; k < cache_.face_valence[face]; ++k) {
       const FaceSide twin = twin_[side_begin_[face] + k];
       if (twin.face == kNone || twin.face <= face) continue;
-      const std::uint32_t m = cache_.face_valence[twin.face];
-      const Grid& grid = grids_.at(m);
-      const std::size_t theirs = grid_index(m, rings, twin.side, 0);
-      std::vector<SurfacePoint> points(rings);
-      evaluate(cache_, twin.face, std::span(grid.xi).subspan(theirs, rings), std::span(grid.eta).subspan(theirs, rings),
-               points);
+      Points theirs;
+      add_sector(cache_.face_valence[twin.face], rings, rings, twin.side, theirs);
+      place(twin.face, theirs);
       for (std::uint32_t i = 0; i < rings; ++i) {
-        const SurfacePoint& p = points[rings - 1 - i];
-        count_step(felt[grid_index(n, rings, k, i)], feel(p.position - depth * p.normal), &SweepStatistics::edge_step,
+        count_step(ring[std::size_t{k} * rings + i],
+                   feel(hip_of(theirs.surface[rings - 1 - i], depth)), &SweepStatistics::edge_step,
                    statistics);
       }
     }
   }
 
-  static void append(SweepBlock& block, std::uint32_t face, double xi, double eta, const Vec3& hip, const Contact& contact,
-                     const Vec3& force) {
-    const auto byte = [](std::uint32_t count) { return static_cast<std::uint8_t>(std::min(count, 255u)); };
+  static void append(SweepBlock& block, std::uint32_t face, double xi, double eta, const Vec3& hip,
+                     const Contact& contact, const Vec3& force) {
+    const auto byte = [](std::uint32_t count) {
+      return static_cast<std::uint8_t>(std::min(count, 255u));
+    };
     block.face.push_back(face);
     block.xi.push_back(xi);
     block.eta.push_back(eta);
@@ -269,12 +315,10 @@ class Sweeper {
   const PatchCache& cache_;
   const Engine& engine_;
   const SweepOptions& options_;
-  std::map<std::uint32_t, Grid> grids_;  // [valence]
   std::vector<std::uint32_t> faces_;
-  std::vector<std::size_t> chunk_begin_;  // of faces_
-  std::uint64_t chunk_points_ = 0;
-  std::vector<std::size_t> side_begin_;   // [face + 1]
-  std::vector<FaceSide> twin_;            // [face side]
+  std::vector<Chunk> chunks_;
+  std::vector<std::size_t> side_begin_;  // [face + 1]
+  std::vector<FaceSide> twin_;           // [face side]
 };
 
 }  // namespace
@@ -293,8 +337,8 @@ std::uint32_t rings_for(const PatchCache& cache, std::uint64_t samples) {
   return rings;
 }
 
-SweepResult sweep(const PatchCache& cache, const Engine& engine, const SweepOptions& options, const SweepSink& sink,
-                  const SweepProgress& progress) {
+SweepResult sweep(const PatchCache& cache, const Engine& engine, const SweepOptions& options,
+                  const SweepSink& sink, const SweepProgress& progress) {
   return Sweeper(cache, engine, options).run(sink, progress);
 }
 

@@ -1,5 +1,6 @@
-// What a hand would feel over a whole offset surface: for every patch a grid of points, for every depth d the HIP G - d n,
-// for every method its contact; and how much the force differs between neighbouring samples (Figures 12 and 13).
+// What a hand would feel over a whole offset surface: for every patch a grid of points, for every
+// depth d the HIP G - d n, for every method its contact; and how much the force differs between
+// neighbouring samples (Figures 12 and 13).
 #pragma once
 
 #include <array>
@@ -13,18 +14,20 @@
 namespace gliss {
 
 struct SweepOptions {
-  std::vector<double> depths;                                                  // m, below the patches' surface
+  std::vector<double> depths;  // m, below the patches' surface
   std::vector<Method> methods{Method::kGregory, Method::kShaded, Method::kFlat};
-  std::uint32_t rings = 8;   // of the grid: n rings (rings + 1) / 2 points on an n-sided patch
-  double stiffness = 500;    // N/m
+  std::uint32_t rings = 8;  // of the grid: n rings (rings + 1) / 2 points on an n-sided patch
+  double stiffness = 500;   // N/m
   Solver solver = Solver::kNewton;
 };
 
 // Rings that give at least `samples` points over all faces of the cache.
 std::uint32_t rings_for(const PatchCache& cache, std::uint64_t samples);
-std::uint64_t sample_count(const PatchCache& cache, std::uint32_t rings);  // points of the grid, one depth
+std::uint64_t sample_count(const PatchCache& cache,
+                           std::uint32_t rings);  // points of the grid, one depth
 
-// A distribution over logarithmic bins: counts are integers, so that merging in any order gives the same.
+// A distribution over logarithmic bins: counts are integers, so that merging in any order gives the
+// same.
 class Histogram {
  public:
   static constexpr int kPerDecade = 20, kDecades = 16, kBins = kPerDecade * kDecades;
@@ -48,11 +51,11 @@ class Histogram {
 struct SweepStatistics {
   double depth = 0;  // m
   Method method = Method::kGregory;
-  Histogram step;         // |F_i - F_j| of neighbours within a patch, N
-  Histogram edge_step;    // ... of neighbours across an edge, N
-  Histogram angle;        // between the forces of neighbours (both kinds), rad
-  Histogram error;        // |F - k d n|: the exact force of the patches' own surface, N
-  Histogram residual;     // angle between SCP - HIP and the normal, rad
+  Histogram step;       // |F_i - F_j| of neighbours within a patch, N
+  Histogram edge_step;  // ... of neighbours across an edge, N
+  Histogram angle;      // between the forces of neighbours (both kinds), rad
+  Histogram error;      // |F - k d n|: the exact force of the patches' own surface, N
+  Histogram residual;   // angle between SCP - HIP and the normal, rad
   std::uint64_t samples = 0, touching = 0, unconverged = 0, iterations = 0, crossings = 0;
 };
 
@@ -66,7 +69,8 @@ struct SweepBlock {
   std::vector<std::uint8_t> iterations, crossings, flags;  // counts stop at 255
 };
 
-// Blocks arrive in order (chunk, depth, method), always from one thread at a time; null: only statistics are kept.
+// Blocks arrive in order (chunk, depth, method), always from one thread at a time; null: only
+// statistics are kept.
 using SweepSink = std::function<void(const SweepBlock&)>;
 // Called after each window of chunks; false stops the sweep.
 using SweepProgress = std::function<bool(std::uint64_t done, std::uint64_t total)>;
@@ -76,7 +80,8 @@ struct SweepResult {
   bool complete = true;                     // false: stopped by the progress callback
 };
 
-// Memory is bounded by the chunks under way, whatever the number of samples; the result is the same at any thread count.
+// Memory is bounded by the chunks under way, whatever the number of samples; the result is the same
+// at any thread count.
 SweepResult sweep(const PatchCache& cache, const Engine& engine, const SweepOptions& options,
                   const SweepSink& sink = nullptr, const SweepProgress& progress = nullptr);
 

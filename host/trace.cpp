@@ -4,8 +4,8 @@
 
 namespace gliss {
 
-std::vector<TraceStatistics> trace(const PatchCache& cache, std::span<const Vec3> hips, const TraceOptions& options,
-                                   const TraceSink& sink) {
+std::vector<TraceStatistics> trace(const PatchCache& cache, std::span<const Vec3> hips,
+                                   const TraceOptions& options, const TraceSink& sink) {
   std::vector<ContactTracker> trackers;
   std::vector<TraceStatistics> statistics;
   for (const Method method : options.methods) {

@@ -1,4 +1,5 @@
-// A recorded path of HIPs, tracked tick by tick (Algorithm 1) with each method, as the device loop would.
+// A recorded path of HIPs, tracked tick by tick (Algorithm 1) with each method, as the device loop
+// would.
 #pragma once
 
 #include <functional>
@@ -22,16 +23,18 @@ struct TraceStep {
 
 struct TraceStatistics {
   Method method = Method::kGregory;
-  double largest_step = 0, mean_step = 0;  // |F_i - F_(i-1)|, N, over ticks where both are in contact
-  double largest_force = 0;                // N
+  double largest_step = 0,
+         mean_step = 0;      // |F_i - F_(i-1)|, N, over ticks where both are in contact
+  double largest_force = 0;  // N
   std::uint64_t ticks = 0, touching = 0, entries = 0;  // entries: free to contact
 };
 
 // Steps arrive in order, all methods of a tick together (steps[i] belongs to options.methods[i]).
-using TraceSink = std::function<bool(std::size_t tick, std::span<const TraceStep> steps)>;  // false stops
+using TraceSink =
+    std::function<bool(std::size_t tick, std::span<const TraceStep> steps)>;  // false stops
 
 // HIPs in the mesh's unit.
-std::vector<TraceStatistics> trace(const PatchCache& cache, std::span<const Vec3> hips, const TraceOptions& options,
-                                   const TraceSink& sink = nullptr);
+std::vector<TraceStatistics> trace(const PatchCache& cache, std::span<const Vec3> hips,
+                                   const TraceOptions& options, const TraceSink& sink = nullptr);
 
 }  // namespace gliss

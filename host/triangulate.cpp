@@ -12,7 +12,8 @@ double area(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& normal) {
 }
 
 // A corner whose triangle with its neighbours is turned outward and holds no reflex corner.
-bool is_ear(std::span<const Vec3> p, const std::vector<std::uint32_t>& ring, std::size_t at, const Vec3& normal) {
+bool is_ear(std::span<const Vec3> p, const std::vector<std::uint32_t>& ring, std::size_t at,
+            const Vec3& normal) {
   const std::size_t n = ring.size();
   const std::uint32_t i = ring[(at + n - 1) % n], j = ring[at], k = ring[(at + 1) % n];
   if (area(p[i], p[j], p[k], normal) <= 0) return false;
@@ -30,7 +31,8 @@ bool is_ear(std::span<const Vec3> p, const std::vector<std::uint32_t>& ring, std
 
 }  // namespace
 
-void triangulate(std::span<const Vec3> corners, const Vec3& normal, std::vector<std::uint32_t>& triangles) {
+void triangulate(std::span<const Vec3> corners, const Vec3& normal,
+                 std::vector<std::uint32_t>& triangles) {
   std::vector<std::uint32_t> ring(corners.size());
   std::iota(ring.begin(), ring.end(), 0u);
   std::size_t at = 0;

@@ -9,8 +9,9 @@
 
 namespace gliss {
 
-// Appends n - 2 triangles of corner indices, oriented as the polygon. `normal`: its Newell normal, along which it is
-// seen. A self-crossing polygon is triangulated too, with triangles that overlap.
-void triangulate(std::span<const Vec3> corners, const Vec3& normal, std::vector<std::uint32_t>& triangles);
+// Appends n - 2 triangles of corner indices, oriented as the polygon. `normal`: its Newell normal,
+// along which it is seen. A self-crossing polygon is triangulated too, with triangles that overlap.
+void triangulate(std::span<const Vec3> corners, const Vec3& normal,
+                 std::vector<std::uint32_t>& triangles);
 
 }  // namespace gliss

@@ -28,7 +28,8 @@ FN side_data build_side(corner before, corner start, corner end, corner after) {
   r.curve[1] = ts;
   r.curve[2] = sub3(sub3(mul3(splat(K(3)), edge), mul3(splat(K(2)), ts)), te);
   r.curve[3] = sub3(add3(ts, te), mul3(splat(K(2)), edge));
-  // Eq. 10: C'(t) x m(t), m(t) = ((1-t) n_s + t n_e) x e; over |e|, so that it is of the order of 1.
+  // Eq. 10: C'(t) x m(t), m(t) = ((1-t) n_s + t n_e) x e; over |e|, so that it is of the order
+  // of 1.
   const real3 m0 = cross3(start.n, e), m1 = sub3(cross3(end.n, e), m0);
   const real over = K(1) / larger(length, splat(TINY));
   const real3 d0 = mul3(over, r.curve[1]), d1 = mul3(K(2) * over, r.curve[2]),

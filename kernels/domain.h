@@ -1,5 +1,6 @@
-// The parametric domain: a regular n-gon in the unit circle (Figure 4), the corner parameters u_k of eq. 3 and the
-// weights of eq. 5. Both are written as jets: a value with its derivatives along xi and eta.
+// The parametric domain: a regular n-gon in the unit circle (Figure 4), the corner parameters u_k
+// of eq. 3 and the weights of eq. 5. Both are written as jets: a value with its derivatives along
+// xi and eta.
 
 typedef struct {
   real f, xi, eta;
@@ -26,8 +27,8 @@ FN jet one_minus(jet a) { return make_jet(K(1) - a.f, -a.xi, -a.eta); }
 FN int wrap(int k, int n) { return k < 0 ? k + n : k >= n ? k - n : k; }
 
 // Distance d_k to side k, never negative, with the derivative of the unclamped distance.
-FN jet side_distance(GLOBAL scalar *domain, int n, int k, real xi, real eta) {
-  GLOBAL scalar *m = domain + DOMAIN_HEAD + DOMAIN_STRIDE * k;
+FN jet side_distance(GLOBAL scalar* domain, int n, int k, real xi, real eta) {
+  GLOBAL scalar* m = domain + DOMAIN_HEAD + DOMAIN_STRIDE * k;
   const real mx = splat(m[0]), my = splat(m[1]);
   real d;
   if (n < DOMAIN_COMPENSATED) {
@@ -43,11 +44,12 @@ FN jet side_distance(GLOBAL scalar *domain, int n, int k, real xi, real eta) {
   return make_jet(larger(d, splat(K(0))), -mx, -my);
 }
 
-// Keeps quotients finite where numerator and denominator vanish together: such terms carry a weight of zero.
+// Keeps quotients finite where numerator and denominator vanish together: such terms carry a weight
+// of zero.
 #define TINY (sizeof(scalar) == 4 ? K(1e-18f) : (scalar)1e-18f * (scalar)1e-18f)
 
 // u_k = d_(k-1) / (d_(k-1) + d_(k+1)), eq. 3; and v_k = 1 - u_(k-1).
-FN jet corner_u(GLOBAL scalar *domain, int n, int k, real xi, real eta) {
+FN jet corner_u(GLOBAL scalar* domain, int n, int k, real xi, real eta) {
   const jet a = side_distance(domain, n, wrap(k - 1, n), xi, eta);
   const jet b = side_distance(domain, n, wrap(k + 1, n), xi, eta);
   const real inverse = K(1) / larger(a.f + b.f, splat(TINY));
@@ -66,7 +68,7 @@ FN jet pick_jet_if_less(real a, real b, jet yes, jet no) {
                   pick(a < b, yes.eta, no.eta));
 }
 
-FN near_sides find_near_sides(GLOBAL scalar *domain, int n, real xi, real eta) {
+FN near_sides find_near_sides(GLOBAL scalar* domain, int n, real xi, real eta) {
   near_sides r;
   r.s = splat(K(0));
   r.t = splat(K(-1));
@@ -85,9 +87,10 @@ FN near_sides find_near_sides(GLOBAL scalar *domain, int n, real xi, real eta) {
   return r;
 }
 
-// Weight of corner k, eq. 5, up to a factor common to all k: the product as printed, for the few factors of a small n.
+// Weight of corner k, eq. 5, up to a factor common to all k: the product as printed, for the few
+// factors of a small n.
 #define DOMAIN_PRODUCTS 6
-FN jet corner_product(GLOBAL scalar *domain, int n, int k, real xi, real eta) {
+FN jet corner_product(GLOBAL scalar* domain, int n, int k, real xi, real eta) {
   jet p = side_distance(domain, n, wrap(k + 1, n), xi, eta);
   UNROLL
   for (int i = 2; i < n - 1; ++i) {
@@ -99,8 +102,9 @@ FN jet corner_product(GLOBAL scalar *domain, int n, int k, real xi, real eta) {
 
 // The same for any n:
 //   w_k ~ rho^2, rho = d_s d_t / (d_(k-1) d_k), each of s and t cancelled where it is k-1 or k.
-// 0 <= rho <= 1 and no quotient is 0/0: products of d_j^2 as printed underflow in float from n = 64.
-FN jet corner_quotient(GLOBAL scalar *domain, int n, int k, near_sides near, real xi, real eta) {
+// 0 <= rho <= 1 and no quotient is 0/0: products of d_j^2 as printed underflow in float from n
+// = 64.
+FN jet corner_quotient(GLOBAL scalar* domain, int n, int k, near_sides near, real xi, real eta) {
   const jet one = make_jet(splat(K(1)), splat(K(0)), splat(K(0)));
   const int before = wrap(k - 1, n);
   const real i = splat((scalar)before), j = splat((scalar)k), zero = splat(K(0));
@@ -121,7 +125,7 @@ FN jet corner_quotient(GLOBAL scalar *domain, int n, int k, near_sides near, rea
                   twice * fma(-rho, under.eta, over.eta));
 }
 
-FN jet corner_weight(GLOBAL scalar *domain, int n, int k, near_sides near, real xi, real eta) {
+FN jet corner_weight(GLOBAL scalar* domain, int n, int k, near_sides near, real xi, real eta) {
   return n <= DOMAIN_PRODUCTS ? corner_product(domain, n, k, xi, eta)
                               : corner_quotient(domain, n, k, near, xi, eta);
 }

@@ -1,4 +1,5 @@
-// The hierarchy over the patches: a binary tree of boxes, walked nearest first. A box holds a patch and its base polygon.
+// The hierarchy over the patches: a binary tree of boxes, walked nearest first. A box holds a patch
+// and its base polygon.
 
 typedef struct {
   uint node[HIERARCHY_DEPTH];
@@ -6,7 +7,7 @@ typedef struct {
   int count;
 } walk;
 
-FN real box_distance2(GLOBAL scalar *box, real3 x) {
+FN real box_distance2(GLOBAL scalar* box, real3 x) {
   const real zero = K(0);
   const real dx = larger(larger(box[0] - x.x, x.x - box[3]), zero);
   const real dy = larger(larger(box[1] - x.y, x.y - box[4]), zero);
@@ -23,13 +24,13 @@ FN walk start_walk(surface_view view) {
 }
 
 // The next patch whose box is nearer to x (mesh frame) than the limit, or NONE.
-FN_LARGE uint next_patch(surface_view view, walk *w, real3 x, real limit2) {
+FN_LARGE uint next_patch(surface_view view, walk* w, real3 x, real limit2) {
   while (w->count > 0) {
     const int top = --w->count;
     uint node = w->node[top];
     if (!(w->distance2[top] < limit2)) continue;
     if (node & NODE_LEAF) return node & ~NODE_LEAF;
-    GLOBAL scalar *boxes = view.node + (ulong)node * NODE_REALS;
+    GLOBAL scalar* boxes = view.node + (ulong)node * NODE_REALS;
     const real a = box_distance2(boxes, x), b = box_distance2(boxes + 6, x);
     const uint left = view.child[2 * (ulong)node], right = view.child[2 * (ulong)node + 1];
     const int left_first = a <= b;

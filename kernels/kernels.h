@@ -1,4 +1,6 @@
-// All of the mathematics, in order. Included once for each instance: OpenCL C, and in C++ inside a namespace.
+// All of the mathematics, in order. Included once for each instance: OpenCL C, and in C++ inside a
+// namespace.
+// clang-format off
 #include "kernels/real.h"
 #include "kernels/vector.h"
 #include "kernels/domain.h"
@@ -13,3 +15,4 @@
 #include "kernels/query.h"
 #include "kernels/method.h"
 #endif
+// clang-format on

@@ -33,15 +33,15 @@ inline V sqrt(V a) {
   return r;
 }
 
-#define GLISS_LANES_FORM(V, FMA, SQRT)                                       \
-  static_assert(sizeof(V) >= 16);                                             \
-  template <>                                                                \
-  inline V fma<V>(V a, V b, V c) {                                           \
-    return FMA(a, b, c);                                                     \
-  }                                                                          \
-  template <>                                                                \
-  inline V sqrt<V>(V a) {                                                    \
-    return SQRT(a);                                                          \
+#define GLISS_LANES_FORM(V, FMA, SQRT) \
+  static_assert(sizeof(V) >= 16);      \
+  template <>                          \
+  inline V fma<V>(V a, V b, V c) {     \
+    return FMA(a, b, c);               \
+  }                                    \
+  template <>                          \
+  inline V sqrt<V>(V a) {              \
+    return SQRT(a);                    \
   }
 
 #ifdef __FMA__

@@ -1,4 +1,5 @@
-// The three methods behind one interface: what a HIP touches and which force it feels, by Algorithm 1.
+// The three methods behind one interface: what a HIP touches and which force it feels, by
+// Algorithm 1.
 
 #define METHOD_GREGORY 0  // this library's
 #define METHOD_SHADED 1   // force shading on the base polygons (Morgenbesser and Srinivasan 1996)
@@ -8,16 +9,16 @@
 #define CONTACT_TOUCHING 1
 
 typedef struct {
-  int state;       // CONTACT_FREE or CONTACT_TOUCHING
+  int state;  // CONTACT_FREE or CONTACT_TOUCHING
   int method;
   uint patch;
-  real xi, eta;    // domain point of the SCP
-  real3 scp;       // surface contact point, local frame
-  real3 normal;    // outward surface normal there (of the polygon's blend for shaded and flat), unit
-  real3 offset;    // SCP - HIP, mesh frame
-  real3 push;      // force over stiffness, mesh frame: `offset`, for shaded turned to the normal
+  real xi, eta;  // domain point of the SCP
+  real3 scp;     // surface contact point, local frame
+  real3 normal;  // outward surface normal there (of the polygon's blend for shaded and flat), unit
+  real3 offset;  // SCP - HIP, mesh frame
+  real3 push;    // force over stiffness, mesh frame: `offset`, for shaded turned to the normal
   int iterations, crossings;
-  uint flags;      // FOOT_*
+  uint flags;  // FOOT_*
 } contact;
 
 FN contact contact_of_foot(surface_view view, foot f) {
@@ -38,7 +39,8 @@ FN contact contact_of_foot(surface_view view, foot f) {
   return c;
 }
 
-FN contact contact_of_base(surface_view view, hip_point h, base_point b, int method, int crossings) {
+FN contact contact_of_base(surface_view view, hip_point h, base_point b, int method,
+                           int crossings) {
   const polygon_blend blend = blend_on_polygon(view, b.patch, b.at);
   contact c;
   c.method = method;
@@ -58,25 +60,30 @@ FN contact contact_of_base(surface_view view, hip_point h, base_point b, int met
 }
 
 // Global: the nearest point of the surface, given that of the base polygons.
-FN_LARGE contact nearest_contact(surface_view view, hip_point h, base_point base, int method, track_options options) {
+FN_LARGE contact nearest_contact(surface_view view, hip_point h, base_point base, int method,
+                                 track_options options) {
   if (method == METHOD_GREGORY) return contact_of_foot(view, nearest_foot(view, h, base, options));
   return contact_of_base(view, h, base, method, 0);
 }
 
 // Local: the point that `last` was, after the HIP has moved to h.
-FN_LARGE contact track_contact(surface_view view, hip_point h, contact last, track_options options) {
+FN_LARGE contact track_contact(surface_view view, hip_point h, contact last,
+                               track_options options) {
   if (last.method == METHOD_GREGORY) {
     const foot f = start_foot(view, h, last.patch, last.xi, last.eta);
     const known_minimum none = {NONE, K(0)};
-    return contact_of_foot(view, options.solver == SOLVER_PAPER ? track_as_printed(view, h, f, options)
-                                                               : track_foot(view, h, f, options, none));
+    return contact_of_foot(view, options.solver == SOLVER_PAPER
+                                     ? track_as_printed(view, h, f, options)
+                                     : track_foot(view, h, f, options, none));
   }
-  return contact_of_base(view, h, track_base(view, h, last.patch, options.max_iterations), last.method, 0);
+  return contact_of_base(view, h, track_base(view, h, last.patch, options.max_iterations),
+                         last.method, 0);
 }
 
-// A tick, Algorithm 1: free, search everywhere; in contact, follow it until the HIP is outside again. Outside there is no
-// force.
+// A tick, Algorithm 1: free, search everywhere; in contact, follow it until the HIP is outside
+// again. Outside there is no force.
 FN contact tick(surface_view view, hip_point h, contact last, track_options options) {
-  return last.state == CONTACT_TOUCHING ? track_contact(view, h, last, options)
-                                        : nearest_contact(view, h, nearest_base(view, h), last.method, options);
+  return last.state == CONTACT_TOUCHING
+             ? track_contact(view, h, last, options)
+             : nearest_contact(view, h, nearest_base(view, h), last.method, options);
 }

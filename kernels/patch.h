@@ -1,10 +1,12 @@
-// The Gregory patch of an n-sided polygon: a blend of its corner interpolators (eq. 2 and 4), with first derivatives.
+// The Gregory patch of an n-sided polygon: a blend of its corner interpolators (eq. 2 and 4), with
+// first derivatives.
 
 typedef struct {
   real3 g, g_xi, g_eta;
 } patch_point;
 
-// G and its derivatives from sums of jets: G += f x with x constant (a point or a tangent of the corner).
+// G and its derivatives from sums of jets: G += f x with x constant (a point or a tangent of the
+// corner).
 FN patch_point add_constant(patch_point p, jet f, real3 x) {
   p.g = fma3(f.f, x, p.g);
   p.g_xi = fma3(f.xi, x, p.g_xi);
@@ -33,10 +35,12 @@ FN patch_point add_twist(patch_point p, jet w, jet u, jet v, real3 a, real3 b) {
   return add_constant(add_constant(p, mul_jet(w, fa), a), mul_jet(w, fb), b);
 }
 
-// G(xi, eta) in the patch's local frame. The corners k and k+1 use side k at the same parameter u_k, so that
+// G(xi, eta) in the patch's local frame. The corners k and k+1 use side k at the same parameter
+// u_k, so that
 //   G = sum_k (w_k + w_(k+1)) C_k(u_k) + (w_k v_k + w_(k+1) u_(k+1)) T_k(u_k)
-//     - sum_k w_k (V_k + v_k T_k(0) + u_k T_(k-1)(1) + twist_k):  n side evaluations a point, not 2n.
-FN patch_point evaluate(GLOBAL scalar *domain, GLOBAL scalar *control, int n, real xi, real eta) {
+//     - sum_k w_k (V_k + v_k T_k(0) + u_k T_(k-1)(1) + twist_k):  n side evaluations a point, not
+//     2n.
+FN patch_point evaluate(GLOBAL scalar* domain, GLOBAL scalar* control, int n, real xi, real eta) {
   const real3 zero = make3(splat(K(0)), splat(K(0)), splat(K(0)));
   patch_point sum = {zero, zero, zero};
   jet total = make_jet(zero.x, zero.x, zero.x);
@@ -47,8 +51,8 @@ FN patch_point evaluate(GLOBAL scalar *domain, GLOBAL scalar *control, int n, re
   UNROLL
   for (int k = 0; k < n; ++k) {
     const int after = wrap(k + 1, n);
-    GLOBAL scalar *side = control + k * SIDE_REALS;
-    GLOBAL scalar *before = control + wrap(k - 1, n) * SIDE_REALS;
+    GLOBAL scalar* side = control + k * SIDE_REALS;
+    GLOBAL scalar* before = control + wrap(k - 1, n) * SIDE_REALS;
     const jet u_next = corner_u(domain, n, after, xi, eta);
     const jet w_next = corner_weight(domain, n, after, near, xi, eta);
     const side_point at = side_at(side, u.f);

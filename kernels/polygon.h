@@ -1,14 +1,16 @@
-// The base polygon of a patch: its nearest point on a fixed triangulation (faces are not planar), and mean value
-// coordinates, which map that point to the domain and interpolate vertex normals (4.1; Hormann and Floater 2006).
+// The base polygon of a patch: its nearest point on a fixed triangulation (faces are not planar),
+// and mean value coordinates, which map that point to the domain and interpolate vertex normals
+// (4.1; Hormann and Floater 2006).
 
 typedef struct {
-  real3 p;                 // nearest point, local frame
-  real distance2;          // squared, local frame
-  int i, j, k;             // corners of its triangle
-  real wi, wj, wk;         // barycentric coordinates there
+  real3 p;          // nearest point, local frame
+  real distance2;   // squared, local frame
+  int i, j, k;      // corners of its triangle
+  real wi, wj, wk;  // barycentric coordinates there
 } polygon_point;
 
-// Nearest point of triangle a b c to x, as barycentric coordinates of b and c (Ericson 2005, 5.1.5).
+// Nearest point of triangle a b c to x, as barycentric coordinates of b and c (Ericson
+// 2005, 5.1.5).
 typedef struct {
   real v, w;
 } triangle_point;
@@ -43,7 +45,7 @@ FN real3 polygon_corner(surface_view view, uint patch, int k) {
 // Nearest point of the base polygon to x (local frame).
 FN_LARGE polygon_point nearest_on_polygon(surface_view view, uint patch, real3 x) {
   const int triangles = valence_of(view, patch) - 2;
-  GLOBAL uint *corners = view.triangle + 3 * (ulong)(view.side_begin[patch] - 2 * patch);
+  GLOBAL uint* corners = view.triangle + 3 * (ulong)(view.side_begin[patch] - 2 * patch);
   polygon_point best;
   best.distance2 = -K(1);
   for (int t = 0; t < triangles; ++t) {
@@ -75,24 +77,26 @@ FN polygon_place place_on_polygon(int n, polygon_point p) {
   if (zi + zj + zk == 2) {
     r.corner = !zi ? p.i : !zj ? p.j : p.k;
   } else if (zi + zj + zk == 1) {
-    r.side = zi ? side_between(n, p.j, p.k) : zj ? side_between(n, p.k, p.i) : side_between(n, p.i, p.j);
+    r.side = zi   ? side_between(n, p.j, p.k)
+             : zj ? side_between(n, p.k, p.i)
+                  : side_between(n, p.i, p.j);
   }
   return r;
 }
 
 // What mean value coordinates interpolate from the corners of the polygon at a point of it.
 typedef struct {
-  real xi, eta;   // point of the domain
-  real3 normal;   // vertex normals, not of unit length
+  real xi, eta;  // point of the domain
+  real3 normal;  // vertex normals, not of unit length
 } polygon_blend;
 
 FN polygon_blend blend_add(polygon_blend sum, surface_view view, uint patch, int k, real weight) {
   const int n = valence_of(view, patch);
-  GLOBAL scalar *corner = domain_of(view, n) + DOMAIN_HEAD + DOMAIN_STRIDE * k + 4;
+  GLOBAL scalar* corner = domain_of(view, n) + DOMAIN_HEAD + DOMAIN_STRIDE * k + 4;
   sum.xi = fma(weight, corner[0], sum.xi);
   sum.eta = fma(weight, corner[1], sum.eta);
-  sum.normal =
-      fma3(weight, load3(view.corner + 6 * (ulong)(view.side_begin[patch] + (uint)k), 1), sum.normal);
+  sum.normal = fma3(weight, load3(view.corner + 6 * (ulong)(view.side_begin[patch] + (uint)k), 1),
+                    sum.normal);
   return sum;
 }
 
@@ -125,7 +129,8 @@ FN_LARGE polygon_blend blend_on_polygon(surface_view view, uint patch, polygon_p
     sum.xi *= inverse;
     sum.eta *= inverse;
     sum.normal = mul3(inverse, sum.normal);
-    // Not where the polygon overlaps itself seen along its normal, nor on a diagonal through a corner's sight.
+    // Not where the polygon overlaps itself seen along its normal, nor on a diagonal through a
+    // corner's sight.
     if (total > K(0) && fma(sum.xi, sum.xi, sum.eta * sum.eta) <= K(1)) return sum;
     sum = none;
   }

@@ -1,5 +1,5 @@
-// The two queries, for the Gregory surface and for its base polygons: the nearest point of all, and the local one that a
-// contact follows.
+// The two queries, for the Gregory surface and for its base polygons: the nearest point of all, and
+// the local one that a contact follows.
 
 typedef struct {
   uint patch;
@@ -16,7 +16,8 @@ FN base_point base_point_on(surface_view view, hip_point h, uint patch) {
   return b;
 }
 
-// Nearest point of all base polygons; on the first where the HIP is not a number or its distance overflows.
+// Nearest point of all base polygons; on the first where the HIP is not a number or its distance
+// overflows.
 FN_LARGE base_point nearest_base(surface_view view, hip_point h) {
   walk w = start_walk(view);
   base_point best = base_point_on(view, h, 0u);
@@ -29,8 +30,8 @@ FN_LARGE base_point nearest_base(surface_view view, hip_point h) {
   return best;
 }
 
-// A base polygon that is nearer to the HIP than `from`, across the side or round the corner that holds it (the best of
-// the fan); `from` itself where there is none.
+// A base polygon that is nearer to the HIP than `from`, across the side or round the corner that
+// holds it (the best of the fan); `from` itself where there is none.
 FN base_point nearer_neighbour(surface_view view, hip_point h, base_point from) {
   const int n = valence_of(view, from.patch);
   const polygon_place place = place_on_polygon(n, from.at);
@@ -62,8 +63,8 @@ FN base_point nearer_neighbour(surface_view view, hip_point h, base_point from) 
   return best;
 }
 
-// The god-object on the base polygons: slides from polygon to polygon while that brings it nearer to the HIP, so that
-// it rests at a local minimum (Zilles and Salisbury 1995).
+// The god-object on the base polygons: slides from polygon to polygon while that brings it nearer
+// to the HIP, so that it rests at a local minimum (Zilles and Salisbury 1995).
 FN_LARGE base_point track_base(surface_view view, hip_point h, uint patch, int max_crossings) {
   base_point at = base_point_on(view, h, patch);
   for (int i = 0; i < max_crossings; ++i) {
@@ -74,13 +75,15 @@ FN_LARGE base_point track_base(surface_view view, hip_point h, uint patch, int m
   return at;
 }
 
-// Squared distance (mesh frame) from the HIP to the oriented box of a patch: no point of the patch is nearer.
+// Squared distance (mesh frame) from the HIP to the oriented box of a patch: no point of the patch
+// is nearer.
 FN real patch_box_distance2(surface_view view, hip_point h, uint patch) {
-  GLOBAL scalar *numbers = numbers_of(view, patch);
+  GLOBAL scalar* numbers = numbers_of(view, patch);
   const real3 normal = load3(numbers, PATCH_NORMAL), tangent = load3(numbers, PATCH_TANGENT);
   const real3 x = local_hip(view, h, patch);
   const real3 along = make3(dot3(x, tangent), dot3(x, cross3(normal, tangent)), dot3(x, normal));
-  const real3 low = sub3(load3(numbers, PATCH_LOW), along), high = sub3(along, load3(numbers, PATCH_HIGH));
+  const real3 low = sub3(load3(numbers, PATCH_LOW), along),
+              high = sub3(along, load3(numbers, PATCH_HIGH));
   const real zero = K(0);
   const real3 out = make3(larger(larger(low.x, high.x), zero), larger(larger(low.y, high.y), zero),
                           larger(larger(low.z, high.z), zero));
@@ -90,15 +93,16 @@ FN real patch_box_distance2(surface_view view, hip_point h, uint patch) {
 
 // The local nearest point of the surface, from where a point of the base polygon lies (4.1).
 FN foot track_from_base(surface_view view, hip_point h, base_point base, track_options options,
-                         known_minimum known) {
+                        known_minimum known) {
   const polygon_blend start = blend_on_polygon(view, base.patch, base.at);
   const foot f = start_foot(view, h, base.patch, start.xi, start.eta);
   return options.solver == SOLVER_PAPER ? track_as_printed(view, h, f, options)
                                         : track_foot(view, h, f, options, known);
 }
 
-// Nearest point of the whole surface: from the nearest base polygon of all, then from every patch that may still be nearer: by
-// its box, and because no point of a patch is nearer than its base polygon by more than its sag.
+// Nearest point of the whole surface: from the nearest base polygon of all, then from every patch
+// that may still be nearer: by its box, and because no point of a patch is nearer than its base
+// polygon by more than its sag.
 FN_LARGE foot nearest_foot(surface_view view, hip_point h, base_point base, track_options options) {
   known_minimum known = {NONE, K(0)};
   foot best = track_from_base(view, h, base, options, known);
@@ -107,7 +111,7 @@ FN_LARGE foot nearest_foot(surface_view view, hip_point h, base_point base, trac
   for (uint p = next_patch(view, &w, h.high, best.distance2); p != NONE;
        p = next_patch(view, &w, h.high, best.distance2)) {
     if (p == base.patch || patch_box_distance2(view, h, p) >= best.distance2) continue;
-    GLOBAL scalar *numbers = numbers_of(view, p);
+    GLOBAL scalar* numbers = numbers_of(view, p);
     const base_point b = base_point_on(view, h, p);
     const real least = (sqrt(b.at.distance2) - numbers[PATCH_SAG]) * numbers[PATCH_UNSCALE];
     if (least > K(0) && least * least >= best.distance2) continue;

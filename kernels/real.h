@@ -1,6 +1,7 @@
-// The bridge: what each language calls its numbers. Included first, inside the namespace of its instance.
-// The includer defines GLISS_SCALAR (float or double) and GLISS_LANES (1, or the number of samples a `real` holds).
-// Only + - * / sqrt fma and comparisons are used: IEEE gives them the same bits in every language.
+// The bridge: what each language calls its numbers. Included first, inside the namespace of its
+// instance. The includer defines GLISS_SCALAR (float or double) and GLISS_LANES (1, or the number
+// of samples a `real` holds). Only + - * / sqrt fma and comparisons are used: IEEE gives them the
+// same bits in every language.
 
 typedef GLISS_SCALAR scalar;
 

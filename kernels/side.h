@@ -1,16 +1,19 @@
-// One side of a patch: its boundary curve C and cross tangent T (eq. 6 to 14), from control data made by build.h.
+// One side of a patch: its boundary curve C and cross tangent T (eq. 6 to 14), from control data
+// made by build.h.
 
-// Control data of a side, `SIDE_REALS` numbers in the patch's local frame. Polynomials ascend in powers of t.
-#define SIDE_C 0         // boundary curve, cubic: 4 triples
-#define SIDE_NORMAL 4    // n_c divided by the square of the edge's length, cubic: 4 triples (eq. 10)
-#define SIDE_INNER 8     // (1-t) n_(s-) + t n_(e+): 2 triples (eq. 13)
-#define SIDE_ACROSS 10   // (1-t) v_(s-) + t v_(e+): 2 triples (eq. 12)
+// Control data of a side, `SIDE_REALS` numbers in the patch's local frame. Polynomials ascend in
+// powers of t.
+#define SIDE_C 0        // boundary curve, cubic: 4 triples
+#define SIDE_NORMAL 4   // n_c divided by the square of the edge's length, cubic: 4 triples (eq. 10)
+#define SIDE_INNER 8    // (1-t) n_(s-) + t n_(e+): 2 triples (eq. 13)
+#define SIDE_ACROSS 10  // (1-t) v_(s-) + t v_(e+): 2 triples (eq. 12)
 #define SIDE_TWIST_0 12  // T'(0): 1 triple
 #define SIDE_TWIST_1 13  // T'(1): 1 triple
 #define SIDE_T_0 14      // T(0), the corner's Q'(0): 1 triple (eq. 1)
 #define SIDE_T_1 15      // T(1), the next corner's P'(0): 1 triple
 #define SIDE_LENGTH 48   // size of T: (1-t) L_prev + t L_next: 2 numbers (eq. 14)
-#define SIDE_EASE 50     // 0 for the paper's patch; a tamer one shortens T to (1 - ease) of it at mid-side
+#define SIDE_EASE \
+  50  // 0 for the paper's patch; a tamer one shortens T to (1 - ease) of it at mid-side
 #define SIDE_REALS 51
 
 typedef struct {
@@ -23,7 +26,7 @@ typedef struct {
 } curve_point;
 
 // Cubic of the four triples from `first`.
-FN curve_point cubic_at(GLOBAL scalar *side, int first, real t) {
+FN curve_point cubic_at(GLOBAL scalar* side, int first, real t) {
   const real3 c0 = load3(side, first), c1 = load3(side, first + 1), c2 = load3(side, first + 2),
               c3 = load3(side, first + 3);
   curve_point r;
@@ -33,11 +36,11 @@ FN curve_point cubic_at(GLOBAL scalar *side, int first, real t) {
 }
 
 // Surface normal along the side, not of unit length (eq. 10).
-FN real3 side_normal(GLOBAL scalar *side, real t) { return cubic_at(side, SIDE_NORMAL, t).f; }
+FN real3 side_normal(GLOBAL scalar* side, real t) { return cubic_at(side, SIDE_NORMAL, t).f; }
 
 // Eq. 11 and 13 with a unit n_c, times a positive factor:
 //   t_c = N x (v x b),  b = |N| a + N,  a = (1-t) n_(s-) + t n_(e+),  v = v_int.
-FN side_point side_at(GLOBAL scalar *side, real t) {
+FN side_point side_at(GLOBAL scalar* side, real t) {
   const curve_point c = cubic_at(side, SIDE_C, t), n = cubic_at(side, SIDE_NORMAL, t);
   const real3 da = load3(side, SIDE_INNER + 1), v1 = load3(side, SIDE_ACROSS + 1);
   const real3 a = fma3(t, da, load3(side, SIDE_INNER));

@@ -1,7 +1,9 @@
-// The surface contact point: the nearest point of the surface to the HIP, found from a start by steps in the domain that
-// never increase the distance, over edges where the neighbour is nearer (4.2, 4.3).
+// The surface contact point: the nearest point of the surface to the HIP, found from a start by
+// steps in the domain that never increase the distance, over edges where the neighbour is nearer
+// (4.2, 4.3).
 
-#define SOLVER_NEWTON 0        // Gauss-Newton with a secant estimate of the curvature term (Dennis, Gay, Welsch 1981)
+#define SOLVER_NEWTON \
+  0  // Gauss-Newton with a secant estimate of the curvature term (Dennis, Gay, Welsch 1981)
 #define SOLVER_GAUSS_NEWTON 1  // tangent plane only
 #define SOLVER_PAPER 2         // section 4.2 as printed: secants of 0.1, no safeguard
 
@@ -17,12 +19,12 @@ typedef struct {
 typedef struct {
   uint patch;
   real xi, eta;
-  patch_point at;   // local frame
-  real3 r;          // SCP - HIP, local frame
-  real distance2;   // squared, mesh frame
-  int iterations;   // evaluations after the first
-  int crossings;    // edges and corners crossed
-  uint flags;       // FOOT_*
+  patch_point at;  // local frame
+  real3 r;         // SCP - HIP, local frame
+  real distance2;  // squared, mesh frame
+  int iterations;  // evaluations after the first
+  int crossings;   // edges and corners crossed
+  uint flags;      // FOOT_*
 } foot;
 
 typedef struct {
@@ -68,7 +70,7 @@ typedef struct {
   int a, b;
 } held_sides;
 
-FN held_sides sides_at(GLOBAL scalar *domain, int n, real xi, real eta) {
+FN held_sides sides_at(GLOBAL scalar* domain, int n, real xi, real eta) {
   held_sides r = {-1, -1};
   const real near = smaller(K(32) * EPSILON, (K(1) - domain[0]) / K(64));
   for (int k = 0; k < n; ++k) {
@@ -85,16 +87,17 @@ FN held_sides sides_at(GLOBAL scalar *domain, int n, real xi, real eta) {
   return r;
 }
 
-FN real outward(GLOBAL scalar *domain, int side, domain_vector step) {
-  GLOBAL scalar *m = domain + DOMAIN_HEAD + DOMAIN_STRIDE * side;
+FN real outward(GLOBAL scalar* domain, int side, domain_vector step) {
+  GLOBAL scalar* m = domain + DOMAIN_HEAD + DOMAIN_STRIDE * side;
   return fma(m[0], step.xi, m[1] * step.eta);
 }
-FN domain_vector domain_corner(GLOBAL scalar *domain, int k) {
-  GLOBAL scalar *c = domain + DOMAIN_HEAD + DOMAIN_STRIDE * k + 4;
+FN domain_vector domain_corner(GLOBAL scalar* domain, int k) {
+  GLOBAL scalar* c = domain + DOMAIN_HEAD + DOMAIN_STRIDE * k + 4;
   return make_vector(c[0], c[1]);
 }
 
-// Eq. 15: the point of side `twin` at the same ratio as (xi, eta) on its own side, which runs the other way.
+// Eq. 15: the point of side `twin` at the same ratio as (xi, eta) on its own side, which runs the
+// other way.
 typedef struct {
   uint patch;
   real xi, eta;
@@ -129,14 +132,15 @@ FN uint prev_in_patch(surface_view view, uint side) {
 
 // Whether the direction w, seen from the corner where `side` starts, points into the side's patch.
 FN int in_sector(surface_view view, uint side, real3 w) {
-  const real3 p = load3(control_of(view, side), SIDE_C + 1), q = load3(control_of(view, side), SIDE_T_0);
+  const real3 p = load3(control_of(view, side), SIDE_C + 1),
+              q = load3(control_of(view, side), SIDE_T_0);
   const real pp = dot3(p, p), pq = dot3(p, q), qq = dot3(q, q), wp = dot3(w, p), wq = dot3(w, q);
   const real a = wp * qq - wq * pq, b = wq * pp - wp * pq;
   return a >= K(0) && b >= K(0) && a + b > K(0);
 }
 
-// The side that starts at the same vertex as `side` and whose patch w points into, anticlockwise and then clockwise round
-// the vertex; NONE if there is none but its own.
+// The side that starts at the same vertex as `side` and whose patch w points into, anticlockwise
+// and then clockwise round the vertex; NONE if there is none but its own.
 FN_LARGE uint fan_sector(surface_view view, uint side, real3 w) {
   uint at = view.side_twin[prev_in_patch(view, side)];
   while (at != NONE && at != side) {
@@ -153,7 +157,8 @@ FN_LARGE uint fan_sector(surface_view view, uint side, real3 w) {
   return NONE;
 }
 
-// -model^-1 gradient, where the model falls back to the Gauss-Newton part wherever the whole is not safely positive.
+// -model^-1 gradient, where the model falls back to the Gauss-Newton part wherever the whole is not
+// safely positive.
 FN domain_vector newton_step(sym2 first, sym2 second, domain_vector gradient) {
   const real least = EPSILON * (first.a + first.c) * (first.a + first.c);
   sym2 m = {first.a + second.a, first.b + second.b, first.c + second.c};
@@ -174,8 +179,9 @@ FN domain_vector newton_step(sym2 first, sym2 second, domain_vector gradient) {
                      (m.a * gradient.eta - m.b * gradient.xi) * inverse);
 }
 
-// Best step along a side that holds the point, away from the corner where there is one; (0, 0) if none descends.
-FN domain_vector edge_step(GLOBAL scalar *domain, int n, held_sides held, sym2 model,
+// Best step along a side that holds the point, away from the corner where there is one; (0, 0) if
+// none descends.
+FN domain_vector edge_step(GLOBAL scalar* domain, int n, held_sides held, sym2 model,
                            domain_vector gradient) {
   domain_vector best = make_vector(K(0), K(0));
   real gain = K(0);
@@ -196,8 +202,8 @@ FN domain_vector edge_step(GLOBAL scalar *domain, int n, held_sides held, sym2 m
   return best;
 }
 
-// Secant update of the curvature term sum r . G_ij after a step, sized first, so that an estimate that was far too large
-// does not linger (Dennis, Gay and Welsch 1981, section 3).
+// Secant update of the curvature term sum r . G_ij after a step, sized first, so that an estimate
+// that was far too large does not linger (Dennis, Gay and Welsch 1981, section 3).
 FN sym2 secant_update(sym2 s, domain_vector step, domain_vector y, domain_vector v) {
   const real vs = fma(v.xi, step.xi, v.eta * step.eta);
   const real size = fma(step.xi, step.xi, step.eta * step.eta);
@@ -210,7 +216,8 @@ FN sym2 secant_update(sym2 s, domain_vector step, domain_vector y, domain_vector
     s.c *= sizing;
   }
   const real over = K(1) / vs;
-  const real ex = y.xi - fma(s.a, step.xi, s.b * step.eta), ey = y.eta - fma(s.b, step.xi, s.c * step.eta);
+  const real ex = y.xi - fma(s.a, step.xi, s.b * step.eta),
+             ey = y.eta - fma(s.b, step.xi, s.c * step.eta);
   const real es = fma(ex, step.xi, ey * step.eta) * over;
   s.a = fma(over, K(2) * ex * v.xi - es * v.xi * v.xi, s.a);
   s.b = fma(over, ex * v.eta + ey * v.xi - es * v.xi * v.eta, s.b);
@@ -240,7 +247,8 @@ typedef struct {
   int side;
 } cut_step;
 
-FN cut_step cut_at_sides(GLOBAL scalar *domain, int n, held_sides held, real xi, real eta, domain_vector step) {
+FN cut_step cut_at_sides(GLOBAL scalar* domain, int n, held_sides held, real xi, real eta,
+                         domain_vector step) {
   cut_step r = {K(1), -1};
   for (int k = 0; k < n; ++k) {
     const real speed = outward(domain, k, step);
@@ -258,7 +266,7 @@ FN cut_step cut_at_sides(GLOBAL scalar *domain, int n, held_sides held, real xi,
 FN sym2 start_bend(surface_view view, foot f, track_options options) {
   sym2 s = {K(0), K(0), K(0)};
   if (options.solver != SOLVER_NEWTON) return s;
-  GLOBAL scalar *numbers = numbers_of(view, f.patch);
+  GLOBAL scalar* numbers = numbers_of(view, f.patch);
   const real3 normal = patch_normal(f.at);
   const real depth = dot3(f.r, normal) / larger(norm3(normal), TINY);
   s.a = depth * numbers[PATCH_BEND];
@@ -272,17 +280,18 @@ typedef struct {
   real distance2;
 } known_minimum;
 
-// Tracks the local nearest point from a start. An edge is crossed where the distance falls on its other side; having
-// crossed, not again before it has fallen. Gives up on entering the patch of `known`, a minimum found before, at no less
-// than its distance (patch NONE: never).
-FN_LARGE foot track_foot(surface_view view, hip_point h, foot f, track_options options, known_minimum known) {
+// Tracks the local nearest point from a start. An edge is crossed where the distance falls on its
+// other side; having crossed, not again before it has fallen. Gives up on entering the patch of
+// `known`, a minimum found before, at no less than its distance (patch NONE: never).
+FN_LARGE foot track_foot(surface_view view, hip_point h, foot f, track_options options,
+                         known_minimum known) {
   sym2 second = start_bend(view, f, options);
   int just_crossed = 0;
   real last2 = -K(1);  // squared length of the last step, in the same patch
   while (f.iterations < options.max_iterations) {
     const int n = valence_of(view, f.patch);
     const uint first_side = view.side_begin[f.patch];
-    GLOBAL scalar *domain = domain_of(view, n);
+    GLOBAL scalar* domain = domain_of(view, n);
     const domain_vector gradient = gradient_of(f);
     const sym2 first = {dot3(f.at.g_xi, f.at.g_xi), dot3(f.at.g_xi, f.at.g_eta),
                         dot3(f.at.g_eta, f.at.g_eta)};
@@ -297,10 +306,10 @@ FN_LARGE foot track_foot(surface_view view, hip_point h, foot f, track_options o
       f.flags |= FOOT_CONVERGED;
       break;
     }
-    // Steps shrink faster than linearly: what this one leaves is at most its square over the last. Then it is taken on
-    // the tangent plane, which saves an evaluation.
-    if (last2 > K(0) && held.a < 0 && length2 * length2 <= tolerance2 * last2 && length2 <= options.tolerance &&
-        cut_at_sides(domain, n, held, f.xi, f.eta, step).side < 0) {
+    // Steps shrink faster than linearly: what this one leaves is at most its square over the last.
+    // Then it is taken on the tangent plane, which saves an evaluation.
+    if (last2 > K(0) && held.a < 0 && length2 * length2 <= tolerance2 * last2 &&
+        length2 <= options.tolerance && cut_at_sides(domain, n, held, f.xi, f.eta, step).side < 0) {
       f = slide(view, f, step);
       f.flags |= FOOT_CONVERGED;
       break;
@@ -386,7 +395,8 @@ FN_LARGE foot track_foot(surface_view view, hip_point h, foot f, track_options o
     } else if (options.solver == SOLVER_NEWTON) {
       const domain_vector after = gradient_of(to);
       const domain_vector change = make_vector(after.xi - gradient.xi, after.eta - gradient.eta);
-      const domain_vector y = make_vector(after.xi - dot3(f.at.g_xi, to.r), after.eta - dot3(f.at.g_eta, to.r));
+      const domain_vector y =
+          make_vector(after.xi - dot3(f.at.g_xi, to.r), after.eta - dot3(f.at.g_eta, to.r));
       second = secant_update(second, make_vector(length * step.xi, length * step.eta), y, change);
     }
     just_crossed = crossed;
@@ -395,12 +405,13 @@ FN_LARGE foot track_foot(surface_view view, hip_point h, foot f, track_options o
   return f;
 }
 
-// Section 4.2 as printed, to be compared with: secants of length lambda = 0.1 towards the neighbours of the nearest
-// corner, no safeguard; over an edge to where the ray from the centre meets it (4.3). Ends by the residual angle.
+// Section 4.2 as printed, to be compared with: secants of length lambda = 0.1 towards the
+// neighbours of the nearest corner, no safeguard; over an edge to where the ray from the centre
+// meets it (4.3). Ends by the residual angle.
 FN_LARGE foot track_as_printed(surface_view view, hip_point h, foot f, track_options options) {
   while (f.iterations < options.max_iterations) {
     const int n = valence_of(view, f.patch);
-    GLOBAL scalar *domain = domain_of(view, n);
+    GLOBAL scalar* domain = domain_of(view, n);
     int k = 0;
     real nearest = -K(1);
     for (int i = 0; i < n; ++i) {

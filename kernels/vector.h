@@ -28,6 +28,6 @@ FN real3 cross_add3(real3 a, real3 b, real3 c) {
 FN real norm3(real3 a) { return sqrt(dot3(a, a)); }
 
 // Triple `i` of packed control data, the same for all lanes.
-FN real3 load3(GLOBAL scalar *at, int i) {
+FN real3 load3(GLOBAL scalar* at, int i) {
   return make3(splat(at[3 * i]), splat(at[3 * i + 1]), splat(at[3 * i + 2]));
 }

@@ -1,19 +1,23 @@
-// What a query sees of a surface: arrays by value, all in the instance's own precision. One lane a query.
-// Three frames: the mesh's file units; the mesh frame (origin removed, scaled by a power of two into [-1, 1]); and each
-// patch's local frame (its own origin, a number of the mesh frame; its own power of two).
+// What a query sees of a surface: arrays by value, all in the instance's own precision. One lane a
+// query. Three frames: the mesh's file units; the mesh frame (origin removed, scaled by a power of
+// two into [-1, 1]); and each patch's local frame (its own origin, a number of the mesh frame; its
+// own power of two).
 
 #define NONE 0xFFFFFFFFu
 
 // Numbers of a patch besides its sides.
-#define PATCH_ORIGIN 0    // origin in the mesh frame: 1 triple
-#define PATCH_NORMAL 1    // unit normal of the base polygon: 1 triple
-#define PATCH_SCALE 6     // local length of a mesh-frame length of 1, a power of two
-#define PATCH_UNSCALE 7   // its inverse
-#define PATCH_SAG 8       // no point of the patch is farther than this from the base polygon, local frame
-#define PATCH_TANGENT 3   // unit tangent of the base polygon: triple 3
-#define PATCH_LOW 4       // oriented box of the patch along tangent, normal x tangent, normal, local frame: triple 4
-#define PATCH_HIGH 5      // triple 5
-#define PATCH_BEND 18     // second fundamental form n . (G_xixi, G_xieta, G_etaeta) at the centre, local frame
+#define PATCH_ORIGIN 0   // origin in the mesh frame: 1 triple
+#define PATCH_NORMAL 1   // unit normal of the base polygon: 1 triple
+#define PATCH_SCALE 6    // local length of a mesh-frame length of 1, a power of two
+#define PATCH_UNSCALE 7  // its inverse
+#define PATCH_SAG \
+  8  // no point of the patch is farther than this from the base polygon, local frame
+#define PATCH_TANGENT 3  // unit tangent of the base polygon: triple 3
+#define PATCH_LOW \
+  4  // oriented box of the patch along tangent, normal x tangent, normal, local frame: triple 4
+#define PATCH_HIGH 5  // triple 5
+#define PATCH_BEND \
+  18  // second fundamental form n . (G_xixi, G_xieta, G_etaeta) at the centre, local frame
 #define PATCH_REALS 21
 
 // Numbers of a hierarchy node: the boxes of its two children, mesh frame, low and high corner each.
@@ -22,38 +26,40 @@
 #define HIERARCHY_DEPTH 64
 
 typedef struct {
-  GLOBAL scalar *domain;        // tables of the valences in use (domain.h)
-  GLOBAL uint *domain_begin;    // [valence], where its table begins
-  GLOBAL uint *side_begin;      // [patch + 1]
-  GLOBAL uint *side_patch;      // [side]
-  GLOBAL uint *side_twin;       // [side], NONE: border
-  GLOBAL scalar *control;       // [side][SIDE_REALS]
-  GLOBAL scalar *corner;        // [side][2][3], base polygon: position (local frame) and unit normal
-  GLOBAL scalar *patch;         // [patch][PATCH_REALS]
-  GLOBAL uint *triangle;        // [side_begin[p] - 2 p][3], local corners: fixed triangulation of p's base polygon
-  GLOBAL scalar *node;          // [node][NODE_REALS]
-  GLOBAL uint *child;           // [node][2]
+  GLOBAL scalar* domain;      // tables of the valences in use (domain.h)
+  GLOBAL uint* domain_begin;  // [valence], where its table begins
+  GLOBAL uint* side_begin;    // [patch + 1]
+  GLOBAL uint* side_patch;    // [side]
+  GLOBAL uint* side_twin;     // [side], NONE: border
+  GLOBAL scalar* control;     // [side][SIDE_REALS]
+  GLOBAL scalar* corner;      // [side][2][3], base polygon: position (local frame) and unit normal
+  GLOBAL scalar* patch;       // [patch][PATCH_REALS]
+  GLOBAL uint*
+      triangle;  // [side_begin[p] - 2 p][3], local corners: fixed triangulation of p's base polygon
+  GLOBAL scalar* node;  // [node][NODE_REALS]
+  GLOBAL uint* child;   // [node][2]
   uint patch_count;
 } surface_view;
 
 FN int valence_of(surface_view view, uint patch) {
   return (int)(view.side_begin[patch + 1] - view.side_begin[patch]);
 }
-FN GLOBAL scalar *domain_of(surface_view view, int n) { return view.domain + view.domain_begin[n]; }
-FN GLOBAL scalar *control_of(surface_view view, uint side) {
+FN GLOBAL scalar* domain_of(surface_view view, int n) { return view.domain + view.domain_begin[n]; }
+FN GLOBAL scalar* control_of(surface_view view, uint side) {
   return view.control + (ulong)side * SIDE_REALS;
 }
-FN GLOBAL scalar *numbers_of(surface_view view, uint patch) {
+FN GLOBAL scalar* numbers_of(surface_view view, uint patch) {
   return view.patch + (ulong)patch * PATCH_REALS;
 }
 
-// A point of the mesh frame as a sum of two numbers, so that a float surface far from the origin loses nothing.
+// A point of the mesh frame as a sum of two numbers, so that a float surface far from the origin
+// loses nothing.
 typedef struct {
   real3 high, low;
 } hip_point;
 
 FN real3 local_hip(surface_view view, hip_point h, uint patch) {
-  GLOBAL scalar *numbers = numbers_of(view, patch);
+  GLOBAL scalar* numbers = numbers_of(view, patch);
   const real3 from_origin = sub3(h.high, load3(numbers, PATCH_ORIGIN));
   return mul3(splat(numbers[PATCH_SCALE]), add3(from_origin, h.low));
 }
@@ -61,8 +67,8 @@ FN real3 local_hip(surface_view view, hip_point h, uint patch) {
 // The common valences with their loops unrolled.
 FN_LARGE patch_point evaluate_patch(surface_view view, uint patch, real xi, real eta) {
   const int n = valence_of(view, patch);
-  GLOBAL scalar *domain = domain_of(view, n);
-  GLOBAL scalar *control = control_of(view, view.side_begin[patch]);
+  GLOBAL scalar* domain = domain_of(view, n);
+  GLOBAL scalar* control = control_of(view, view.side_begin[patch]);
   if (n == 4) return evaluate(domain, control, 4, xi, eta);
   if (n == 3) return evaluate(domain, control, 3, xi, eta);
   if (n == 5) return evaluate(domain, control, 5, xi, eta);

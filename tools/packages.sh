@@ -7,7 +7,7 @@ build_packages=(cmake ninja-build g++ libtbb-dev libeigen3-dev libhdf5-dev libfm
 
 # What the tests and benchmarks need besides. clang reads the kernels as OpenCL C.
 test_packages=(libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev libembree-dev
-  clang clang-format-14 python3-h5py python3-numpy)
+  make clang clang-format-14 python3-h5py python3-numpy)
 
 # Installs those of the packages named that are missing; asks nothing and needs no network when none is.
 install_packages() {

@@ -1,4 +1,5 @@
-// What a program that uses an installed Gliss looks like: a sphere's force 1 mm beneath its surface.
+// What a program that uses an installed Gliss looks like: a sphere's force 1 mm beneath its
+// surface.
 #include <cmath>
 #include <cstdio>
 
