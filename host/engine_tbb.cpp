@@ -1,8 +1,10 @@
 // The only file that knows oneTBB.
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <optional>
 
 #include "host/engine.h"
 
@@ -11,7 +13,15 @@ namespace {
 
 class TbbEngine final : public Engine {
  public:
-  explicit TbbEngine(int threads) : arena_(threads > 0 ? threads : tbb::task_arena::automatic) {}
+  explicit TbbEngine(int threads) : arena_(threads > 0 ? threads : tbb::task_arena::automatic) {
+    // More threads than cores are allowed when they are asked for.
+    if (threads > 0) {
+      limit_.emplace(tbb::global_control::max_allowed_parallelism,
+                     std::max<std::size_t>(static_cast<std::size_t>(threads),
+                                           tbb::global_control::active_value(
+                                               tbb::global_control::max_allowed_parallelism)));
+    }
+  }
   const char* name() const override { return "tbb"; }
   int threads() const override { return arena_.max_concurrency(); }
   void for_each(std::size_t count, std::size_t grain,
@@ -24,6 +34,7 @@ class TbbEngine final : public Engine {
   }
 
  private:
+  std::optional<tbb::global_control> limit_;
   mutable tbb::task_arena arena_;
 };
 

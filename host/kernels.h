@@ -14,11 +14,11 @@ inline constexpr std::size_t kMethods = 3;
 enum class Solver { kNewton, kGaussNewton, kPaper };
 
 // Layout of the arrays that kernels/ defines, for the host.
-inline constexpr std::size_t kSideReals = 51, kPatchReals = 21, kNodeReals = 12;
+inline constexpr std::size_t kSideReals = 51, kPatchReals = 22, kNodeReals = 12;
 inline constexpr std::size_t kSideLength = 48, kSideEase = 50;
 inline constexpr std::size_t kPatchOrigin = 0, kPatchNormal = 3, kPatchScale = 6, kPatchUnscale = 7,
                              kPatchSag = 8, kPatchTangent = 9, kPatchLow = 12, kPatchHigh = 15,
-                             kPatchBend = 18;
+                             kPatchBend = 18, kPatchRho = 21;
 inline constexpr std::uint32_t kNodeLeaf = 0x80000000u;
 
 // Bits of RawContact::flags.

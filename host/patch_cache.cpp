@@ -243,6 +243,8 @@ class CacheBuilder {
     numbers[kPatchScale] = static_cast<Real>(d.scale);
     numbers[kPatchUnscale] = static_cast<Real>(1 / d.scale);
     numbers[kPatchSag] = static_cast<Real>(d.shape.sag);
+    // Flat patches have no end of it; what matters is how it compares with distances.
+    numbers[kPatchRho] = static_cast<Real>(std::min(d.shape.rho_min, 1e30));
     boxes[patch] = {d.origin + d.shape.box.low / d.scale, d.origin + d.shape.box.high / d.scale};
     cache_.rho_min[patch] =
         std::min(d.shape.rho_min / (d.scale * cache_.scale), std::numeric_limits<double>::max());

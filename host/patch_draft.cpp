@@ -15,8 +15,8 @@
 namespace gliss {
 namespace {
 
-constexpr double kSafeTurn =
-    0.02;  // a patch whose normal stays within 88.9 degrees of its polygon's does not fold
+// A patch whose normal stays within 78 degrees of its polygon's neither folds nor nearly does.
+constexpr double kSafeTurn = 0.1;
 constexpr std::uint32_t kMaxFan = 64;  // faces of more sides are not cut from their centre: slivers
 constexpr double kProbe = 1e-5;        // step of the differences that curvature is taken from
 
@@ -216,9 +216,36 @@ std::vector<FaceCorners> with_centres(const FaceCorners& face, const PatchDraft&
   return all;
 }
 
+// Whether the patch lies on the outer side of n_c all along its boundary: where a vertex normal
+// points against the face, the ribbon may turn over, and the surface would double back along the
+// edge.
+bool keeps_normals(const PatchDraft& d) {
+  constexpr std::uint32_t kSteps = 8;
+  const auto n = static_cast<std::uint32_t>(d.face_corner.size());
+  const Kernels<double>& k = kernels<double>();
+  for (std::uint32_t side = 0; side < n; ++side) {
+    const double a = 2 * std::numbers::pi * side / n, b = 2 * std::numbers::pi * (side + 1) / n;
+    for (std::uint32_t i = 0; i <= kSteps; ++i) {
+      const double t = static_cast<double>(i) / kSteps, shrink = 1 - kProbe;
+      const double xi = shrink * ((1 - t) * std::cos(a) + t * std::cos(b)),
+                   eta = shrink * ((1 - t) * std::sin(a) + t * std::sin(b));
+      double at[9], normal[3];
+      k.evaluate(probes_of(n).domain.data(), d.control.data(), n, &xi, &eta, 1, 1, at);
+      k.side_normal(&d.control[side * kSideReals], t, normal);
+      const Vec3 dx(at[3], at[4], at[5]), dy(at[6], at[7], at[8]),
+          nc(normal[0], normal[1], normal[2]);
+      if (!(dx.cross(dy).dot(nc) > 0)) return false;
+    }
+  }
+  return true;
+}
+
+// The least of all patches; as bad as can be where boundary normals are promised and not kept.
 double worst_turn(const std::vector<PatchDraft>& drafts) {
   double turn = 1;
-  for (const PatchDraft& d : drafts) turn = std::min(turn, d.shape.turn);
+  for (const PatchDraft& d : drafts) {
+    turn = std::min(turn, d.kind == PatchKind::kBent || keeps_normals(d) ? d.shape.turn : -1);
+  }
   return turn;
 }
 
@@ -296,11 +323,6 @@ PatchShape examine(const PatchDraft& d) {
 
 std::vector<PatchDraft> draft_tamer(const FaceCorners& face, PatchDraft exact) {
   if (is_degenerate(exact)) exact.shape.turn = -1;
-  std::vector<PatchDraft> best{ease(exact)};
-  const auto offer = [&](std::vector<PatchDraft> other) {
-    if (worst_turn(other) > worst_turn(best)) best = std::move(other);
-    return worst_turn(best) > kSafeTurn;
-  };
   const std::uint32_t n = static_cast<std::uint32_t>(exact.face_corner.size());
   std::vector<FaceCorners> fans;
   if (n <= kMaxFan) fans = with_centres(face, exact);
@@ -309,13 +331,20 @@ std::vector<PatchDraft> draft_tamer(const FaceCorners& face, PatchDraft exact) {
   for (std::size_t t = 0; t < exact.triangle.size(); t += 3) {
     ears.push_back({exact.triangle[t], exact.triangle[t + 1], exact.triangle[t + 2]});
   }
+  std::vector<PatchDraft> best;
+  const auto offer = [&](std::vector<PatchDraft> other) {
+    if (best.empty() || worst_turn(other) > worst_turn(best)) best = std::move(other);
+    return worst_turn(best) > kSafeTurn;
+  };
+  // With the boundary normals as they are, if that gives a surface without a fold; without them
+  // otherwise.
   for (const bool bent : {false, true}) {
-    if (worst_turn(best) > kSafeTurn) break;
-    if (bent && offer({bend(exact)})) break;
+    best.clear();
+    if (offer({bent ? bend(exact) : ease(exact)})) return best;
     for (const FaceCorners& f : fans) {
-      if (offer(split(f, fan, n, bent))) break;
+      if (offer(split(f, fan, n, bent))) return best;
     }
-    if (n > 3) offer(split(face, ears, n, bent));
+    if (n > 3 && offer(split(face, ears, n, bent))) return best;
   }
   return best;
 }

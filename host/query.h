@@ -40,13 +40,14 @@ struct QueryOptions {
 struct Contact {
   bool touching = false;  // the HIP is inside
   DomainPoint at;         // of the SCP
-  Vec3 scp, normal;       // surface contact point, mesh's unit; outward unit normal
-  double distance = 0;    // signed, mesh's unit; negative inside
-  Vec3 push;  // SCP - HIP for gregory and flat, turned to the normal for shaded; zero outside.
-              // Mesh's unit
-  double residual_angle = 0;  // between SCP - HIP and the normal, rad
-  int iterations = 0, crossings = 0;
-  std::uint32_t flags = 0;  // kConverged, kOnBorder, kOnCrease
+  Vec3 scp = Vec3::Zero(),
+       normal = Vec3::Zero();  // surface contact point, mesh's unit; outward unit normal
+  double distance = 0;         // signed, mesh's unit; negative inside
+  Vec3 push = Vec3::Zero();    // SCP - HIP for gregory and flat, turned to the normal for shaded;
+                             // zero outside. Mesh's unit
+  double residual_angle = 0;          // between SCP - HIP and the normal, rad
+  int iterations = 0, crossings = 0;  // iterations: over all patches that were tried
+  std::uint32_t flags = 0;            // kConverged, kOnBorder, kOnCrease
 };
 
 // Global: the nearest point of the surface.

@@ -56,7 +56,9 @@ FN_LARGE polygon_point nearest_on_polygon(surface_view view, uint patch, real3 x
     const real3 p = fma3(at.v, sub3(b, a), fma3(at.w, sub3(c, a), a)), r = sub3(p, x);
     const real distance2 = dot3(r, r);
     if (best.distance2 < K(0) || distance2 < best.distance2) {
-      const polygon_point here = {p, distance2, i, j, k, K(1) - at.v - at.w, at.v, at.w};
+      // Exactly 0 opposite to the edge that holds the point, so that place_on_polygon sees it.
+      const real u = at.v + at.w == K(1) ? K(0) : K(1) - at.v - at.w;
+      const polygon_point here = {p, distance2, i, j, k, u, at.v, at.w};
       best = here;
     }
   }
@@ -115,7 +117,10 @@ FN_LARGE polygon_blend blend_on_polygon(surface_view view, uint patch, polygon_p
       real3 next = sub3(polygon_corner(view, patch, wrap(k + 1, n)), at.p);
       next = fma3(-dot3(next, normal), normal, next);
       const real r_next = norm3(next);
-      const real tan_half = dot3(normal, cross3(s, next)) / fma(r, r_next, dot3(s, next));
+      // tan(alpha / 2) by whichever form does not cancel.
+      const real across = dot3(normal, cross3(s, next)), along = dot3(s, next);
+      const real tan_half =
+          along > K(0) ? across / fma(r, r_next, along) : fma(r, r_next, -along) / across;
       if (k >= 0) {
         const real weight = (tan_before + tan_half) / r;
         total += weight;

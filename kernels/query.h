@@ -91,22 +91,54 @@ FN real patch_box_distance2(surface_view view, hip_point h, uint patch) {
   return dot3(out, out) * unscale * unscale;
 }
 
-// The local nearest point of the surface, from where a point of the base polygon lies (4.1).
-FN foot track_from_base(surface_view view, hip_point h, base_point base, track_options options,
-                        known_minimum known) {
-  const polygon_blend start = blend_on_polygon(view, base.patch, base.at);
-  const foot f = start_foot(view, h, base.patch, start.xi, start.eta);
+FN foot track_from(surface_view view, hip_point h, uint patch, real xi, real eta,
+                   track_options options, known_minimum known) {
+  const foot f = start_foot(view, h, patch, xi, eta);
   return options.solver == SOLVER_PAPER ? track_as_printed(view, h, f, options)
                                         : track_foot(view, h, f, options, known);
+}
+
+// The better of a known minimum and those reached from a patch: from where the nearest point of its
+// base polygon lies (4.1); where the HIP is so far that the patch may have several, also from its
+// centre and from near its corners.
+FN_LARGE foot search_patch(surface_view view, hip_point h, base_point base, track_options options,
+                           foot best) {
+  const uint p = base.patch;
+  const int n = valence_of(view, p);
+  GLOBAL scalar* numbers = numbers_of(view, p);
+  GLOBAL scalar* domain = domain_of(view, n);
+  const real rho = numbers[PATCH_RHO] * numbers[PATCH_UNSCALE] / K(2);
+  int starts = 1, iterations = best.iterations;
+  for (int i = 0; i < starts; ++i) {
+    domain_vector at = make_vector(K(0), K(0));
+    if (i == 0) {
+      const polygon_blend blend = blend_on_polygon(view, p, base.at);
+      at = make_vector(blend.xi, blend.eta);
+    } else if (i > 1) {  // alternately a corner and the middle of the side after it
+      const domain_vector a = domain_corner(domain, (i - 2) / 2),
+                          b = domain_corner(domain, wrap((i - 1) / 2, n));
+      const real part = K(0.375f);  // of their sum
+      at = make_vector(part * (a.xi + b.xi), part * (a.eta + b.eta));
+    }
+    known_minimum known = {best.patch, best.distance2};
+    foot f = track_from(view, h, p, at.xi, at.eta, options, known);
+    iterations += f.iterations;
+    if (best.patch == NONE || f.distance2 < best.distance2) best = f;
+    if (i == 0 && best.distance2 > rho * rho) starts = 2 * n + 2;
+  }
+  best.iterations = iterations;
+  return best;
 }
 
 // Nearest point of the whole surface: from the nearest base polygon of all, then from every patch
 // that may still be nearer: by its box, and because no point of a patch is nearer than its base
 // polygon by more than its sag.
 FN_LARGE foot nearest_foot(surface_view view, hip_point h, base_point base, track_options options) {
-  known_minimum known = {NONE, K(0)};
-  foot best = track_from_base(view, h, base, options, known);
-  int iterations = best.iterations;
+  foot best;
+  best.patch = NONE;
+  best.distance2 = K(0);
+  best.iterations = 0;
+  best = search_patch(view, h, base, options, best);
   walk w = start_walk(view);
   for (uint p = next_patch(view, &w, h.high, best.distance2); p != NONE;
        p = next_patch(view, &w, h.high, best.distance2)) {
@@ -115,12 +147,7 @@ FN_LARGE foot nearest_foot(surface_view view, hip_point h, base_point base, trac
     const base_point b = base_point_on(view, h, p);
     const real least = (sqrt(b.at.distance2) - numbers[PATCH_SAG]) * numbers[PATCH_UNSCALE];
     if (least > K(0) && least * least >= best.distance2) continue;
-    known.patch = best.patch;
-    known.distance2 = best.distance2;
-    const foot f = track_from_base(view, h, b, options, known);
-    iterations += f.iterations;
-    if (f.distance2 < best.distance2) best = f;
+    best = search_patch(view, h, b, options, best);
   }
-  best.iterations = iterations;
   return best;
 }

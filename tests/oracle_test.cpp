@@ -10,42 +10,13 @@
 #include <numeric>
 #include <string>
 
+#include "tests/points.h"
+
 namespace gliss::oracle {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
-
 Vec<double> vec(const nlohmann::json& j) {
   return {j[0].get<double>(), j[1].get<double>(), j[2].get<double>()};
-}
-
-/// The largest distance between two corners.
-template <class S>
-S size_of(const Polygon<S>& polygon) {
-  S size = 0;
-  for (const Vec<S>& p : polygon.positions) {
-    for (const Vec<S>& q : polygon.positions) size = std::max(size, (p - q).norm());
-  }
-  return size;
-}
-
-template <class S>
-Vec2<S> on_side(int n, int k, S t) {
-  return (1 - t) * domain_corner<S>(n, k) + t * domain_corner<S>(n, k + 1);
-}
-
-/// A random point of the domain, off its boundary.
-template <class S>
-Vec2<S> random_inside(Rng& rng, int n) {
-  const int k = static_cast<int>(rng() % static_cast<std::uint64_t>(n));
-  const S radius = static_cast<S>(std::sqrt(uniform(rng, 0, 0.98)));
-  return radius * on_side<S>(n, k, static_cast<S>(uniform(rng, 0, 1)));
-}
-
-/// Angle between unit vectors, right when it is small.
-template <class S>
-S angle(const Vec<S>& a, const Vec<S>& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
 TEST(Oracle, AgreesWithGoldenPatches) {

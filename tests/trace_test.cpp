@@ -7,11 +7,11 @@
 namespace gliss {
 namespace {
 
-// Round a torus, beneath its surface (negative depth: above).
+// Round a torus, beneath its surface, from a place where no two facets are equally near.
 std::vector<Vec3> ring(int ticks, double depth) {
   std::vector<Vec3> hips;
   for (int i = 0; i < ticks; ++i) {
-    const double t = 2 * std::numbers::pi * i / (ticks - 1), around = 3 * t;
+    const double t = 0.1 + 2 * std::numbers::pi * i / (ticks - 1), around = 3 * t;
     const double radius = 30 + (10 - depth) * std::cos(around);
     hips.push_back({radius * std::cos(t), radius * std::sin(t), (10 - depth) * std::sin(around)});
   }

@@ -1,0 +1,36 @@
+#!/bin/sh
+# Every instruction set gives the same bytes. usage: isa_parity.sh GLISS, the program.
+set -eu
+gliss=$1
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+
+"$gliss" generate knot -o "$scratch/knot.obj" >/dev/null
+# Points all over the domain of a quad, its centre, corners and sides included.
+awk 'BEGIN {
+  print "patch,xi,eta"
+  for (p = 0; p < 1440; p += 7) {
+    printf "%d,0,0\n%d,1,0\n%d,0,1\n%d,0.5,0.5\n", p, p, p, p
+    for (i = 0; i < 12; ++i) {
+      r = ((p * 12 + i) % 97) / 97; a = ((p * 5 + i * 13) % 89) / 89 - 0.5
+      printf "%d,%.17g,%.17g\n", p, r * (0.5 + a), r * (0.5 - a)
+    }
+  }
+}' >"$scratch/at.csv"
+
+compared=
+for precision in double float; do
+  for isa in baseline v3 v4; do
+    out=$scratch/$precision.$isa.csv
+    if ! GLISS_ISA=$isa "$gliss" eval "$scratch/knot.obj" --at "$scratch/at.csv" --unit mm \
+      --precision $precision -o "$out" >/dev/null 2>"$scratch/error"; then
+      [ $isa = baseline ] && { cat "$scratch/error" >&2; exit 1; }
+      echo "left out: $isa ($(head -n 1 "$scratch/error"))"
+      continue
+    fi
+    cmp "$scratch/$precision.baseline.csv" "$out"
+    compared="$compared $precision/$isa"
+  done
+done
+lines=$(wc -l <"$scratch/double.baseline.csv")
+echo "the same $lines lines:$compared"
