@@ -220,22 +220,29 @@ std::vector<FaceCorners> with_centres(const FaceCorners& face, const PatchDraft&
 // points against the face, the ribbon may turn over, and the surface would double back along the
 // edge.
 bool keeps_normals(const PatchDraft& d) {
-  constexpr std::uint32_t kSteps = 8;
   const auto n = static_cast<std::uint32_t>(d.face_corner.size());
-  const Kernels<double>& k = kernels<double>();
+  const std::uint32_t steps = n > 32 ? 2 : 8;
+  std::vector<double> xi, eta;
   for (std::uint32_t side = 0; side < n; ++side) {
     const double a = 2 * std::numbers::pi * side / n, b = 2 * std::numbers::pi * (side + 1) / n;
-    for (std::uint32_t i = 0; i <= kSteps; ++i) {
-      const double t = static_cast<double>(i) / kSteps, shrink = 1 - kProbe;
-      const double xi = shrink * ((1 - t) * std::cos(a) + t * std::cos(b)),
-                   eta = shrink * ((1 - t) * std::sin(a) + t * std::sin(b));
-      double at[9], normal[3];
-      k.evaluate(probes_of(n).domain.data(), d.control.data(), n, &xi, &eta, 1, 1, at);
-      k.side_normal(&d.control[side * kSideReals], t, normal);
-      const Vec3 dx(at[3], at[4], at[5]), dy(at[6], at[7], at[8]),
-          nc(normal[0], normal[1], normal[2]);
-      if (!(dx.cross(dy).dot(nc) > 0)) return false;
+    for (std::uint32_t i = 0; i < steps; ++i) {
+      const double t = (i + 0.5) / steps, shrink = 1 - kProbe;
+      xi.push_back(shrink * ((1 - t) * std::cos(a) + t * std::cos(b)));
+      eta.push_back(shrink * ((1 - t) * std::sin(a) + t * std::sin(b)));
     }
+  }
+  const std::size_t count = xi.size();
+  std::vector<double> rows(9 * count);
+  kernels<double>().evaluate(probes_of(n).domain.data(), d.control.data(), n, xi.data(), eta.data(),
+                             count, count, rows.data());
+  for (std::size_t i = 0; i < count; ++i) {
+    double normal[3];
+    kernels<double>().side_normal(&d.control[i / steps * kSideReals],
+                                  (static_cast<double>(i % steps) + 0.5) / steps, normal);
+    const auto row = [&](std::size_t r) {
+      return Vec3(rows[r * count + i], rows[(r + 1) * count + i], rows[(r + 2) * count + i]);
+    };
+    if (!(row(3).cross(row(6)).dot(Vec3(normal[0], normal[1], normal[2])) > 0)) return false;
   }
   return true;
 }

@@ -108,6 +108,7 @@ FN_LARGE foot search_patch(surface_view view, hip_point h, base_point base, trac
   GLOBAL scalar* numbers = numbers_of(view, p);
   GLOBAL scalar* domain = domain_of(view, n);
   const real rho = numbers[PATCH_RHO] * numbers[PATCH_UNSCALE] / K(2);
+  const int corners = n < 8 ? n : 8;  // that are started from
   int starts = 1, iterations = best.iterations;
   for (int i = 0; i < starts; ++i) {
     domain_vector at = make_vector(K(0), K(0));
@@ -115,8 +116,9 @@ FN_LARGE foot search_patch(surface_view view, hip_point h, base_point base, trac
       const polygon_blend blend = blend_on_polygon(view, p, base.at);
       at = make_vector(blend.xi, blend.eta);
     } else if (i > 1) {  // alternately a corner and the middle of the side after it
-      const domain_vector a = domain_corner(domain, (i - 2) / 2),
-                          b = domain_corner(domain, wrap((i - 1) / 2, n));
+      const int k = (i - 2) / 2 * n / corners;
+      const domain_vector a = domain_corner(domain, k),
+                          b = domain_corner(domain, i % 2 == 0 ? k : wrap(k + 1, n));
       const real part = K(0.375f);  // of their sum
       at = make_vector(part * (a.xi + b.xi), part * (a.eta + b.eta));
     }
@@ -124,7 +126,7 @@ FN_LARGE foot search_patch(surface_view view, hip_point h, base_point base, trac
     foot f = track_from(view, h, p, at.xi, at.eta, options, known);
     iterations += f.iterations;
     if (best.patch == NONE || f.distance2 < best.distance2) best = f;
-    if (i == 0 && best.distance2 > rho * rho) starts = 2 * n + 2;
+    if (i == 0 && best.distance2 > rho * rho) starts = 2 * corners + 2;
   }
   best.iterations = iterations;
   return best;

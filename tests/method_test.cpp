@@ -81,7 +81,8 @@ struct Slide {
 // Largest steps: of gregory at most so often that of the exact force, of the others at least so
 // many newtons.
 struct Steps {
-  double gregory, shaded = 0.2, flat = 0.5;
+  // The fair shaded baseline reaches 0.163 N at 2 mm and 0.449 N at 4 mm.
+  double gregory, shaded = 0.15, flat = 0.5;
 };
 
 void expect_smooth_slide(const std::string& name, const Mesh& mesh, const Slide& slide,
@@ -140,10 +141,9 @@ class SharedSlide : public test::SharedTest {};
 
 TEST_F(SharedSlide, gregory_is_smooth_along_the_recorded_paths) {
   const Mesh mesh = load_mesh(test::shared_path("knot/knot_1440.obj"), {.unit = 1e-3});
-  const std::pair<const char*, Steps> paths[] = {
-      {"knot_traj_2mm", {.gregory = 1.6}},
-      {"knot_traj_2mm_slow", {.gregory = 1.6, .shaded = 0.15}},  // crosses fewer edges
-      {"knot_traj_4mm", {.gregory = 1.9}}};
+  const std::pair<const char*, Steps> paths[] = {{"knot_traj_2mm", {.gregory = 1.6}},
+                                                 {"knot_traj_2mm_slow", {.gregory = 1.6}},
+                                                 {"knot_traj_4mm", {.gregory = 1.9}}};
   for (const auto& [name, bound] : paths) {
     const CsvTable table = read_csv(
         test::shared_path(fmt::format("knot/{}.csv", name)),
