@@ -44,8 +44,8 @@ struct Contact {
        normal = Vec3::Zero();  // surface contact point, mesh's unit; outward unit normal
   double distance = 0;         // signed, mesh's unit; negative inside
   Vec3 push = Vec3::Zero();    // SCP - HIP for gregory and flat, turned to the normal for shaded;
-                             // zero outside. Mesh's unit
-  double residual_angle = 0;          // between SCP - HIP and the normal, rad
+                               // zero outside. Mesh's unit
+  double residual_angle = 0;   // between SCP - HIP and the normal, rad
   int iterations = 0, crossings = 0;  // iterations: over all patches that were tried
   std::uint32_t flags = 0;            // kConverged, kOnBorder, kOnCrease
 };

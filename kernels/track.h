@@ -309,7 +309,8 @@ FN_LARGE foot track_foot(surface_view view, hip_point h, foot f, track_options o
     // Steps shrink faster than linearly: what this one leaves is at most its square over the last.
     // Then it is taken on the tangent plane, which saves an evaluation.
     if (last2 > K(0) && held.a < 0 && length2 * length2 <= tolerance2 * last2 &&
-        length2 <= options.tolerance / K(64) && cut_at_sides(domain, n, held, f.xi, f.eta, step).side < 0) {
+        length2 <= options.tolerance / K(64) &&
+        cut_at_sides(domain, n, held, f.xi, f.eta, step).side < 0) {
       f = slide(view, f, step);
       f.flags |= FOOT_CONVERGED;
       break;

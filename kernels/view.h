@@ -18,7 +18,7 @@
 #define PATCH_HIGH 5  // triple 5
 #define PATCH_BEND \
   18  // second fundamental form n . (G_xixi, G_xieta, G_etaeta) at the centre, local frame
-#define PATCH_RHO 21      // least radius of curvature, local frame
+#define PATCH_RHO 21  // least radius of curvature, local frame
 #define PATCH_REALS 22
 
 // Numbers of a hierarchy node: the boxes of its two children, mesh frame, low and high corner each.
