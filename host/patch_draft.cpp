@@ -15,7 +15,7 @@
 namespace gliss {
 namespace {
 
-// A patch whose normal stays within 78 degrees of its polygon's neither folds nor nearly does.
+// A patch whose normal stays within 84 degrees of its polygon's neither folds nor nearly does.
 constexpr double kSafeTurn = 0.1;
 constexpr std::uint32_t kMaxFan = 64;  // faces of more sides are not cut from their centre: slivers
 constexpr double kProbe = 1e-5;        // step of the differences that curvature is taken from
@@ -33,7 +33,7 @@ Probes make_probes(std::uint32_t n) {
   const Kernels<double>& k = kernels<double>();
   p.domain.resize(k.domain_reals(n));
   k.fill_domain(n, p.domain.data());
-  p.levels = n <= 8 ? kMaxLevels : n <= 32 ? 6 : n <= 128 ? 4 : 2;
+  p.levels = n <= 8 ? 8 : n <= 32 ? 6 : n <= 128 ? 4 : 2;
   std::vector<double> x{0.0}, y{0.0};
   const double shrink = 1 - 2 * kProbe;  // keeps the neighbours inside
   for (std::uint32_t ring = 1; ring <= p.levels; ++ring) {

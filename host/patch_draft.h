@@ -34,7 +34,6 @@ struct PatchDraft {
 };
 
 inline constexpr double kDegenerate = 1e-4;
-inline constexpr std::uint32_t kMaxLevels = 8;
 
 // A patch's normal turns against its face, or its ribbons vanish.
 inline bool is_folded(const PatchDraft& draft) { return !(draft.shape.turn > 0); }

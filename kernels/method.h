@@ -70,11 +70,8 @@ FN_LARGE contact nearest_contact(surface_view view, hip_point h, base_point base
 FN_LARGE contact track_contact(surface_view view, hip_point h, contact last,
                                track_options options) {
   if (last.method == METHOD_GREGORY) {
-    const foot f = start_foot(view, h, last.patch, last.xi, last.eta);
     const known_minimum none = {NONE, K(0)};
-    return contact_of_foot(view, options.solver == SOLVER_PAPER
-                                     ? track_as_printed(view, h, f, options)
-                                     : track_foot(view, h, f, options, none));
+    return contact_of_foot(view, track_from(view, h, last.patch, last.xi, last.eta, options, none));
   }
   return contact_of_base(view, h, track_base(view, h, last.patch, options.max_iterations),
                          last.method, 0);
