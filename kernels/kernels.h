@@ -7,8 +7,8 @@
 #include "kernels/side.h"
 #include "kernels/patch.h"
 #include "kernels/build.h"
-#if GLISS_LANES == 1
 #include "kernels/view.h"
+#if GLISS_LANES == 1
 #include "kernels/polygon.h"
 #include "kernels/track.h"
 #include "kernels/hierarchy.h"

@@ -1,7 +1,8 @@
 // The bridge: what each language calls its numbers. Included first, inside the namespace of its
 // instance. The includer defines GLISS_SCALAR (float or double) and GLISS_LANES (1, or the number
-// of samples a `real` holds). Only + - * / sqrt fma and comparisons are used: IEEE gives them the
-// same bits in every language.
+// of samples a `real` holds: load_lanes and store_lanes move that many neighbours of an array,
+// `lane` reads one). Only + - * / sqrt fma and comparisons are used: IEEE gives them the same bits
+// in every language.
 
 typedef GLISS_SCALAR scalar;
 
@@ -18,13 +19,24 @@ typedef GLISS_JOIN(GLISS_SCALAR, GLISS_LANES) real;
 #define pick(condition, a, b) select((real)(b), (real)(a), condition)
 #endif
 #define splat(s) ((real)(s))
+#if GLISS_LANES == 1
+#define load_lanes(at) (*(at))
+#define store_lanes(at, value) (*(at) = (value))
+#define lane(value, i) (value)
+#else
+#define load_lanes(at) GLISS_JOIN(vload, GLISS_LANES)(0, at)
+#define store_lanes(at, value) GLISS_JOIN(vstore, GLISS_LANES)(value, 0, at)
+#define lane(value, i) (((const scalar*)&(value))[i])
+#endif
 #define GLOBAL __global const
+#define GLOBAL_OUT __global
 #define FN_LARGE static
 #define FN static inline
 
 #else  // C++
 
 #define GLOBAL const
+#define GLOBAL_OUT
 #define FN_LARGE static __attribute__((unused))
 #define FN static inline __attribute__((always_inline, unused))
 typedef unsigned int uint;
@@ -40,11 +52,21 @@ FN real sqrt(real a) {
 }
 FN real fabs(real a) { return a < 0 ? -a : a; }
 FN real splat(scalar s) { return s; }
+FN real load_lanes(const scalar* at) { return *at; }
+FN void store_lanes(scalar* at, real value) { *at = value; }
+FN scalar lane(real value, int) { return value; }
 #else
 typedef scalar real __attribute__((vector_size(GLISS_LANES * sizeof(GLISS_SCALAR))));
 FN real fma(real a, real b, real c) { return gliss::lanes::fma(a, b, c); }
 FN real sqrt(real a) { return gliss::lanes::sqrt(a); }
 FN real splat(scalar s) { return s - (real){}; }
+FN real load_lanes(const scalar* at) {
+  real r;
+  __builtin_memcpy(&r, at, sizeof r);
+  return r;
+}
+FN void store_lanes(scalar* at, real value) { __builtin_memcpy(at, &value, sizeof value); }
+FN scalar lane(real value, int i) { return value[i]; }
 #endif
 #define pick(condition, a, b) ((condition) ? (a) : (b))
 

@@ -66,13 +66,16 @@ FN real3 local_hip(surface_view view, hip_point h, uint patch) {
 }
 
 // The common valences with their loops unrolled.
-FN_LARGE patch_point evaluate_patch(surface_view view, uint patch, real xi, real eta) {
-  const int n = valence_of(view, patch);
-  GLOBAL scalar* domain = domain_of(view, n);
-  GLOBAL scalar* control = control_of(view, view.side_begin[patch]);
+FN patch_point evaluate_valence(GLOBAL scalar* domain, GLOBAL scalar* control, int n, real xi,
+                                real eta) {
   if (n == 4) return evaluate(domain, control, 4, xi, eta);
   if (n == 3) return evaluate(domain, control, 3, xi, eta);
   if (n == 5) return evaluate(domain, control, 5, xi, eta);
   if (n == 6) return evaluate(domain, control, 6, xi, eta);
   return evaluate(domain, control, n, xi, eta);
+}
+
+FN_LARGE patch_point evaluate_patch(surface_view view, uint patch, real xi, real eta) {
+  const int n = valence_of(view, patch);
+  return evaluate_valence(domain_of(view, n), control_of(view, view.side_begin[patch]), n, xi, eta);
 }
