@@ -3,16 +3,53 @@
 namespace gliss {
 namespace {
 
-constexpr std::size_t kGrain = 256;
+constexpr std::size_t kPointGrain = 4096, kHipGrain = 256;
 
 class SerialEngine final : public Engine {
  public:
   const char* name() const override { return "serial"; }
   int threads() const override { return 1; }
+  std::size_t batch() const override { return kPointGrain; }
   void for_each(std::size_t count, std::size_t grain,
                 const std::function<void(std::size_t, std::size_t)>& body) const override {
     serial_for(count, grain, body);
   }
+};
+
+// In the host's memory, where the cache is.
+class HostSurface final : public ResidentSurface {
+ public:
+  HostSurface(const Engine& engine, const PatchCache& cache) : engine_(engine), cache_(cache) {}
+
+  void evaluate(std::span<const DomainPoint> points, std::span<SurfacePoint> out) const override {
+    engine_.for_each(points.size(), kPointGrain, [&](std::size_t begin, std::size_t end) {
+      const std::size_t count = end - begin;
+      gliss::evaluate(cache_, points.subspan(begin, count), out.subspan(begin, count));
+    });
+  }
+
+  void nearest(std::span<const Vec3> hips, std::span<const Method> methods,
+               const QueryOptions& options, std::span<Contact> out) const override {
+    engine_.for_each(hips.size(), kHipGrain, [&](std::size_t begin, std::size_t end) {
+      std::array<Contact, kMethods> found;
+      for (std::size_t i = begin; i < end; ++i) {
+        gliss::nearest(cache_, hips[i], methods, options, found);
+        for (std::size_t m = 0; m < methods.size(); ++m) out[m * hips.size() + i] = found[m];
+      }
+    });
+  }
+
+  void track(std::span<const Vec3> hips, std::span<const DomainPoint> starts,
+             const QueryOptions& options, std::span<Contact> out) const override {
+    engine_.for_each(hips.size(), kHipGrain, [&](std::size_t begin, std::size_t end) {
+      ContactTracker tracker(cache_, options);
+      for (std::size_t i = begin; i < end; ++i) out[i] = tracker.track(hips[i], starts[i]);
+    });
+  }
+
+ private:
+  const Engine& engine_;
+  const PatchCache& cache_;
 };
 
 }  // namespace
@@ -24,18 +61,8 @@ PatchCache Engine::build(const Mesh& mesh, const BuildOptions& options, BuildRep
                      });
 }
 
-void Engine::evaluate(const PatchCache& cache, std::span<const DomainPoint> points,
-                      std::span<SurfacePoint> out) const {
-  for_each(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) out[i] = gliss::evaluate(cache, points[i]);
-  });
-}
-
-void Engine::project(const PatchCache& cache, std::span<const Vec3> hips,
-                     const QueryOptions& options, std::span<Contact> out) const {
-  for_each(hips.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) out[i] = nearest(cache, hips[i], options);
-  });
+std::unique_ptr<ResidentSurface> Engine::reside(const PatchCache& cache) const {
+  return std::make_unique<HostSurface>(*this, cache);
 }
 
 std::unique_ptr<Engine> make_serial_engine() { return std::make_unique<SerialEngine>(); }

@@ -21,7 +21,7 @@ inline constexpr std::size_t kPatchOrigin = 0, kPatchNormal = 3, kPatchScale = 6
                              kPatchBend = 18, kPatchRho = 21;
 inline constexpr std::uint32_t kNodeLeaf = 0x80000000u;
 
-// Bits of RawContact::flags.
+// Bits of a contact's flags.
 inline constexpr std::uint32_t kConverged = 1, kOnBorder = 2, kOnCrease = 4;
 
 template <class Real>
@@ -32,22 +32,23 @@ struct TrackOptions {
       0;  // length of the last step relative to the size of the patch (paper: residual angle)
 };
 
+inline constexpr std::size_t kContactXi = 0, kContactEta = 1, kContactScp = 2, kContactNormal = 5,
+                             kContactOffset = 8, kContactPush = 11, kContactReals = 14;
+inline constexpr std::size_t kContactState = 0, kContactPatch = 1, kContactIterations = 2,
+                             kContactCrossings = 3, kContactFlags = 4, kContactUints = 5;
+
 // A contact as the kernels see it (kernels/method.h): local frame of its patch, offsets in the mesh
-// frame.
+// frame. Starts free.
 template <class Real>
 struct RawContact {
-  bool touching = false;
-  std::uint32_t patch = 0;
-  Real xi = 0, eta = 0;
-  Real scp[3] = {}, normal[3] = {}, offset[3] = {}, push[3] = {};
-  int iterations = 0, crossings = 0;
-  std::uint32_t flags = 0;
+  Real reals[kContactReals] = {};
+  std::uint32_t uints[kContactUints] = {};
 };
 
-// A HIP of the mesh frame as high and low part.
+// A HIP of the mesh frame as high and low part: their sum.
 template <class Real>
 struct RawHip {
-  Real high[3], low[3];
+  Real parts[6];
 };
 
 template <class Real>

@@ -1,6 +1,6 @@
 // Questions to a patch cache, in the mesh's unit and double whatever its precision: points of a
-// face's patch, the nearest point of the surface, and the tick that follows a contact. Nothing here
-// allocates, and nothing checks its input again.
+// face's patch, the nearest point of the surface, and the tick that follows a contact. What takes
+// one point allocates nothing, and nothing checks its input again.
 #pragma once
 
 #include <cstdint>
@@ -26,9 +26,9 @@ struct SurfacePoint {
 // Whether a point lies in the domain of a face that has a patch.
 bool in_domain(const PatchCache& cache, const DomainPoint& point);
 SurfacePoint evaluate(const PatchCache& cache, const DomainPoint& point);
-// Many points of one face: as evaluate, several lanes at a time.
-void evaluate(const PatchCache& cache, std::uint32_t face, std::span<const double> xi,
-              std::span<const double> eta, std::span<SurfacePoint> out);
+// Many points of any faces: as evaluate, several lanes at a time; allocates.
+void evaluate(const PatchCache& cache, std::span<const DomainPoint> points,
+              std::span<SurfacePoint> out);
 
 struct QueryOptions {
   Method method = Method::kGregory;

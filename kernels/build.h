@@ -46,3 +46,38 @@ FN side_data build_side(corner before, corner start, corner end, corner after) {
   r.length[1] = norm3(sub3(after.p, end.p));
   return r;
 }
+
+// T and T' at the ends of a side, once the rest of its control data stands.
+FN void store_ends(GLOBAL_OUT scalar* side) {
+  const side_point start = side_at(side, K(0)), end = side_at(side, K(1));
+  store3(side + 3 * SIDE_T_0, 1, start.t);
+  store3(side + 3 * SIDE_T_1, 1, end.t);
+  store3(side + 3 * SIDE_TWIST_0, 1, start.dt);
+  store3(side + 3 * SIDE_TWIST_1, 1, end.dt);
+}
+
+FN corner load_corner(GLOBAL scalar* corners, int k) {
+  const corner r = {load3(corners, 2 * k), load3(corners, 2 * k + 1)};
+  return r;
+}
+
+// Control data of side k of a polygon from its corners [n][2][3]: position, unit normal. Returns
+// the soundness of its ribbon: 0 where the edge is parallel to a normal, 1 at right angles.
+FN real store_side(GLOBAL scalar* corners, int n, int k, GLOBAL_OUT scalar* side) {
+  const int next = wrap(k + 1, n);
+  const side_data data =
+      build_side(load_corner(corners, wrap(k - 1, n)), load_corner(corners, k),
+                 load_corner(corners, next), load_corner(corners, wrap(next + 1, n)));
+  for (int i = 0; i < 4; ++i) {
+    store3(side + 3 * (SIDE_C + i), 1, data.curve[i]);
+    store3(side + 3 * (SIDE_NORMAL + i), 1, data.normal[i]);
+  }
+  for (int i = 0; i < 2; ++i) {
+    store3(side + 3 * (SIDE_INNER + i), 1, data.inner[i]);
+    store3(side + 3 * (SIDE_ACROSS + i), 1, data.across[i]);
+    side[SIDE_LENGTH + i] = data.length[i];
+  }
+  side[SIDE_EASE] = K(0);
+  store_ends(side);
+  return data.sound;
+}

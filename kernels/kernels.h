@@ -6,9 +6,9 @@
 #include "kernels/domain.h"
 #include "kernels/side.h"
 #include "kernels/patch.h"
-#include "kernels/build.h"
 #include "kernels/view.h"
 #if GLISS_LANES == 1
+#include "kernels/build.h"
 #include "kernels/polygon.h"
 #include "kernels/track.h"
 #include "kernels/hierarchy.h"

@@ -21,6 +21,35 @@ typedef struct {
   uint flags;  // FOOT_*
 } contact;
 
+// A contact in memory: CONTACT_REALS rows of numbers and CONTACT_UINTS of whole ones.
+#define CONTACT_XI 0
+#define CONTACT_ETA 1
+#define CONTACT_SCP 2
+#define CONTACT_NORMAL 5
+#define CONTACT_OFFSET 8
+#define CONTACT_PUSH 11
+#define CONTACT_REALS 14
+#define CONTACT_STATE 0
+#define CONTACT_PATCH 1
+#define CONTACT_ITERATIONS 2
+#define CONTACT_CROSSINGS 3
+#define CONTACT_FLAGS 4
+#define CONTACT_UINTS 5
+
+FN void store_contact(GLOBAL_OUT scalar* reals, GLOBAL_OUT uint* uints, ulong stride, contact c) {
+  reals[CONTACT_XI * stride] = c.xi;
+  reals[CONTACT_ETA * stride] = c.eta;
+  store3(reals + CONTACT_SCP * stride, stride, c.scp);
+  store3(reals + CONTACT_NORMAL * stride, stride, c.normal);
+  store3(reals + CONTACT_OFFSET * stride, stride, c.offset);
+  store3(reals + CONTACT_PUSH * stride, stride, c.push);
+  uints[CONTACT_STATE * stride] = (uint)c.state;
+  uints[CONTACT_PATCH * stride] = c.patch;
+  uints[CONTACT_ITERATIONS * stride] = (uint)c.iterations;
+  uints[CONTACT_CROSSINGS * stride] = (uint)c.crossings;
+  uints[CONTACT_FLAGS * stride] = c.flags;
+}
+
 FN contact contact_of_foot(surface_view view, foot f) {
   contact c;
   c.method = METHOD_GREGORY;

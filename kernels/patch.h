@@ -84,13 +84,7 @@ FN real3 patch_normal(patch_point p) { return cross3(p.g_xi, p.g_eta); }
 
 // As nine rows of `stride` numbers: G, G_xi, G_eta.
 FN void store_point(GLOBAL_OUT scalar* out, ulong stride, patch_point p) {
-  store_lanes(out, p.g.x);
-  store_lanes(out + stride, p.g.y);
-  store_lanes(out + 2 * stride, p.g.z);
-  store_lanes(out + 3 * stride, p.g_xi.x);
-  store_lanes(out + 4 * stride, p.g_xi.y);
-  store_lanes(out + 5 * stride, p.g_xi.z);
-  store_lanes(out + 6 * stride, p.g_eta.x);
-  store_lanes(out + 7 * stride, p.g_eta.y);
-  store_lanes(out + 8 * stride, p.g_eta.z);
+  store3(out, stride, p.g);
+  store3(out + 3 * stride, stride, p.g_xi);
+  store3(out + 6 * stride, stride, p.g_eta);
 }

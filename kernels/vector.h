@@ -31,3 +31,10 @@ FN real norm3(real3 a) { return sqrt(dot3(a, a)); }
 FN real3 load3(GLOBAL scalar* at, int i) {
   return make3(splat(at[3 * i]), splat(at[3 * i + 1]), splat(at[3 * i + 2]));
 }
+
+// Three rows of `stride` numbers.
+FN void store3(GLOBAL_OUT scalar* at, ulong stride, real3 a) {
+  store_lanes(at, a.x);
+  store_lanes(at + stride, a.y);
+  store_lanes(at + 2 * stride, a.z);
+}

@@ -162,14 +162,14 @@ TEST_P(PatchTest, lanes_give_the_same_bits_as_one_point_at_a_time) {
   for (const int n : {3, 4, 5, 9, 17, 100}) {
     const Polygon polygon = random_polygon(rng, n);
     const PatchCache cache = cache_of(test::mesh_of(polygon), GetParam(), false);
-    std::vector<double> xi, eta;
-    for (const Vec2& X : points_of_domain(rng, n)) xi.push_back(X.x()), eta.push_back(X.y());
+    std::vector<DomainPoint> at;
+    for (const Vec2& X : points_of_domain(rng, n)) at.push_back({0, X.x(), X.y()});
     // Every length up to 40, so that every remainder of every lane count is met.
     for (std::size_t count = 1; count <= 40; ++count) {
       std::vector<SurfacePoint> many(count);
-      evaluate(cache, 0, std::span(xi).first(count), std::span(eta).first(count), many);
+      evaluate(cache, std::span(at).first(count), many);
       for (std::size_t i = 0; i < count; ++i) {
-        const SurfacePoint one = evaluate(cache, {0, xi[i], eta[i]});
+        const SurfacePoint one = evaluate(cache, at[i]);
         ASSERT_EQ(std::memcmp(&one, &many[i], sizeof one), 0) << n << " sides, point " << i;
       }
     }

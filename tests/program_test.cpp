@@ -267,7 +267,7 @@ TEST_F(Program, SaysInOneLineWhatIsWrong) {
       {"eval knot.obj --at points.csv -o x.txt", "must end in", 2},
       {"eval knot.obj --at points.csv --unit furlong", "furlong", 2},
       {"eval knot.obj --at points.csv --threads many", "--threads: 'many'", 2},
-      {"eval knot.obj --at points.csv --backend opencl", "'opencl' is not available", 4},
+      {"eval knot.obj --at points.csv --backend opencl --device none", "opencl: no ", 4},
       {"eval knot.gliss --at points.csv --precision float", "--precision float", 3},
       {"info cut.gliss", "cut.gliss", 3},
       {"info bad.obj", "bad.obj:4: face 0", 2},

@@ -27,11 +27,12 @@ void expect_contacts_at_their_points(const std::string& name, const Mesh& mesh) 
   }
   const auto engine = make_tbb_engine();
   std::vector<SurfacePoint> points(at.size());
-  engine->evaluate(cache, at, points);
+  const auto surface = engine->reside(cache);
+  surface->evaluate(at, points);
   std::vector<Vec3> hips;
   for (const SurfacePoint& point : points) hips.push_back(point.position - depth * point.normal);
   std::vector<Contact> contacts(at.size());
-  engine->project(cache, hips, {}, contacts);
+  surface->project(hips, {}, contacts);
 
   // Where the mesh passes through itself, another sheet may be nearer than G: then tracking, which
   // stays on its sheet, has to find G.

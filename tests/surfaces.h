@@ -71,13 +71,13 @@ inline std::vector<SurfacePoint> along_side(const PatchCache& cache, const Mesh&
   const std::uint32_t face = topology.side_face[side];
   const int n = static_cast<int>(mesh.valence(face));
   const int k = static_cast<int>(side - mesh.face_begin[face]);
-  std::vector<double> xi, eta;
+  std::vector<DomainPoint> at;
   for (const double x : t) {
     const Vec2 X = oracle::on_side(n, k, x);
-    xi.push_back(X.x()), eta.push_back(X.y());
+    at.push_back({face, X.x(), X.y()});
   }
   std::vector<SurfacePoint> points(t.size());
-  evaluate(cache, face, xi, eta, points);
+  evaluate(cache, at, points);
   return points;
 }
 

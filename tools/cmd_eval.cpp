@@ -58,12 +58,13 @@ void run(const EvalOptions& options) {
           .add({"x", "y", "z", "dxi_x", "dxi_y", "dxi_z", "deta_x", "deta_y", "deta_z"},
                ColumnType::kFloat64, unit_name(options.unit))
           .add({"nx", "ny", "nz"}));
+  const auto surface = engine->reside(cache);
   std::vector<SurfacePoint> found;
   for_blocks(options, "eval", points.size(), "points", [&](std::size_t begin, std::size_t end) {
     const std::size_t rows = end - begin;
     const auto asked = std::span(points).subspan(begin, rows);
     found.resize(rows);
-    engine->evaluate(cache, asked, found);
+    surface->evaluate(asked, found);
     table.fill(rows, [&](std::size_t i) { return asked[i].face; });
     table.fill(rows, [&](std::size_t i) { return asked[i].xi; });
     table.fill(rows, [&](std::size_t i) { return asked[i].eta; });

@@ -41,28 +41,29 @@ void run(const ProjectOptions& options) {
                         .add({"nx", "ny", "nz"})
                         .add({"distance"}, ColumnType::kFloat64, unit)
                         .add({"iterations", "flags"}, ColumnType::kUint32));
+  const auto surface = engine->reside(cache);
   std::vector<Contact> found;
   std::size_t inside = 0, unconverged = 0;
   const Stopwatch clock;
-  for_blocks(
-      options, "project", hips.points.size(), "HIPs", [&](std::size_t begin, std::size_t end) {
-        const std::size_t rows = end - begin;
-        found.resize(rows);
-        engine->project(cache, std::span(hips.points).subspan(begin, rows), options.query, found);
-        table.fill(rows, [&](std::size_t i) { return found[i].at.face; });
-        table.fill(rows, [&](std::size_t i) { return found[i].at.xi; });
-        table.fill(rows, [&](std::size_t i) { return found[i].at.eta; });
-        table.fill_vectors(rows, [&](std::size_t i) { return outward(found[i].scp); });
-        table.fill_vectors(rows, [&](std::size_t i) { return found[i].normal; });
-        table.fill(rows, [&](std::size_t i) { return outward(found[i].distance); });
-        table.fill(rows, [&](std::size_t i) { return found[i].iterations; });
-        table.fill(rows, [&](std::size_t i) { return found[i].flags; });
-        table.write();
-        for (const Contact& contact : found) {
-          inside += contact.touching;
-          unconverged += (contact.flags & kConverged) == 0;
-        }
-      });
+  for_blocks(options, "project", hips.points.size(), "HIPs",
+             [&](std::size_t begin, std::size_t end) {
+               const std::size_t rows = end - begin;
+               found.resize(rows);
+               surface->project(std::span(hips.points).subspan(begin, rows), options.query, found);
+               table.fill(rows, [&](std::size_t i) { return found[i].at.face; });
+               table.fill(rows, [&](std::size_t i) { return found[i].at.xi; });
+               table.fill(rows, [&](std::size_t i) { return found[i].at.eta; });
+               table.fill_vectors(rows, [&](std::size_t i) { return outward(found[i].scp); });
+               table.fill_vectors(rows, [&](std::size_t i) { return found[i].normal; });
+               table.fill(rows, [&](std::size_t i) { return outward(found[i].distance); });
+               table.fill(rows, [&](std::size_t i) { return found[i].iterations; });
+               table.fill(rows, [&](std::size_t i) { return found[i].flags; });
+               table.write();
+               for (const Contact& contact : found) {
+                 inside += contact.touching;
+                 unconverged += (contact.flags & kConverged) == 0;
+               }
+             });
   file->close();
   const double seconds = clock.seconds();
   report(options,

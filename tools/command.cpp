@@ -23,7 +23,8 @@ const Names<Solver> kSolvers = {
 const Names<Precision> kPrecisions = {{"float", Precision::kFloat}, {"double", Precision::kDouble}};
 const Names<Method> kMethods = {
     {"gregory", Method::kGregory}, {"shaded", Method::kShaded}, {"flat", Method::kFlat}};
-const Names<std::string> kBackends = {{"tbb", "tbb"}, {"serial", "serial"}, {"opencl", "opencl"}};
+const Names<std::string> kBackends = {
+    {"tbb", "tbb"}, {"serial", "serial"}, {"opencl", "opencl"}, {"auto", "auto"}};
 
 template <class Value>
 Value find(const Names<Value>& names, const std::string& option, const std::string& wanted) {
@@ -45,10 +46,16 @@ std::string& kept_command_line() {
 void add_common_options(Command& command, CommonOptions& options) {
   command.option({"--threads", "N", "threads to use; 0, the default: all of the machine"},
                  options.threads, 0, 4096);
-  command.option({"--backend", "NAME", "tbb (default), serial or opencl"},
+  command.option({"--backend", "NAME",
+                  "tbb (default), serial, opencl, or auto: opencl on a GPU, tbb where that fails"},
                  [&options](const std::string& text) {
                    options.backend = find(kBackends, "--backend", text);
                  });
+  command.option(
+      {"--device", "NAME", "OpenCL device: part of its name, or its number in gliss devices"},
+      options.device);
+  command.option({"--device-memory", "MIB", "memory of it to use at most; default: half of it"},
+                 options.device_memory, 1, 1 << 24);
   command.flag("--json", options.json, "print figures as JSON");
   command.flag("--quiet", options.quiet, "print errors only");
 }
@@ -118,8 +125,17 @@ void add_methods_option(Command& command, std::vector<Method>& methods) {
 Method parse_method(const std::string& name) { return find(kMethods, "--method", name); }
 
 std::unique_ptr<Engine> make_engine(const CommonOptions& options) {
-  if (options.backend == "opencl") throw BackendError("backend 'opencl' is not available");
-  return options.backend == "serial" ? make_serial_engine() : make_tbb_engine(options.threads);
+  if (options.backend == "serial") return make_serial_engine();
+  if (options.backend == "tbb") return make_tbb_engine(options.threads);
+  OpenClOptions opencl;
+  opencl.device = options.device;
+  opencl.memory = static_cast<std::uint64_t>(options.device_memory) << 20;
+  opencl.threads = options.threads;
+  opencl.fall_back = options.backend == "auto";
+  if (!options.quiet) {
+    opencl.notice = [](const std::string& line) { fmt::print(stderr, "gliss: {}\n", line); };
+  }
+  return make_opencl_engine(opencl);
 }
 
 void keep_command_line(int count, const char* const* words) {

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "host/engine.h"
+#include "host/opencl.h"
 #include "host/sweep.h"
 #include "tools/command_line.h"
 
@@ -18,14 +18,13 @@ namespace gliss::tools {
 
 using Json = nlohmann::ordered_json;
 
-struct BackendError : std::runtime_error {  // exit code 4
-  using std::runtime_error::runtime_error;
-};
 struct Interrupted {};  // exit code 130
 
 struct CommonOptions {
   int threads = 0;  // 0: as many as the machine has
   std::string backend = "tbb";
+  std::string device;     // of opencl and auto
+  int device_memory = 0;  // MiB; 0: as OpenClOptions has it
   bool json = false, quiet = false;
 };
 
@@ -104,5 +103,6 @@ void add_project(Command& program);
 void add_sweep(Command& program);
 void add_trace(Command& program);
 void add_generate(Command& program);
+void add_devices(Command& program);
 
 }  // namespace gliss::tools

@@ -28,8 +28,8 @@ int run(int count, char** words) {
       "gliss <command> --help tells more.\n"
       "Exit codes: 0 done, 1 internal error, 2 bad input, 3 stale or foreign cache,\n"
       "4 backend not available, 130 interrupted.");
-  for (const auto add :
-       {add_bake, add_info, add_check, add_eval, add_project, add_sweep, add_trace, add_generate}) {
+  for (const auto add : {add_bake, add_info, add_check, add_eval, add_project, add_sweep, add_trace,
+                         add_generate, add_devices}) {
     add(program);
   }
   try {
@@ -48,7 +48,7 @@ int run(int count, char** words) {
     return say(error.what(), kBadInput);
   } catch (const CacheError& error) {
     return say(error.what(), kBadCache);
-  } catch (const BackendError& error) {
+  } catch (const DeviceError& error) {
     return say(error.what(), kNoBackend);
   } catch (const Interrupted&) {
     return say("interrupted", kExitInterrupted);

@@ -1,0 +1,151 @@
+#include "host/frames.h"
+
+#include <cmath>
+
+namespace gliss {
+template <class Real>
+Eigen::Vector2d domain_corner(const Surface<Real>& s, std::uint32_t n, std::uint32_t k) {
+  const Real* c = &s.domain[s.domain_begin[n] + 2 + 6 * k + 4];
+  return {static_cast<double>(c[0]), static_cast<double>(c[1])};
+}
+
+namespace {
+
+// Whether the patch is one triangle of its face rather than all of it.
+bool is_part(const PatchCache& cache, std::uint32_t patch) {
+  const std::uint32_t face = cache.patch_face[patch], next = patch + 1;
+  return cache.face_patch[face] != patch ||
+         (next < cache.patch_count() && cache.patch_face[next] == face);
+}
+
+// The corners of a part in the domain of its face, and in its own.
+template <class Real>
+struct PartDomain {
+  Eigen::Matrix3d in_face, in_patch;  // columns: corners, homogeneous
+  PartDomain(const PatchCache& cache, const Surface<Real>& s, std::uint32_t patch) {
+    const std::uint32_t n = cache.face_valence[cache.patch_face[patch]];
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const std::uint32_t corner = cache.corner_of_face[s.side_begin[patch] + k];
+      in_face.col(k) << (corner < n ? domain_corner(s, n, corner) : Eigen::Vector2d(0, 0)), 1.0;
+      in_patch.col(k) << domain_corner(s, 3, k), 1.0;
+    }
+  }
+};
+
+template <class Real>
+DomainPoint face_point(const PatchCache& cache, const Surface<Real>& s, std::uint32_t patch,
+                       double xi, double eta) {
+  DomainPoint point{cache.patch_face[patch], xi, eta};
+  if (!is_part(cache, patch)) return point;
+  const PartDomain<Real> part(cache, s, patch);
+  const Vec3 at = part.in_face * part.in_patch.inverse() * Vec3(xi, eta, 1);
+  point.xi = at.x();
+  point.eta = at.y();
+  return point;
+}
+
+template <class Real>
+Vec3 from_local(const PatchCache& cache, const Surface<Real>& s, std::uint32_t patch,
+                const Vec3& local) {
+  const Real* numbers = &s.patch[patch * kPatchReals];
+  const Vec3 origin(numbers[kPatchOrigin], numbers[kPatchOrigin + 1], numbers[kPatchOrigin + 2]);
+  return cache.origin +
+         (origin + local * static_cast<double>(numbers[kPatchUnscale])) / cache.scale;
+}
+
+template <class Real>
+Vec3 vec(const Real* v) {
+  return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
+}
+
+}  // namespace
+
+template <class Real>
+PatchPlace place_of(const PatchCache& cache, const Surface<Real>& s, const DomainPoint& point) {
+  PatchPlace place;
+  place.patch = cache.face_patch[point.face];
+  place.xi = point.xi;
+  place.eta = point.eta;
+  if (!is_part(cache, place.patch)) return place;
+  double best = -1;
+  const std::uint32_t first = place.patch;
+  for (std::uint32_t p = first; p < cache.patch_count() && cache.patch_face[p] == point.face; ++p) {
+    const PartDomain<Real> part(cache, s, p);
+    const Eigen::Matrix3d inverse = part.in_face.inverse();
+    const Vec3 at = inverse * Vec3(point.xi, point.eta, 1);
+    if (at.minCoeff() <= best && p != first) continue;
+    best = at.minCoeff();
+    const Vec3 own = part.in_patch * at;
+    place = {p, own.x(), own.y(), (part.in_patch * inverse).template topLeftCorner<2, 2>()};
+  }
+  return place;
+}
+
+template <class Real>
+SurfacePoint surface_point(const PatchCache& cache, const Surface<Real>& s, const PatchPlace& place,
+                           const Real* rows, std::size_t stride) {
+  const auto triple = [&](std::size_t r) {
+    return Vec3(rows[r * stride], rows[(r + 1) * stride], rows[(r + 2) * stride]);
+  };
+  const double unscale =
+      static_cast<double>(s.patch[place.patch * kPatchReals + kPatchUnscale]) / cache.scale;
+  const Vec3 g_xi = triple(3), g_eta = triple(6), dx = g_xi * unscale, dy = g_eta * unscale;
+  SurfacePoint p;
+  p.position = from_local(cache, s, place.patch, triple(0));
+  p.d_xi = place.jacobian(0, 0) * dx + place.jacobian(1, 0) * dy;
+  p.d_eta = place.jacobian(0, 1) * dx + place.jacobian(1, 1) * dy;
+  p.normal = g_xi.cross(g_eta).normalized();
+  return p;
+}
+
+template <class Real>
+RawHip<Real> raw_hip(const PatchCache& cache, const Vec3& hip) {
+  RawHip<Real> raw;
+  for (int i = 0; i < 3; ++i) {
+    const double x = (hip[i] - cache.origin[i]) * cache.scale;
+    raw.parts[i] = static_cast<Real>(x);
+    raw.parts[i + 3] = static_cast<Real>(x - static_cast<double>(raw.parts[i]));
+  }
+  return raw;
+}
+
+template <class Real>
+TrackOptions<Real> track_options(const QueryOptions& options) {
+  double tolerance = options.tolerance;
+  // The paper's solver ends by the residual angle: its threshold of 1e-5.
+  if (tolerance == 0)
+    tolerance = options.solver == Solver::kPaper ? 1e-5 : sizeof(Real) == 4 ? 0x1p-18 : 0x1p-36;
+  return {options.solver, options.max_iterations, static_cast<Real>(tolerance)};
+}
+
+template <class Real>
+Contact contact_of(const PatchCache& cache, const Surface<Real>& s, const RawContact<Real>& raw) {
+  const std::uint32_t patch = raw.uints[kContactPatch];
+  Contact c;
+  c.touching = raw.uints[kContactState] != 0;
+  c.at = face_point(cache, s, patch, static_cast<double>(raw.reals[kContactXi]),
+                    static_cast<double>(raw.reals[kContactEta]));
+  c.scp = from_local(cache, s, patch, vec(raw.reals + kContactScp));
+  c.normal = vec(raw.reals + kContactNormal);
+  const Vec3 offset = vec(raw.reals + kContactOffset) / cache.scale;
+  c.distance = (c.touching ? -1 : 1) * offset.norm();
+  c.push = c.touching ? Vec3(vec(raw.reals + kContactPush) / cache.scale) : Vec3(Vec3::Zero());
+  c.residual_angle = std::atan2(offset.cross(c.normal).norm(), std::abs(offset.dot(c.normal)));
+  c.iterations = static_cast<int>(raw.uints[kContactIterations]);
+  c.crossings = static_cast<int>(raw.uints[kContactCrossings]);
+  c.flags = raw.uints[kContactFlags];
+  return c;
+}
+
+#define GLISS_FRAMES(REAL)                                                                        \
+  template Eigen::Vector2d domain_corner(const Surface<REAL>&, std::uint32_t, std::uint32_t);     \
+  template PatchPlace place_of(const PatchCache&, const Surface<REAL>&, const DomainPoint&);      \
+  template SurfacePoint surface_point(const PatchCache&, const Surface<REAL>&, const PatchPlace&, \
+                                      const REAL*, std::size_t);                                  \
+  template RawHip<REAL> raw_hip(const PatchCache&, const Vec3&);                                  \
+  template TrackOptions<REAL> track_options(const QueryOptions&);                                 \
+  template Contact contact_of(const PatchCache&, const Surface<REAL>&, const RawContact<REAL>&);
+GLISS_FRAMES(float)
+GLISS_FRAMES(double)
+
+}  // namespace gliss

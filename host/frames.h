@@ -1,0 +1,44 @@
+// Between the mesh's unit and double on one side, and the frames and precision of the kernels on
+// the other (kernels/view.h).
+#pragma once
+
+#include "host/query.h"
+
+namespace gliss {
+
+// A point of a patch's own domain, and the affine map of the face's domain to it: d(patch xi, eta)
+// / d(face xi, eta).
+struct PatchPlace {
+  std::uint32_t patch = 0;
+  double xi = 0, eta = 0;
+  Eigen::Matrix2d jacobian = Eigen::Matrix2d::Identity();
+};
+
+template <class Real>
+PatchPlace place_of(const PatchCache& cache, const Surface<Real>& s, const DomainPoint& point);
+
+// From the nine rows, `stride` apart, that evaluation gave at a place.
+template <class Real>
+SurfacePoint surface_point(const PatchCache& cache, const Surface<Real>& s, const PatchPlace& place,
+                           const Real* rows, std::size_t stride);
+
+template <class Real>
+RawHip<Real> raw_hip(const PatchCache& cache, const Vec3& hip);
+
+template <class Real>
+TrackOptions<Real> track_options(const QueryOptions& options);
+
+template <class Real>
+Contact contact_of(const PatchCache& cache, const Surface<Real>& s, const RawContact<Real>& raw);
+
+// Corner k of the domain of a valence in use.
+template <class Real>
+Eigen::Vector2d domain_corner(const Surface<Real>& s, std::uint32_t n, std::uint32_t k);
+
+// Calls f with the surface in its own precision.
+template <class F>
+auto with_surface(const PatchCache& cache, F f) {
+  return cache.surface.index() == 0 ? f(std::get<0>(cache.surface)) : f(std::get<1>(cache.surface));
+}
+
+}  // namespace gliss

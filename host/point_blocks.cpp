@@ -1,0 +1,53 @@
+#include "host/point_blocks.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace gliss {
+
+template <class Real>
+void block_points(const PatchCache& cache, const Surface<Real>& s,
+                  std::span<const DomainPoint> points, std::size_t lanes,
+                  PointBlocks<Real>& blocks) {
+  blocks.lanes = lanes;
+  blocks.patch.clear();
+  blocks.xi.clear();
+  blocks.eta.clear();
+  blocks.slot.resize(points.size());
+  blocks.place.resize(points.size());
+  const auto patch_of = [&](std::size_t i) { return blocks.place[i].patch; };
+  std::size_t runs = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    blocks.place[i] = place_of(cache, s, points[i]);
+    runs += i == 0 || patch_of(i) != patch_of(i - 1);
+  }
+  thread_local std::vector<std::uint32_t> order;
+  order.resize(points.size());
+  std::iota(order.begin(), order.end(), 0u);
+  if (2 * runs * lanes > points.size()) {
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::uint32_t a, std::uint32_t b) { return patch_of(a) < patch_of(b); });
+  }
+  std::size_t filled = lanes;  // of the last block
+  for (const std::uint32_t i : order) {
+    const PatchPlace& place = blocks.place[i];
+    const auto xi = static_cast<Real>(place.xi), eta = static_cast<Real>(place.eta);
+    if (filled == lanes || blocks.patch.back() != place.patch) {
+      blocks.patch.push_back(place.patch);
+      blocks.xi.resize(blocks.slots(), xi);
+      blocks.eta.resize(blocks.slots(), eta);
+      filled = 0;
+    }
+    const std::size_t slot = blocks.slots() - lanes + filled++;
+    blocks.xi[slot] = xi;
+    blocks.eta[slot] = eta;
+    blocks.slot[i] = static_cast<std::uint32_t>(slot);
+  }
+}
+
+template void block_points(const PatchCache&, const Surface<float>&, std::span<const DomainPoint>,
+                           std::size_t, PointBlocks<float>&);
+template void block_points(const PatchCache&, const Surface<double>&, std::span<const DomainPoint>,
+                           std::size_t, PointBlocks<double>&);
+
+}  // namespace gliss

@@ -1,0 +1,17 @@
+// A surface as kernel arguments: a struct must not carry pointers into a kernel.
+
+#define SURFACE_ARGUMENTS                                                                         \
+  __global const scalar *domain, __global const uint *domain_begin,                               \
+      __global const uint *side_begin, __global const uint *side_patch,                           \
+      __global const uint *side_twin, __global const scalar *control,                             \
+      __global const scalar *corner, __global const scalar *patch, __global const uint *triangle, \
+      __global const scalar *node, __global const uint *child, uint patch_count
+
+#define SURFACE_VIEW                                                                           \
+  {                                                                                            \
+    domain, domain_begin, side_begin, side_patch, side_twin, control, corner, patch, triangle, \
+        node, child, patch_count                                                               \
+  }
+
+// Work-groups have this size; what is over does nothing.
+#define GROUP __attribute__((reqd_work_group_size(GLISS_GROUP, 1, 1)))

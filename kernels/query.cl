@@ -1,0 +1,38 @@
+// The two projections: a work-item takes a HIP.
+#include "kernels/kernels.h"
+#include "kernels/arguments.h"
+
+// For each of the methods, four bits each, the nearest contact of all.
+__kernel GROUP void nearest(SURFACE_ARGUMENTS, uint count, __global const scalar* hip, uint methods,
+                            uint method_count, int solver, int max_iterations, scalar tolerance,
+                            __global scalar* reals, __global uint* uints) {
+  const ulong i = get_global_id(0), stride = (ulong)count * method_count;
+  if (i >= count) return;
+  const surface_view view = SURFACE_VIEW;
+  const track_options options = {solver, max_iterations, tolerance};
+  const hip_point h = load_hip(hip + i, count);
+  const base_point base = nearest_base(view, h);
+  for (uint m = 0; m < method_count; ++m) {
+    const ulong at = m * (ulong)count + i;
+    store_contact(reals + at, uints + at, stride,
+                  nearest_contact(view, h, base, (int)(methods >> 4 * m & 15u), options));
+  }
+}
+
+// The local contact from a start.
+__kernel GROUP void track(SURFACE_ARGUMENTS, uint count, __global const scalar* hip,
+                          __global const uint* start_patch, __global const scalar* start, int method,
+                          int solver, int max_iterations, scalar tolerance, __global scalar* reals,
+                          __global uint* uints) {
+  const ulong i = get_global_id(0);
+  if (i >= count) return;
+  const surface_view view = SURFACE_VIEW;
+  const track_options options = {solver, max_iterations, tolerance};
+  contact last;
+  last.method = method;
+  last.patch = start_patch[i];
+  last.xi = start[i];
+  last.eta = start[count + i];
+  store_contact(reals + i, uints + i, count,
+                track_contact(view, load_hip(hip + i, count), last, options));
+}
