@@ -2,40 +2,19 @@
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
-#include <random>
 #include <string>
 
-#include "host/engine.h"
-#include "host/generate.h"
+#include "bench/setup.h"
 #include "host/sweep.h"
 
 namespace {
 
 using namespace gliss;
-
-struct Setup {
-  PatchCache cache;
-  std::vector<Vec3>
-      hips;  // 2 % of the tube's radius beneath the surface, one point a patch in turn
-};
-
-Setup make_setup(Precision precision) {
-  BuildOptions options;
-  options.precision = precision;
-  Setup s{make_tbb_engine()->build(torus_knot().mesh, options), {}};
-  std::mt19937 random(1);
-  std::uniform_real_distribution<double> uniform(-0.4, 0.4);
-  for (std::uint32_t i = 0; i < 4096; ++i) {
-    const SurfacePoint p =
-        evaluate(s.cache, {i % s.cache.mesh_face_count, uniform(random), uniform(random)});
-    s.hips.push_back(p.position - 0.24 * p.normal);
-  }
-  return s;
-}
+using bench::Setup;
 
 const Setup& setup(Precision precision) {
-  static const Setup in_float = make_setup(Precision::kFloat),
-                     in_double = make_setup(Precision::kDouble);
+  static const Setup in_float = bench::make_setup(Precision::kFloat, 4096),
+                     in_double = bench::make_setup(Precision::kDouble, 4096);
   return precision == Precision::kFloat ? in_float : in_double;
 }
 
@@ -111,7 +90,7 @@ void sweep_knot(benchmark::State& state, Precision precision, int threads) {
 
 void register_all() {
   for (const Precision p : {Precision::kFloat, Precision::kDouble}) {
-    const std::string precision = p == Precision::kFloat ? "float" : "double";
+    const std::string precision = bench::name_of(p);
     const auto name = [&](const std::string& path, const std::string& level, int threads) {
       return path + "/" + level + "/" + precision + "/4/tbb/" + std::to_string(threads);
     };
@@ -141,8 +120,19 @@ void register_all() {
 
 }  // namespace
 
+// --device=NAME: part of the name of an OpenCL device, or its number.
 int main(int argc, char** argv) {
+  std::string device;
+  const std::string option = "--device=";
+  for (int i = 1; i < argc; ++i) {
+    if (std::string(argv[i]).rfind(option, 0) != 0) continue;
+    device = argv[i] + option.size();
+    std::rotate(argv + i, argv + i + 1, argv + argc);
+    --argc;
+    break;
+  }
   register_all();
+  bench::register_opencl(device);
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
   benchmark::RunSpecifiedBenchmarks();

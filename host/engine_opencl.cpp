@@ -215,13 +215,14 @@ class OpenClSurface final : public ResidentSurface {
            methods * (kContactReals * sizeof(Real) + kContactUints * sizeof(cl_uint));
   }
 
-  // Cuts [0, count) into chunks: enough to keep the device busy, few enough for the memory, and
+  // Cuts [0, count) into chunks: enough to keep the device busy, few enough for its memory, and
   // several, so that they overlap.
   std::size_t chunk_of(std::size_t count, std::size_t bytes) const {
     const std::size_t fits = (shared_.device.memory() - there_.bytes) / (2 * bytes);
     if (fits < kGroup) throw shared_.device.error("its memory is full of patches");
-    const std::size_t busy = shared_.device.info().type == "GPU" ? std::size_t{1} << 18 : 1 << 14;
-    return std::min(fits, std::clamp((count + 3) / 4, busy, 4 * busy));
+    // A CPU does best with what its caches hold.
+    if (shared_.device.info().type != "GPU") return std::min<std::size_t>(fits, 1 << 14);
+    return std::min(fits, std::clamp<std::size_t>((count + 3) / 4, 1 << 18, 1 << 20));
   }
 
   template <class Start, class Finish, class OnHost>

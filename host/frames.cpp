@@ -50,7 +50,7 @@ Vec3 from_local(const PatchCache& cache, const Surface<Real>& s, std::uint32_t p
   const Real* numbers = &s.patch[patch * kPatchReals];
   const Vec3 origin(numbers[kPatchOrigin], numbers[kPatchOrigin + 1], numbers[kPatchOrigin + 2]);
   return cache.origin +
-         (origin + local * static_cast<double>(numbers[kPatchUnscale])) / cache.scale;
+         (origin + local * static_cast<double>(numbers[kPatchUnscale])) * (1 / cache.scale);
 }
 
 template <class Real>
@@ -88,7 +88,7 @@ SurfacePoint surface_point(const PatchCache& cache, const Surface<Real>& s, cons
     return Vec3(rows[r * stride], rows[(r + 1) * stride], rows[(r + 2) * stride]);
   };
   const double unscale =
-      static_cast<double>(s.patch[place.patch * kPatchReals + kPatchUnscale]) / cache.scale;
+      static_cast<double>(s.patch[place.patch * kPatchReals + kPatchUnscale]) * (1 / cache.scale);
   const Vec3 g_xi = triple(3), g_eta = triple(6), dx = g_xi * unscale, dy = g_eta * unscale;
   SurfacePoint p;
   p.position = from_local(cache, s, place.patch, triple(0));

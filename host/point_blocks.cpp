@@ -5,6 +5,8 @@
 
 namespace gliss {
 
+constexpr std::size_t kLeastRun = 32;  // points of a patch in a row that need no sorting
+
 template <class Real>
 void block_points(const PatchCache& cache, const Surface<Real>& s,
                   std::span<const DomainPoint> points, std::size_t lanes,
@@ -24,9 +26,12 @@ void block_points(const PatchCache& cache, const Surface<Real>& s,
   thread_local std::vector<std::uint32_t> order;
   order.resize(points.size());
   std::iota(order.begin(), order.end(), 0u);
-  if (2 * runs * lanes > points.size()) {
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::uint32_t a, std::uint32_t b) { return patch_of(a) < patch_of(b); });
+  // Neighbours of one valence take the same way through a kernel.
+  if (kLeastRun * runs > points.size()) {
+    std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+      const std::uint32_t p = patch_of(a), q = patch_of(b), m = s.valence(p), n = s.valence(q);
+      return m != n ? m < n : p < q;
+    });
   }
   std::size_t filled = lanes;  // of the last block
   for (const std::uint32_t i : order) {

@@ -31,7 +31,7 @@ typedef GLISS_JOIN(GLISS_SCALAR, GLISS_LANES) real;
 #define GLOBAL __global const
 #define GLOBAL_OUT __global
 #define FN_LARGE static
-#define FN static inline
+#define FN static inline __attribute__((always_inline))
 
 #else  // C++
 

@@ -109,7 +109,9 @@ void run(const SweepingOptions& options) {
                {"rings", grid.rings},
                {"samples_per_depth", samples},
                {"threads", engine->threads()},
+               {"backend", engine->name()},
                {"seconds", seconds},
+               {"device_seconds", engine->device_seconds()},
                {"contacts_per_second", contacts / seconds},
                {"peak_memory_bytes", peak_memory()}};
   for (const SweepStatistics& s : result.statistics) json["statistics"].push_back(json_of(s));
