@@ -222,7 +222,7 @@ class OpenClSurface final : public ResidentSurface {
     if (fits < kGroup) throw shared_.device.error("its memory is full of patches");
     // A CPU does best with what its caches hold.
     if (shared_.device.info().type != "GPU") return std::min<std::size_t>(fits, 1 << 14);
-    return std::min(fits, std::clamp<std::size_t>((count + 3) / 4, 1 << 18, 1 << 20));
+    return std::min(fits, std::clamp<std::size_t>((count + 3) / 4, 1 << 17, 1 << 20));
   }
 
   template <class Start, class Finish, class OnHost>
@@ -362,7 +362,7 @@ class OpenClEngine final : public Engine {
   const char* name() const override { return "opencl"; }
   int threads() const override { return shared_.host->threads(); }
   std::size_t batch() const override {
-    return shared_.device.info().type == "GPU" ? std::size_t{1} << 20 : 1 << 15;
+    return shared_.device.info().type == "GPU" ? std::size_t{1} << 19 : 1 << 15;
   }
   double device_seconds() const override { return shared_.kernel_seconds; }
   void for_each(std::size_t count, std::size_t grain,
