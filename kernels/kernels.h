@@ -8,6 +8,7 @@
 #include "kernels/patch.h"
 #include "kernels/build.h"
 #include "kernels/view.h"
+#include "kernels/triangle.h"
 #if GLISS_LANES == 1
 #include "kernels/polygon.h"
 #include "kernels/track.h"
