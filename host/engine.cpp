@@ -18,10 +18,11 @@ class SerialEngine final : public Engine {
 }  // namespace
 
 PatchCache Engine::build(const Mesh& mesh, const BuildOptions& options, BuildReport* report) const {
-  return build_cache(mesh, options, report,
-                     [this](std::size_t count, std::size_t grain, const auto& body) {
-                       for_each(count, grain, body);
-                     });
+  BuildBackend backend;
+  backend.parallel = [this](std::size_t count, std::size_t grain, const auto& body) {
+    for_each(count, grain, body);
+  };
+  return build_cache(mesh, options, report, backend);
 }
 
 void Engine::evaluate(const PatchCache& cache, std::span<const DomainPoint> points,

@@ -9,6 +9,7 @@
 #include "kernels/build.h"
 #include "kernels/view.h"
 #include "kernels/triangle.h"
+#include "kernels/examine.h"
 #if GLISS_LANES == 1
 #include "kernels/polygon.h"
 #include "kernels/track.h"
