@@ -54,11 +54,16 @@ class HostSurface final : public ResidentSurface {
 
 }  // namespace
 
+BuildBackend Engine::build_backend() const {
+  BuildBackend backend;
+  backend.parallel = [this](std::size_t count, std::size_t grain, const auto& body) {
+    for_each(count, grain, body);
+  };
+  return backend;
+}
+
 PatchCache Engine::build(const Mesh& mesh, const BuildOptions& options, BuildReport* report) const {
-  return build_cache(mesh, options, report,
-                     [this](std::size_t count, std::size_t grain, const auto& body) {
-                       for_each(count, grain, body);
-                     });
+  return build_cache(mesh, options, report, build_backend());
 }
 
 std::unique_ptr<ResidentSurface> Engine::reside(const PatchCache& cache) const {

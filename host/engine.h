@@ -47,8 +47,10 @@ class Engine {
   virtual void for_each(std::size_t count, std::size_t grain,
                         const std::function<void(std::size_t, std::size_t)>& body) const = 0;
 
-  virtual PatchCache build(const Mesh& mesh, const BuildOptions& options = {},
-                           BuildReport* report = nullptr) const;
+  // What build_cache needs to work with this engine.
+  virtual BuildBackend build_backend() const;
+  PatchCache build(const Mesh& mesh, const BuildOptions& options = {},
+                   BuildReport* report = nullptr) const;
   virtual std::unique_ptr<ResidentSurface> reside(const PatchCache& cache) const;
 };
 

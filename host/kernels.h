@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "host/surface.h"
 
@@ -19,6 +20,10 @@ inline constexpr std::size_t kSideLength = 48, kSideEase = 50;
 inline constexpr std::size_t kPatchOrigin = 0, kPatchNormal = 3, kPatchScale = 6, kPatchUnscale = 7,
                              kPatchSag = 8, kPatchTangent = 9, kPatchLow = 12, kPatchHigh = 15,
                              kPatchBend = 18, kPatchRho = 21;
+inline constexpr std::size_t kFrameReals = 6, kShapeReals = 20;
+inline constexpr std::size_t kShapeLow = 0, kShapeHigh = 3, kShapeAlongLow = 6, kShapeAlongHigh = 9,
+                             kShapeBend = 12, kShapeTurn = 15, kShapeCurvature = 16,
+                             kShapeStretch2 = 17, kShapeSag2 = 18, kShapeFinite = 19;
 inline constexpr std::uint32_t kNodeLeaf = 0x80000000u;
 
 // Bits of a contact's flags.
@@ -58,6 +63,12 @@ struct Kernels {
   // Numbers of the table of a valence, written at `table` (domain_reals(n) of them).
   std::size_t (*domain_reals)(std::uint32_t n);
   void (*fill_domain)(std::uint32_t n, Real* table);
+  // Where patches of a valence are examined: rings from the centre to the sides, `probe_levels` of
+  // them. The table has `probe_reals` numbers for `probe_count` points.
+  std::uint32_t (*probe_levels)(std::uint32_t n);
+  std::uint32_t (*probe_count)(std::uint32_t n);
+  std::size_t (*probe_reals)(std::uint32_t n);
+  void (*fill_probes)(std::uint32_t n, const Real* domain, Real* table);
   // Control data [n][kSideReals] of a polygon from its corners [n][2][3] (position, unit normal).
   // Returns the soundness of its weakest ribbon: 0 where the edge is parallel to a normal, 1 at
   // right angles.
@@ -69,10 +80,14 @@ struct Kernels {
   // G, G_xi, G_eta as nine rows of `stride` numbers, at `count` points of one patch.
   void (*evaluate)(const Real* domain, const Real* control, std::uint32_t n, const Real* xi,
                    const Real* eta, std::size_t count, std::size_t stride, Real* out);
+  // What sampling finds of a patch (kShapeReals numbers) from its base polygon's corners and
+  // triangles, its frame (unit normal and tangent) and its control data; `count` probes, or none
+  // for the base polygon alone.
+  void (*examine)(const Real* domain, const Real* probes, std::uint32_t count, const Real* control,
+                  const Real* corners, const std::uint32_t* triangles, const Real* frame,
+                  std::uint32_t n, Real* shape);
   // Surface normal (not unit) along side data at t: n_c of eq. 10.
   void (*side_normal)(const Real* side, Real t, Real* out);
-  // Squared distance of a point (local frame) to the base polygon of a patch.
-  Real (*polygon_distance2)(const Surface<Real>&, std::uint32_t patch, const Real* point);
   // Global: the nearest point for each of `count` methods, which share the search of the base
   // polygons.
   void (*nearest)(const Surface<Real>&, const Method* methods, std::size_t count,
@@ -93,5 +108,13 @@ template <>
 const Kernels<float>& kernels<float>();
 template <>
 const Kernels<double>& kernels<double>();
+
+// Adds the table of a valence to those in `domain`.
+template <class Real>
+void append_domain(std::uint32_t n, std::vector<Real>& domain, std::vector<std::uint32_t>& begin) {
+  begin[n] = static_cast<std::uint32_t>(domain.size());
+  domain.resize(domain.size() + kernels<Real>().domain_reals(n));
+  kernels<Real>().fill_domain(n, &domain[begin[n]]);
+}
 
 }  // namespace gliss

@@ -1,5 +1,6 @@
 // The C++ instances of the kernels for one instruction set, GLISS_ISA: scalar for queries, lanes
 // for evaluation.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -53,9 +54,11 @@ namespace gliss::GLISS_ISA {
     static const Kernels<REAL> table = {                                              \
         GLISS_STRING(GLISS_ISA), static_cast<int>(GLISS_VECTOR_BYTES / sizeof(REAL)), \
         SPACE::domain_reals,     SPACE::fill_domain,                                  \
+        SPACE::probe_rings,      SPACE::probes_of,                                    \
+        SPACE::probe_reals,      SPACE::fill_probes,                                  \
         SPACE::build_patch,      SPACE::ease_patch,                                   \
         SPACE::bend_patch,       SPACE::wide::evaluate_points,                        \
-        SPACE::side_normal_at,   SPACE::polygon_distance2,                            \
+        SPACE::wide::shape_of,   SPACE::side_normal_at,                               \
         SPACE::nearest,          SPACE::track,                                        \
         SPACE::tick_state};                                                           \
     return table;                                                                     \

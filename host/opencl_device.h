@@ -18,6 +18,7 @@ namespace gliss {
 // The text of kernels/*.cl with all that they include; made by tools/embed_kernels.py.
 extern const char* const kBuildProgram;
 extern const char* const kEvaluateProgram;
+extern const char* const kExamineProgram;
 extern const char* const kQueryProgram;
 
 // Work-items of a group: fixed, because PoCL compiles for each size anew and wants whole groups.

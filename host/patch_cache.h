@@ -3,13 +3,13 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
 #include "host/mesh.h"
+#include "host/patch_batch.h"
 #include "host/surface.h"
 #include "host/topology.h"
 
@@ -53,12 +53,6 @@ struct BuildReport {
   std::vector<std::uint32_t> flagged_faces;  // folded or degenerate, ascending
 };
 
-// Runs body(begin, end) over [0, count) in pieces of `grain`, on one thread or on many.
-using ParallelFor = std::function<void(std::size_t count, std::size_t grain,
-                                       const std::function<void(std::size_t, std::size_t)>& body)>;
-void serial_for(std::size_t count, std::size_t grain,
-                const std::function<void(std::size_t, std::size_t)>& body);
-
 // Invariants: every index in range, every number finite, hierarchy a binary tree over all patches.
 // A patch is a face of the mesh, in the order of faces, except that a split face has a patch for
 // each of its triangles.
@@ -91,11 +85,11 @@ struct PatchCache {
 // Builds all patches, or those of options.faces. The mesh must be validated; vertex normals are
 // made where it has none. Throws MeshError.
 PatchCache build_cache(const Mesh& mesh, const BuildOptions& options = {},
-                       BuildReport* report = nullptr, const ParallelFor& parallel = serial_for);
+                       BuildReport* report = nullptr, const BuildBackend& backend = {});
 
 // The same with a topology made before and vertex normals in the mesh, for builds of many regions.
 PatchCache build_cache(const Mesh& mesh, const Topology& topology, const BuildOptions& options,
-                       BuildReport* report = nullptr, const ParallelFor& parallel = serial_for);
+                       BuildReport* report = nullptr, const BuildBackend& backend = {});
 
 // Base polygons alone, for searches with the flat and shaded methods: no patch is built and none
 // may be evaluated.

@@ -11,8 +11,6 @@ typedef struct {
   real sound;  // least |n x (e x n_avg)| / |e| of the two ends: 0 where the ribbon degenerates
 } side_data;
 
-FN real3 unit3(real3 a) { return mul3(K(1) / larger(norm3(a), splat(TINY)), a); }
-
 FN side_data build_side(corner before, corner start, corner end, corner after) {
   side_data r;
   const real3 edge = sub3(end.p, start.p);

@@ -44,10 +44,6 @@ FN jet side_distance(GLOBAL scalar* domain, int n, int k, real xi, real eta) {
   return make_jet(larger(d, splat(K(0))), -mx, -my);
 }
 
-// Keeps quotients finite where numerator and denominator vanish together: such terms carry a weight
-// of zero.
-#define TINY (sizeof(scalar) == 4 ? K(1e-18f) : (scalar)1e-18f * (scalar)1e-18f)
-
 // u_k = d_(k-1) / (d_(k-1) + d_(k+1)), eq. 3; and v_k = 1 - u_(k-1).
 FN jet corner_u(GLOBAL scalar* domain, int n, int k, real xi, real eta) {
   const jet a = side_distance(domain, n, wrap(k - 1, n), xi, eta);

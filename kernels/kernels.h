@@ -7,6 +7,8 @@
 #include "kernels/side.h"
 #include "kernels/patch.h"
 #include "kernels/view.h"
+#include "kernels/triangle.h"
+#include "kernels/examine.h"
 #if GLISS_LANES == 1
 #include "kernels/build.h"
 #include "kernels/polygon.h"

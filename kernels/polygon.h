@@ -9,35 +9,6 @@ typedef struct {
   real wi, wj, wk;  // barycentric coordinates there
 } polygon_point;
 
-// Nearest point of triangle a b c to x, as barycentric coordinates of b and c (Ericson
-// 2005, 5.1.5).
-typedef struct {
-  real v, w;
-} triangle_point;
-
-FN triangle_point make_triangle_point(real v, real w) {
-  triangle_point r = {v, w};
-  return r;
-}
-FN triangle_point nearest_on_triangle(real3 a, real3 b, real3 c, real3 x) {
-  const real3 ab = sub3(b, a), ac = sub3(c, a), ax = sub3(x, a), bx = sub3(x, b), cx = sub3(x, c);
-  const real d1 = dot3(ab, ax), d2 = dot3(ac, ax), d3 = dot3(ab, bx), d4 = dot3(ac, bx),
-             d5 = dot3(ab, cx), d6 = dot3(ac, cx);
-  const real zero = K(0), one = K(1);
-  if (d1 <= zero && d2 <= zero) return make_triangle_point(zero, zero);
-  if (d3 >= zero && d4 <= d3) return make_triangle_point(one, zero);
-  if (d6 >= zero && d5 <= d6) return make_triangle_point(zero, one);
-  const real vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
-  if (vc <= zero && d1 >= zero && d3 <= zero) return make_triangle_point(d1 / (d1 - d3), zero);
-  if (vb <= zero && d2 >= zero && d6 <= zero) return make_triangle_point(zero, d2 / (d2 - d6));
-  if (va <= zero && d4 - d3 >= zero && d5 - d6 >= zero) {
-    const real w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-    return make_triangle_point(one - w, w);
-  }
-  const real over = one / (va + vb + vc);
-  return make_triangle_point(vb * over, vc * over);
-}
-
 FN real3 polygon_corner(surface_view view, uint patch, int k) {
   return load3(view.corner + 6 * (ulong)(view.side_begin[patch] + (uint)k), 0);
 }
@@ -52,13 +23,11 @@ FN_LARGE polygon_point nearest_on_polygon(surface_view view, uint patch, real3 x
     const int i = (int)corners[3 * t], j = (int)corners[3 * t + 1], k = (int)corners[3 * t + 2];
     const real3 a = polygon_corner(view, patch, i), b = polygon_corner(view, patch, j),
                 c = polygon_corner(view, patch, k);
-    const triangle_point at = nearest_on_triangle(a, b, c, x);
-    const real3 p = fma3(at.v, sub3(b, a), fma3(at.w, sub3(c, a), a)), r = sub3(p, x);
-    const real distance2 = dot3(r, r);
-    if (best.distance2 < K(0) || distance2 < best.distance2) {
+    const triangle_foot at = foot_on_triangle(a, b, c, x);
+    if (best.distance2 < K(0) || at.distance2 < best.distance2) {
       // Exactly 0 opposite to the edge that holds the point, so that place_on_polygon sees it.
       const real u = at.v + at.w == K(1) ? K(0) : K(1) - at.v - at.w;
-      const polygon_point here = {p, distance2, i, j, k, u, at.v, at.w};
+      const polygon_point here = {at.p, at.distance2, i, j, k, u, at.v, at.w};
       best = here;
     }
   }

@@ -1,8 +1,8 @@
 // The bridge: what each language calls its numbers. Included first, inside the namespace of its
 // instance. The includer defines GLISS_SCALAR (float or double) and GLISS_LANES (1, or the number
 // of samples a `real` holds: load_lanes and store_lanes move that many neighbours of an array,
-// `lane` reads one). Only + - * / sqrt fma and comparisons are used: IEEE gives them the same bits
-// in every language.
+// `lane` reads one; a `mask` holds what a comparison of two says, and masks meet in &). Only
+// + - * / sqrt fma and comparisons are used: IEEE gives them the same bits in every language.
 
 typedef GLISS_SCALAR scalar;
 
@@ -13,9 +13,13 @@ typedef GLISS_SCALAR scalar;
 #define GLISS_JOIN(a, b) GLISS_JOIN_(a, b)
 #if GLISS_LANES == 1
 typedef scalar real;
+typedef int mask;
 #define pick(condition, a, b) ((condition) ? (a) : (b))
 #else
 typedef GLISS_JOIN(GLISS_SCALAR, GLISS_LANES) real;
+#define GLISS_MASK_float int
+#define GLISS_MASK_double long
+typedef GLISS_JOIN(GLISS_JOIN(GLISS_MASK_, GLISS_SCALAR), GLISS_LANES) mask;
 #define pick(condition, a, b) select((real)(b), (real)(a), condition)
 #endif
 #define splat(s) ((real)(s))
@@ -43,6 +47,7 @@ typedef unsigned int uint;
 typedef unsigned long ulong;
 #if GLISS_LANES == 1
 typedef scalar real;
+typedef bool mask;
 FN real fma(real a, real b, real c) {
   return sizeof(real) == 4 ? (real)__builtin_fmaf((float)a, (float)b, (float)c)
                            : (real)__builtin_fma((double)a, (double)b, (double)c);
@@ -57,6 +62,7 @@ FN void store_lanes(scalar* at, real value) { *at = value; }
 FN scalar lane(real value, int) { return value; }
 #else
 typedef scalar real __attribute__((vector_size(GLISS_LANES * sizeof(GLISS_SCALAR))));
+typedef decltype(real{} < real{}) mask;
 FN real fma(real a, real b, real c) { return gliss::lanes::fma(a, b, c); }
 FN real sqrt(real a) { return gliss::lanes::sqrt(a); }
 FN real splat(scalar s) { return s - (real){}; }
@@ -87,3 +93,7 @@ FN real smaller(real a, real b) { return pick(a < b, a, b); }
 
 // Distance from 1 to the next number.
 #define EPSILON (sizeof(scalar) == 4 ? K(0x1p-23f) : K(0x1p-52f))
+
+// Keeps quotients finite where numerator and denominator vanish together: such terms carry a weight
+// of zero.
+#define TINY (sizeof(scalar) == 4 ? K(1e-18f) : (scalar)1e-18f * (scalar)1e-18f)

@@ -26,6 +26,7 @@ FN real3 cross_add3(real3 a, real3 b, real3 c) {
                fma(a.x, b.y, fma(-a.y, b.x, c.z)));
 }
 FN real norm3(real3 a) { return sqrt(dot3(a, a)); }
+FN real3 unit3(real3 a) { return mul3(K(1) / larger(norm3(a), splat(TINY)), a); }
 
 // Triple `i` of packed control data, the same for all lanes.
 FN real3 load3(GLOBAL scalar* at, int i) {

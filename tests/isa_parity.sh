@@ -5,7 +5,9 @@ gliss=$1
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 
-"$gliss" generate knot -o "$scratch/knot.obj" >/dev/null
+for mesh in knot fin goldberg banana; do
+  "$gliss" generate $mesh -o "$scratch/$mesh.obj" >/dev/null
+done
 # Points all over the domain of a quad, its centre, corners and sides included.
 awk 'BEGIN {
   print "patch,xi,eta"
@@ -29,8 +31,14 @@ for precision in double float; do
       continue
     fi
     cmp "$scratch/$precision.baseline.csv" "$out"
+    # Caches, of 4 to 11 sides and with faces that fold (the fin).
+    for mesh in knot fin goldberg banana; do
+      GLISS_ISA=$isa "$gliss" bake "$scratch/$mesh.obj" --unit mm --precision $precision --quiet \
+        -o "$scratch/$mesh.$precision.$isa.gliss" >/dev/null
+      cmp "$scratch/$mesh.$precision.baseline.gliss" "$scratch/$mesh.$precision.$isa.gliss"
+    done
     compared="$compared $precision/$isa"
   done
 done
 lines=$(wc -l <"$scratch/double.baseline.csv")
-echo "the same $lines lines:$compared"
+echo "the same $lines lines and 4 caches:$compared"

@@ -12,7 +12,7 @@ for version in CL1.2 CL3.0; do
     for lanes in 1 4 8 16; do
       for program in "$root"/kernels/*.cl; do
         # The others take one sample a work-item.
-        case $lanes:$program in 1:* | *evaluate.cl) ;; *) continue ;; esac
+        case $lanes:$program in 1:* | *evaluate.cl | *examine.cl) ;; *) continue ;; esac
         clang -x cl -cl-std=$version -Xclang -finclude-default-header -fsyntax-only -Wall -Wextra \
           -Werror -Wdouble-promotion -Wno-unused-function $extensions -DGLISS_SCALAR=$scalar \
           -DGLISS_LANES=$lanes -DGLISS_GROUP=64 -I"$root" "$program"

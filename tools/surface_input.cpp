@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "tools/interrupt.h"
 #include "tools/watch.h"
 
 namespace gliss::tools {
@@ -21,14 +22,18 @@ Mesh read_mesh(const SurfaceOptions& options) {
 PatchCache build(const Mesh& mesh, const SurfaceOptions& options, const Engine& engine,
                  BuildOptions build_options, BuildReport* report) {
   build_options.precision = options.precision.value_or(Precision::kDouble);
-  const ParallelFor parallel = [&](std::size_t count, std::size_t grain, const auto& body) {
-    Watch watch(options, "build", count, "faces");
+  Watch watch(options, "build",
+              build_options.faces.empty() ? mesh.face_count() : build_options.faces.size(),
+              "faces");
+  BuildBackend backend = engine.build_backend();
+  backend.parallel = [&](std::size_t count, std::size_t grain, const auto& body) {
     engine.for_each(count, grain, [&](std::size_t begin, std::size_t end) {
+      if (interrupted()) throw Interrupted();
       body(begin, end);
-      watch.add(end - begin);
     });
   };
-  return build_cache(mesh, build_options, report, parallel);
+  backend.progress = [&](std::size_t faces) { watch.reach(faces); };
+  return build_cache(mesh, build_options, report, backend);
 }
 
 PatchCache open_surface(const SurfaceOptions& options, const Engine& engine) {

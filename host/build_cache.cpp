@@ -1,0 +1,318 @@
+// From a mesh to its cache, a chunk of faces at a time.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "host/hierarchy.h"
+#include "host/kernels.h"
+#include "host/patch_cache.h"
+#include "host/patch_layout.h"
+#include "host/patch_tame.h"
+
+namespace gliss {
+namespace {
+
+// Faces that are built share nothing, so that they may be drafted in any order.
+constexpr std::size_t kGrain = 64;
+
+// The exact patches of faces_[first] and those after it.
+struct Chunk {
+  std::size_t first = 0;
+  PatchBatch batch;
+  std::vector<PatchFrame> frame;  // [patch]
+};
+
+// A patch as it goes into the cache.
+struct FinishedPatch {
+  std::uint32_t valence;
+  const PatchFrame& frame;
+  const PatchShape& shape;
+  const double *corner, *control;
+  const std::uint32_t* triangle;
+};
+
+PatchShape base_shape(const PatchBatch& b, std::size_t p) {
+  double reals[kShapeReals];
+  kernels<double>().examine(nullptr, nullptr, 0, nullptr, &b.corner[b.side_begin[p] * 6],
+                            &b.triangle[3 * b.first_triangle(p)], &b.frame[p * kFrameReals],
+                            b.valence(p), reals);
+  return shape_from(reals, b.valence(p));
+}
+
+// Everything of a build that outlives a step.
+class CacheBuilder {
+ public:
+  CacheBuilder(const Mesh& mesh, const Topology& topology, const BuildOptions& options,
+               const BuildBackend& backend, bool base_only = false)
+      : mesh_(mesh),
+        topology_(topology),
+        options_(options),
+        backend_(backend),
+        base_only_(base_only) {}
+
+  PatchCache build(BuildReport* report) {
+    set_frame();
+    drafted_.resize(faces_.size());
+    if (!base_only_) {
+      make_tables();
+      draft_faces();
+    }
+    if (report != nullptr) *report = report_of();
+    layout_ = lay_out(mesh_, topology_, faces_, drafted_, cache_);
+    if (options_.precision == Precision::kFloat) {
+      cache_.surface.emplace<0>();
+      fill(std::get<0>(cache_.surface));
+    } else {
+      cache_.surface.emplace<1>();
+      fill(std::get<1>(cache_.surface));
+    }
+    return std::move(cache_);
+  }
+
+ private:
+  void set_frame() {
+    Box box{mesh_.positions[mesh_.corner_vertex[0]], mesh_.positions[mesh_.corner_vertex[0]]};
+    for (const std::uint32_t v : mesh_.corner_vertex) {
+      box.low = box.low.cwiseMin(mesh_.positions[v]);
+      box.high = box.high.cwiseMax(mesh_.positions[v]);
+    }
+    cache_.unit = mesh_.unit;
+    cache_.origin = box.low + 0.5 * (box.high - box.low);
+    int exponent = 0;
+    std::frexp(0.5 * (box.high - box.low).maxCoeff(), &exponent);
+    cache_.scale = std::ldexp(1.0, -exponent);
+    cache_.mesh_face_count = static_cast<std::uint32_t>(mesh_.face_count());
+    cache_.mesh_hash = hash_of(mesh_);
+    cache_.face_valence.resize(mesh_.face_count());
+    for (std::size_t f = 0; f < mesh_.face_count(); ++f) cache_.face_valence[f] = mesh_.valence(f);
+    faces_ = options_.faces;
+    if (faces_.empty()) {
+      faces_.resize(mesh_.face_count());
+      for (std::size_t f = 0; f < faces_.size(); ++f) faces_[f] = static_cast<std::uint32_t>(f);
+    }
+  }
+
+  FaceCorners corners_of(std::uint32_t face) const {
+    FaceCorners c;
+    for (std::uint32_t s = mesh_.face_begin[face]; s < mesh_.face_begin[face + 1]; ++s) {
+      c.position.push_back((mesh_.positions[mesh_.corner_vertex[s]] - cache_.origin) *
+                           cache_.scale);
+      c.normal.push_back(mesh_.normals[mesh_.corner_normal[s]].normalized());
+    }
+    return c;
+  }
+
+  // Of the faces, and of the triangles that a face may be split into.
+  void make_tables() {
+    std::vector<char> used(4, 0);
+    used[3] = 1;
+    for (const std::uint32_t f : faces_) {
+      const std::uint32_t n = cache_.face_valence[f];
+      if (n >= used.size()) used.resize(n + 1, 0);
+      used[n] = 1;
+    }
+    tables_ = make_valence_tables(used);
+  }
+
+  // Calls body(chunk) for the exact patches of all faces, in order.
+  template <class Body>
+  void for_chunks(BatchStep step, Body body) {
+    Chunk c;
+    c.batch.tables = &tables_;
+    std::vector<std::uint32_t> valences;
+    for (c.first = 0; c.first < faces_.size(); c.first += backend_.chunk) {
+      const std::size_t count = std::min(backend_.chunk, faces_.size() - c.first);
+      valences.clear();
+      for (std::size_t p = 0; p < count; ++p)
+        valences.push_back(cache_.face_valence[faces_[c.first + p]]);
+      c.batch.resize(valences);
+      c.frame.resize(count);
+      backend_.parallel(count, kGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t p = begin; p < end; ++p) place(c, p);
+      });
+      if (!base_only_) backend_.build(c.batch, step, backend_.parallel);
+      body(c);
+    }
+  }
+
+  void place(Chunk& c, std::size_t p) const {
+    PatchBatch& b = c.batch;
+    c.frame[p] =
+        place_polygon(corners_of(faces_[c.first + p]), all_corners(b.valence(p)),
+                      &b.corner[b.side_begin[p] * 6], &b.triangle[3 * b.first_triangle(p)]);
+    c.frame[p].store(&b.frame[p * kFrameReals]);
+  }
+
+  void draft_faces() {
+    for_chunks(BatchStep::kExamine, [&](const Chunk& c) {
+      const PatchBatch& b = c.batch;
+      backend_.parallel(b.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t p = begin; p < end; ++p) {
+          DraftedFace& d = drafted_[c.first + p];
+          d.shape = shape_from(&b.shape[p * kShapeReals], b.valence(p));
+          d.folded = is_folded(d.shape);
+          d.degenerate = is_degenerate(b.soundness[p]);
+          if (d.flagged() && options_.tame) tame(faces_[c.first + p], d);
+        }
+      });
+      backend_.progress(c.first + b.size());
+    });
+  }
+
+  void tame(std::uint32_t face, DraftedFace& d) const {
+    const FaceCorners corners = corners_of(face);
+    PatchDraft exact = draft_patch(corners, all_corners(cache_.face_valence[face]));
+    exact.shape = d.shape;
+    d.tamer = draft_tamer(corners, std::move(exact), tables_);
+  }
+
+  BuildReport report_of() const {
+    BuildReport report;
+    for (std::size_t i = 0; i < faces_.size(); ++i) {
+      const DraftedFace& d = drafted_[i];
+      if (!d.flagged()) continue;
+      report.flagged_faces.push_back(faces_[i]);
+      report.folded += d.folded;
+      report.degenerate += d.degenerate;
+      if (d.tamer.empty()) continue;
+      const bool bent = std::any_of(d.tamer.begin(), d.tamer.end(),
+                                    [](const PatchDraft& p) { return p.kind == PatchKind::kBent; });
+      ++(bent ? report.bent : d.tamer.size() > 1 ? report.split : report.eased);
+    }
+    return report;
+  }
+
+  template <class Real>
+  void fill(Surface<Real>& s) {
+    const std::size_t sides = layout_.side_twin.size(), patches = cache_.patch_count();
+    s.side_begin = std::move(layout_.side_begin);
+    s.side_twin = std::move(layout_.side_twin);
+    s.side_patch.resize(sides);
+    for (std::uint32_t p = 0; p < patches; ++p) {
+      for (std::uint32_t side = s.side_begin[p]; side < s.side_begin[p + 1]; ++side)
+        s.side_patch[side] = p;
+    }
+    if (!base_only_) s.control.resize(sides * kSideReals);
+    s.corner.resize(sides * 6);
+    s.patch.resize(patches * kPatchReals);
+    s.triangle.resize(3 * (sides - 2 * patches));
+    cache_.rho_min.resize(patches);
+    fill_domain(s);
+    std::vector<Box> boxes(patches);
+    for_chunks(BatchStep::kControl, [&](const Chunk& c) {
+      backend_.parallel(c.batch.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t p = begin; p < end; ++p) store_face(c, p, s, boxes);
+      });
+    });
+    build_hierarchy(boxes, s.node, s.child, backend_.parallel);
+  }
+
+  template <class Real>
+  void fill_domain(Surface<Real>& s) {
+    const auto most = *std::max_element(cache_.face_valence.begin(), cache_.face_valence.end());
+    s.domain_begin.assign(most + 1, 0);
+    std::vector<char> used(most + 1, 0);
+    for (std::uint32_t p = 0; p < s.patch_count(); ++p) used[s.valence(p)] = 1;
+    // Splits ask for the domain of their whole face too.
+    for (const std::uint32_t f : faces_) used[cache_.face_valence[f]] = 1;
+    for (std::uint32_t n = 3; n <= most; ++n) {
+      if (used[n]) append_domain(n, s.domain, s.domain_begin);
+    }
+  }
+
+  template <class Real>
+  void store_face(const Chunk& c, std::size_t p, Surface<Real>& s, std::vector<Box>& boxes) {
+    const PatchBatch& b = c.batch;
+    const DraftedFace& drafted = drafted_[c.first + p];
+    std::uint32_t patch = cache_.face_patch[faces_[c.first + p]];
+    if (drafted.tamer.empty()) {
+      const PatchShape shape = base_only_ ? base_shape(b, p) : drafted.shape;
+      store({b.valence(p), c.frame[p], shape, &b.corner[b.side_begin[p] * 6],
+             &b.control[b.side_begin[p] * kSideReals], &b.triangle[3 * b.first_triangle(p)]},
+            patch, s, boxes);
+    }
+    for (const PatchDraft& d : drafted.tamer) {
+      store({d.valence(), d.frame, d.shape, d.corner.data(), d.control.data(), d.triangle.data()},
+            patch++, s, boxes);
+    }
+  }
+
+  template <class Real>
+  void store(const FinishedPatch& d, std::uint32_t patch, Surface<Real>& s,
+             std::vector<Box>& boxes) {
+    const std::size_t first = s.side_begin[patch], n = d.valence;
+    const auto narrow = [](const double* from, std::size_t count, Real* to) {
+      for (std::size_t i = 0; i < count; ++i) to[i] = static_cast<Real>(from[i]);
+    };
+    if (!base_only_) narrow(d.control, n * kSideReals, &s.control[first * kSideReals]);
+    narrow(d.corner, n * 6, &s.corner[first * 6]);
+    std::copy(d.triangle, d.triangle + 3 * (n - 2), &s.triangle[3 * (first - 2 * patch)]);
+    Real* numbers = &s.patch[patch * kPatchReals];
+    const auto put = [&](std::size_t at, const Vec3& v) { narrow(v.data(), 3, numbers + at); };
+    put(kPatchOrigin, d.frame.origin);
+    put(kPatchNormal, d.frame.normal);
+    put(kPatchTangent, d.frame.tangent);
+    put(kPatchLow, d.shape.low);
+    put(kPatchHigh, d.shape.high);
+    put(kPatchBend, d.shape.bend);
+    numbers[kPatchScale] = static_cast<Real>(d.frame.scale);
+    numbers[kPatchUnscale] = static_cast<Real>(1 / d.frame.scale);
+    numbers[kPatchSag] = static_cast<Real>(d.shape.sag);
+    // Flat patches have no end of it; what matters is how it compares with distances.
+    numbers[kPatchRho] = static_cast<Real>(std::min(d.shape.rho_min, 1e30));
+    boxes[patch] = {d.frame.origin + d.shape.box.low / d.frame.scale,
+                    d.frame.origin + d.shape.box.high / d.frame.scale};
+    cache_.rho_min[patch] = std::min(d.shape.rho_min / (d.frame.scale * cache_.scale),
+                                     std::numeric_limits<double>::max());
+  }
+
+  const Mesh& mesh_;
+  const Topology& topology_;
+  const BuildOptions& options_;
+  const BuildBackend& backend_;
+  const bool base_only_;
+  PatchCache cache_;
+  ValenceTables tables_;
+  std::vector<std::uint32_t> faces_;
+  std::vector<DraftedFace> drafted_;  // [faces_]
+  PatchLayout layout_;
+};
+
+}  // namespace
+
+PatchCache build_cache(const Mesh& mesh, const Topology& topology, const BuildOptions& options,
+                       BuildReport* report, const BuildBackend& backend) {
+  if (mesh.face_count() == 0) throw MeshError(mesh.source + ": no faces to build");
+  for (const std::uint32_t f : options.faces) {
+    if (f >= mesh.face_count()) {
+      throw MeshError(mesh.source + ": face " + std::to_string(f) + " is out of range (" +
+                      std::to_string(mesh.face_count()) + " faces)");
+    }
+  }
+  if (std::adjacent_find(options.faces.begin(), options.faces.end(), std::greater_equal<>()) !=
+      options.faces.end()) {
+    throw MeshError(mesh.source + ": the faces to build must be ascending, each once");
+  }
+  return CacheBuilder(mesh, topology, options, backend).build(report);
+}
+
+PatchCache build_base(const Mesh& mesh, const Topology& topology, Precision precision) {
+  BuildOptions options;
+  options.precision = precision;
+  const BuildBackend serial;
+  return CacheBuilder(mesh, topology, options, serial, true).build(nullptr);
+}
+
+PatchCache build_cache(const Mesh& mesh, const BuildOptions& options, BuildReport* report,
+                       const BuildBackend& backend) {
+  if (!mesh.normals.empty())
+    return build_cache(mesh, build_topology(mesh), options, report, backend);
+  Mesh with_normals = mesh;
+  add_vertex_normals(with_normals);
+  PatchCache cache =
+      build_cache(with_normals, build_topology(with_normals), options, report, backend);
+  cache.mesh_hash = hash_of(mesh);
+  return cache;
+}
+
+}  // namespace gliss

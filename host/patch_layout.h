@@ -1,0 +1,30 @@
+// Which patch of a cache is where, and which sides meet.
+#pragma once
+
+#include <vector>
+
+#include "host/patch_draft.h"
+
+namespace gliss {
+
+// What a face becomes.
+struct DraftedFace {
+  PatchShape shape;               // of the exact patch
+  std::vector<PatchDraft> tamer;  // empty: the exact patch
+  bool folded = false, degenerate = false;
+
+  bool flagged() const { return folded || degenerate; }
+};
+
+struct PatchLayout {
+  std::vector<std::uint32_t> side_begin{0};  // [patch + 1]
+  std::vector<std::uint32_t> side_twin;      // [side]
+};
+
+// Numbers the patches of `faces`, which are `drafted` in the same order, and fills what the cache
+// knows of each besides its shape.
+PatchLayout lay_out(const Mesh& mesh, const Topology& topology,
+                    const std::vector<std::uint32_t>& faces,
+                    const std::vector<DraftedFace>& drafted, PatchCache& cache);
+
+}  // namespace gliss

@@ -1,0 +1,19 @@
+// What sampling finds of patches: a work-item takes a patch, GLISS_LANES probes at a time.
+#include "kernels/kernels.h"
+#include "kernels/arguments.h"
+
+__kernel GROUP void examine_patches(uint count, __global const scalar* domain,
+                                    __global const uint* domain_begin, __global const scalar* probe,
+                                    __global const uint* probe_begin,
+                                    __global const uint* side_begin, __global const scalar* corner,
+                                    __global const uint* triangle, __global const scalar* frame,
+                                    __global const scalar* control, __global scalar* shape) {
+  const uint i = (uint)get_global_id(0);
+  if (i >= count) return;
+  const uint first = side_begin[i];
+  const int n = (int)(side_begin[i + 1] - first);
+  store_shape(shape + (ulong)i * SHAPE_REALS,
+              examine(domain + domain_begin[n], probe + probe_begin[n], probe_count(n),
+                      control + (ulong)first * SIDE_REALS, corner + 6 * (ulong)first,
+                      triangle + 3 * (ulong)(first - 2 * i), frame + (ulong)i * FRAME_REALS, n));
+}
