@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "host/opencl_shared.h"
 
 namespace gliss {
@@ -20,7 +22,8 @@ class OpenClEngine final : public Engine {
   BuildBackend build_backend() const override {
     BuildBackend backend = Engine::build_backend();
     backend.build = builder_;
-    if (shared_.on_gpu()) backend.chunk = std::size_t{1} << 16;
+    const std::size_t busy = shared_.on_gpu() ? 1 << 16 : backend.chunk;
+    backend.chunk = std::clamp<std::size_t>(shared_.device.memory() >> 13, 256, busy);
     return backend;
   }
   std::unique_ptr<ResidentSurface> reside(const PatchCache& cache) const override {

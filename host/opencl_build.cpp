@@ -12,6 +12,11 @@ namespace {
 // Fewer patches are built on the host: one takes as long as some points of a query.
 constexpr std::size_t kPointsPerPatch = 16;
 
+// On the device, but for the tables.
+constexpr std::size_t kPatchBytes = (kShapeReals + kFrameReals) * sizeof(double) + sizeof(cl_uint),
+                      kSideBytes =
+                          (kSideReals + 6 + 1) * sizeof(double) + (1 + 3) * sizeof(cl_uint);
+
 class OpenClBuilder {
  public:
   explicit OpenClBuilder(const OpenClShared& shared)
@@ -36,6 +41,11 @@ class OpenClBuilder {
   void run(PatchBatch& b, BatchStep step) {
     const Idle idle{queue_};
     const std::size_t patches = b.size(), sides = b.side_begin.back();
+    const std::size_t bytes = patches * kPatchBytes + sides * kSideBytes;
+    if (bytes > shared_.device.memory()) {
+      throw shared_.device.error("a batch of patches needs " + size_text(bytes) +
+                                 ", to be used are " + size_text(shared_.device.memory()));
+    }
     upload(begins_, b.side_begin);
     upload(corner_, b.corner);
     side_patch_.resize(sides);

@@ -153,11 +153,11 @@ std::string first_error(const std::string& log) {
   return trimmed(log.substr(at, log.find('\n', at) - at));
 }
 
+}  // namespace
+
 std::string size_text(std::uint64_t bytes) {
   return fmt::format("{:.4g} MiB", static_cast<double>(bytes) / (1 << 20));
 }
-
-}  // namespace
 
 std::vector<OpenClDevice> opencl_devices() {
   std::vector<OpenClDevice> infos;

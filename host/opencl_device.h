@@ -24,6 +24,8 @@ extern const char* const kQueryProgram;
 // Work-items of a group: fixed, because PoCL compiles for each size anew and wants whole groups.
 inline constexpr std::size_t kGroup = 64;
 
+std::string size_text(std::uint64_t bytes);  // "1.58 MiB"
+
 class Device {
  public:
   explicit Device(const OpenClOptions& options);

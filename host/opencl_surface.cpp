@@ -28,9 +28,10 @@ struct DeviceSurface {
   DeviceSurface(const Device& device, const Surface<Real>& s) : patch_count(s.patch_count()) {
     const auto size = [&](const auto& array) { bytes += array.size() * sizeof(array[0]); };
     for_each_array(s, [&](cl::Buffer&, const auto& array) { size(array); });
-    if (bytes > device.memory())
-      throw device.error("the patches need " + std::to_string(bytes >> 20) +
-                         " MiB, to be used are " + std::to_string(device.memory() >> 20) + " MiB");
+    if (bytes > device.memory()) {
+      throw device.error("the patches need " + size_text(bytes) + ", to be used are " +
+                         size_text(device.memory()));
+    }
     const cl::CommandQueue queue(device.context(), device.id());
     for_each_array(s, [&](cl::Buffer& buffer, const auto& array) {
       const std::size_t length = array.size() * sizeof(array[0]);
