@@ -71,30 +71,36 @@ PatchPlace place_of(const PatchCache& cache, const Surface<Real>& s, const Domai
   const std::uint32_t first = place.patch;
   for (std::uint32_t p = first; p < cache.patch_count() && cache.patch_face[p] == point.face; ++p) {
     const PartDomain<Real> part(cache, s, p);
-    const Eigen::Matrix3d inverse = part.in_face.inverse();
-    const Vec3 at = inverse * Vec3(point.xi, point.eta, 1);
+    const Vec3 at = part.in_face.inverse() * Vec3(point.xi, point.eta, 1);
     if (at.minCoeff() <= best && p != first) continue;
     best = at.minCoeff();
     const Vec3 own = part.in_patch * at;
-    place = {p, own.x(), own.y(), (part.in_patch * inverse).template topLeftCorner<2, 2>()};
+    place = {p, own.x(), own.y()};
   }
   return place;
 }
 
 template <class Real>
-SurfacePoint surface_point(const PatchCache& cache, const Surface<Real>& s, const PatchPlace& place,
+SurfacePoint surface_point(const PatchCache& cache, const Surface<Real>& s, std::uint32_t patch,
                            const Real* rows, std::size_t stride) {
   const auto triple = [&](std::size_t r) {
     return Vec3(rows[r * stride], rows[(r + 1) * stride], rows[(r + 2) * stride]);
   };
   const double unscale =
-      static_cast<double>(s.patch[place.patch * kPatchReals + kPatchUnscale]) * (1 / cache.scale);
-  const Vec3 g_xi = triple(3), g_eta = triple(6), dx = g_xi * unscale, dy = g_eta * unscale;
+      static_cast<double>(s.patch[patch * kPatchReals + kPatchUnscale]) * (1 / cache.scale);
+  const Vec3 g_xi = triple(3), g_eta = triple(6);
   SurfacePoint p;
-  p.position = from_local(cache, s, place.patch, triple(0));
-  p.d_xi = place.jacobian(0, 0) * dx + place.jacobian(1, 0) * dy;
-  p.d_eta = place.jacobian(0, 1) * dx + place.jacobian(1, 1) * dy;
+  p.position = from_local(cache, s, patch, triple(0));
+  p.d_xi = g_xi * unscale;
+  p.d_eta = g_eta * unscale;
   p.normal = g_xi.cross(g_eta).normalized();
+  if (is_part(cache, patch)) {  // along the domain of the face: d(patch xi, eta) / d(face xi, eta)
+    const PartDomain<Real> part(cache, s, patch);
+    const Eigen::Matrix3d j = part.in_patch * part.in_face.inverse();
+    const Vec3 dx = p.d_xi, dy = p.d_eta;
+    p.d_xi = j(0, 0) * dx + j(1, 0) * dy;
+    p.d_eta = j(0, 1) * dx + j(1, 1) * dy;
+  }
   return p;
 }
 
@@ -137,13 +143,13 @@ Contact contact_of(const PatchCache& cache, const Surface<Real>& s, const RawCon
   return c;
 }
 
-#define GLISS_FRAMES(REAL)                                                                        \
-  template Eigen::Vector2d domain_corner(const Surface<REAL>&, std::uint32_t, std::uint32_t);     \
-  template PatchPlace place_of(const PatchCache&, const Surface<REAL>&, const DomainPoint&);      \
-  template SurfacePoint surface_point(const PatchCache&, const Surface<REAL>&, const PatchPlace&, \
-                                      const REAL*, std::size_t);                                  \
-  template RawHip<REAL> raw_hip(const PatchCache&, const Vec3&);                                  \
-  template TrackOptions<REAL> track_options(const QueryOptions&);                                 \
+#define GLISS_FRAMES(REAL)                                                                    \
+  template Eigen::Vector2d domain_corner(const Surface<REAL>&, std::uint32_t, std::uint32_t); \
+  template PatchPlace place_of(const PatchCache&, const Surface<REAL>&, const DomainPoint&);  \
+  template SurfacePoint surface_point(const PatchCache&, const Surface<REAL>&, std::uint32_t, \
+                                      const REAL*, std::size_t);                              \
+  template RawHip<REAL> raw_hip(const PatchCache&, const Vec3&);                              \
+  template TrackOptions<REAL> track_options(const QueryOptions&);                             \
   template Contact contact_of(const PatchCache&, const Surface<REAL>&, const RawContact<REAL>&);
 GLISS_FRAMES(float)
 GLISS_FRAMES(double)

@@ -6,20 +6,18 @@
 
 namespace gliss {
 
-// A point of a patch's own domain, and the affine map of the face's domain to it: d(patch xi, eta)
-// / d(face xi, eta).
+// A point of a patch's own domain.
 struct PatchPlace {
   std::uint32_t patch = 0;
   double xi = 0, eta = 0;
-  Eigen::Matrix2d jacobian = Eigen::Matrix2d::Identity();
 };
 
 template <class Real>
 PatchPlace place_of(const PatchCache& cache, const Surface<Real>& s, const DomainPoint& point);
 
-// From the nine rows, `stride` apart, that evaluation gave at a place.
+// From the nine rows, `stride` apart, that evaluation gave at a point of a patch.
 template <class Real>
-SurfacePoint surface_point(const PatchCache& cache, const Surface<Real>& s, const PatchPlace& place,
+SurfacePoint surface_point(const PatchCache& cache, const Surface<Real>& s, std::uint32_t patch,
                            const Real* rows, std::size_t stride);
 
 template <class Real>

@@ -186,7 +186,7 @@ class OpenClSurface final : public ResidentSurface {
     const std::size_t fits = (shared_.device.memory() - there_.bytes) / (2 * bytes);
     if (fits < kGroup) throw shared_.device.error("its memory is full of patches");
     // A CPU does best with what its caches hold.
-    if (!shared_.on_gpu()) return std::min<std::size_t>(fits, 1 << 14);
+    if (!shared_.on_gpu()) return std::min<std::size_t>(fits, 1 << 16);
     return std::min(fits, std::clamp<std::size_t>((count + 3) / 4, 1 << 17, 1 << 20));
   }
 
@@ -278,7 +278,7 @@ class OpenClSurface final : public ResidentSurface {
       const PointBlocks<Real>& b = turn.blocks[begin / kPointGrain];
       const Real* rows = all + first[begin / kPointGrain];
       for (std::size_t i = begin; i < end; ++i) {
-        out[i] = surface_point(cache_, surface_, b.place[i - begin], rows + b.slot[i - begin],
+        out[i] = surface_point(cache_, surface_, b.patch_of[i - begin], rows + b.slot[i - begin],
                                first.back());
       }
     });

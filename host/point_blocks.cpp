@@ -16,12 +16,13 @@ void block_points(const PatchCache& cache, const Surface<Real>& s,
   blocks.xi.clear();
   blocks.eta.clear();
   blocks.slot.resize(points.size());
-  blocks.place.resize(points.size());
-  const auto patch_of = [&](std::size_t i) { return blocks.place[i].patch; };
+  blocks.patch_of.resize(points.size());
+  thread_local std::vector<PatchPlace> places;
+  places.resize(points.size());
   std::size_t runs = 0;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    blocks.place[i] = place_of(cache, s, points[i]);
-    runs += i == 0 || patch_of(i) != patch_of(i - 1);
+    places[i] = place_of(cache, s, points[i]);
+    runs += i == 0 || places[i].patch != places[i - 1].patch;
   }
   thread_local std::vector<std::uint32_t> order;
   order.resize(points.size());
@@ -29,13 +30,14 @@ void block_points(const PatchCache& cache, const Surface<Real>& s,
   // Neighbours of one valence take the same way through a kernel.
   if (kLeastRun * runs > points.size()) {
     std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-      const std::uint32_t p = patch_of(a), q = patch_of(b), m = s.valence(p), n = s.valence(q);
+      const std::uint32_t p = places[a].patch, q = places[b].patch, m = s.valence(p),
+                          n = s.valence(q);
       return m != n ? m < n : p < q;
     });
   }
   std::size_t filled = lanes;  // of the last block
   for (const std::uint32_t i : order) {
-    const PatchPlace& place = blocks.place[i];
+    const PatchPlace& place = places[i];
     const auto xi = static_cast<Real>(place.xi), eta = static_cast<Real>(place.eta);
     if (filled == lanes || blocks.patch.back() != place.patch) {
       blocks.patch.push_back(place.patch);
@@ -46,6 +48,7 @@ void block_points(const PatchCache& cache, const Surface<Real>& s,
     const std::size_t slot = blocks.slots() - lanes + filled++;
     blocks.xi[slot] = xi;
     blocks.eta[slot] = eta;
+    blocks.patch_of[i] = place.patch;
     blocks.slot[i] = static_cast<std::uint32_t>(slot);
   }
 }

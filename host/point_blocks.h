@@ -11,11 +11,11 @@ namespace gliss {
 
 template <class Real>
 struct PointBlocks {
-  std::size_t lanes = 1;             // points in a block
-  std::vector<std::uint32_t> patch;  // [block]
-  std::vector<Real> xi, eta;         // [block][lanes]; what is over in a block repeats its first
-  std::vector<PatchPlace> place;     // [point]
-  std::vector<std::uint32_t> slot;   // [point], where it lies in xi and eta
+  std::size_t lanes = 1;                // points in a block
+  std::vector<std::uint32_t> patch;     // [block]
+  std::vector<Real> xi, eta;            // [block][lanes]; what is over in a block repeats its first
+  std::vector<std::uint32_t> patch_of;  // [point]
+  std::vector<std::uint32_t> slot;      // [point], where it lies in xi and eta
 
   std::size_t slots() const { return patch.size() * lanes; }
 };

@@ -23,7 +23,7 @@ SurfacePoint evaluate_point(const PatchCache& cache, const Surface<Real>& s,
   Real rows[9];
   kernels<Real>().evaluate(&s.domain[s.domain_begin[n]], control_of(s, place.patch), n, &xi, &eta,
                            1, 1, rows);
-  return surface_point(cache, s, place, rows, 1);
+  return surface_point(cache, s, place.patch, rows, 1);
 }
 
 template <class Real>
@@ -43,7 +43,7 @@ void evaluate_points(const PatchCache& cache, const Surface<Real>& s,
                              &blocks.eta[at], (end - first) * lanes, slots, &rows[at]);
   }
   for (std::size_t i = 0; i < points.size(); ++i)
-    out[i] = surface_point(cache, s, blocks.place[i], &rows[blocks.slot[i]], slots);
+    out[i] = surface_point(cache, s, blocks.patch_of[i], &rows[blocks.slot[i]], slots);
 }
 
 }  // namespace
