@@ -125,6 +125,9 @@ void add_methods_option(Command& command, std::vector<Method>& methods) {
 Method parse_method(const std::string& name) { return find(kMethods, "--method", name); }
 
 std::unique_ptr<Engine> make_engine(const CommonOptions& options) {
+  const bool device = options.backend == "opencl" || options.backend == "auto";
+  if (!device && (!options.device.empty() || options.device_memory > 0))
+    throw InputError("--device and --device-memory ask for --backend opencl or auto");
   if (options.backend == "serial") return make_serial_engine();
   if (options.backend == "tbb") return make_tbb_engine(options.threads);
   OpenClOptions opencl;
