@@ -107,17 +107,18 @@ std::vector<Found> find_devices() {
   std::vector<Found> found;
   std::string names;
   for (const cl::Platform& platform : platforms) {
-    const std::string name = trimmed(platform.getInfo<CL_PLATFORM_NAME>());
-    names += (names.empty() ? "" : ", ") + name;
-    std::vector<cl::Device> devices;
+    std::string name = fmt::format("platform {}", &platform - platforms.data());
     try {
+      name = trimmed(platform.getInfo<CL_PLATFORM_NAME>());
+      names += (names.empty() ? "" : ", ") + name;
+      std::vector<cl::Device> devices;
       platform.getDevices(CL_DEVICE_TYPE_ALL, &devices);
+      for (const cl::Device& device : devices) found.push_back({device, describe(device, name)});
     } catch (const cl::Error& e) {
       if (e.err() != CL_DEVICE_NOT_FOUND)
         throw DeviceError(
             fmt::format("opencl: {}: {} failed: {}", name, e.what(), error_name(e.err())));
     }
-    for (const cl::Device& device : devices) found.push_back({device, describe(device, name)});
   }
   if (!found.empty()) return found;
   const std::string folder =
@@ -131,17 +132,17 @@ std::vector<Found> find_devices() {
 }
 
 Found choose(const std::string& wish, bool only_gpu) {
-  const std::vector<Found> all = find_devices();
+  std::vector<Found> all = find_devices();
   std::string names;
   for (std::size_t i = 0; i < all.size(); ++i) {
     const OpenClDevice& d = all[i].info;
     if (wish.empty() ? d.type == "GPU"
                      : wish == std::to_string(i) || lower(d.name).find(lower(wish)) != wish.npos ||
                            lower(d.platform).find(lower(wish)) != wish.npos)
-      return all[i];
+      return std::move(all[i]);
     names += fmt::format("{}{}", names.empty() ? "" : ", ", d.name);
   }
-  if (wish.empty() && !only_gpu) return all.front();
+  if (wish.empty() && !only_gpu) return std::move(all.front());
   throw DeviceError(fmt::format("opencl: no {}; there is {}",
                                 wish.empty() ? "GPU" : fmt::format("device '{}'", wish), names));
 }
@@ -166,9 +167,9 @@ std::vector<OpenClDevice> opencl_devices() {
 }
 
 Device::Device(const OpenClOptions& options) : notice_(options.notice) {
-  const Found found = choose(options.device, options.fall_back);
-  info_ = found.info;
-  id_ = found.id;
+  Found found = choose(options.device, options.fall_back);
+  info_ = std::move(found.info);
+  id_ = std::move(found.id);
   memory_ = options.memory > 0 ? options.memory : info_.memory / 2;
   try {
     context_ = cl::Context(id_);
@@ -200,12 +201,16 @@ cl::Kernel Device::kernel(const char* program, const char* name, Precision preci
   return cl::Kernel(found->second, name);
 }
 
+// The caller's own thread works: Oclgrind crashes where another one compiles.
 void Device::patiently(const std::function<void()>& work) const {
-  auto working = std::async(std::launch::async, work);
-  if (working.wait_for(std::chrono::milliseconds(300)) != std::future_status::ready && notice_ &&
-      !noticed_.exchange(true))
-    notice_(fmt::format("opencl: {}: compiling kernels, once", info_.name));
-  working.get();
+  std::future<void> watching;
+  std::promise<void> done;  // destroyed before `watching` is waited for, however work ends
+  watching = std::async(std::launch::async, [this, ends = done.get_future()] {
+    if (ends.wait_for(std::chrono::milliseconds(300)) != std::future_status::ready && notice_ &&
+        !noticed_.exchange(true))
+      notice_(fmt::format("opencl: {}: compiling kernels, once", info_.name));
+  });
+  work();
 }
 
 cl::Program Device::compile(const char* text, Precision precision, int lanes) const {
@@ -213,15 +218,20 @@ cl::Program Device::compile(const char* text, Precision precision, int lanes) co
       fmt::format("-w -cl-std=CL1.2 {}-DGLISS_SCALAR={} -DGLISS_LANES={} -DGLISS_GROUP={}",
                   info_.exact ? "-cl-fp32-correctly-rounded-divide-sqrt " : "",
                   precision == Precision::kFloat ? "float" : "double", lanes, kGroup);
-  cl::Program program(context_, std::string(text));
+  const cl::Program program(context_, std::string(text));
+  const cl_device_id device = id_();
+  cl_int code = CL_SUCCESS;
+  patiently([&] {  // by the C call: the C++ one throws what the log's absence is called instead
+    code = clBuildProgram(program(), 1, &device, options.c_str(), nullptr, nullptr);
+  });
+  if (code == CL_SUCCESS) return program;
+  std::string log;
   try {
-    patiently([&] { program.build({id_}, options.c_str()); });
-  } catch (const cl::BuildError& e) {
-    const auto log = e.getBuildLog();
-    throw error(fmt::format("kernels do not compile: {}: {}", error_name(e.err()),
-                            log.empty() ? "no log" : first_error(log.front().second)));
+    log = program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(id_);
+  } catch (const cl::Error&) {  // some keep none
   }
-  return program;
+  throw error(fmt::format("kernels do not compile: {}: {}", error_name(code),
+                          log.empty() ? "no log" : first_error(log)));
 }
 
 cl::Buffer Device::buffer(std::size_t bytes, cl_mem_flags flags, const std::string& what) const {

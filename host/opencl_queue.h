@@ -1,6 +1,7 @@
 // Work under way on a device: arrays that travel, kernels that run, and the time they take.
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "host/opencl_device.h"
@@ -14,7 +15,9 @@ class Staging {
  public:
   Staging(const Device& device, const cl::CommandQueue& queue, const char* what)
       : device_(device), queue_(queue), what_(what) {}
-  ~Staging() { unmap(); }
+  ~Staging() {  // by the C call: destructors do not throw
+    if (here_ != nullptr) clEnqueueUnmapMemObject(queue_(), pinned_(), here_, 0, nullptr, nullptr);
+  }
   Staging(const Staging&) = delete;
   Staging& operator=(const Staging&) = delete;
 
@@ -52,9 +55,8 @@ class Staging {
 
  private:
   bool shared() const { return device_.info().shares_memory; }
-  void unmap() {  // by the C call: destructors do not throw
-    if (here_ != nullptr) clEnqueueUnmapMemObject(queue_(), pinned_(), here_, 0, nullptr, nullptr);
-    here_ = nullptr;
+  void unmap() {
+    if (here_ != nullptr) queue_.enqueueUnmapMemObject(pinned_, std::exchange(here_, nullptr));
   }
 
   const Device& device_;

@@ -6,6 +6,7 @@
 
 #include "host/generate.h"
 #include "tests/surfaces.h"
+#include "tests/sweep_bytes.h"
 
 namespace gliss {
 namespace {
@@ -17,53 +18,13 @@ SweepOptions options_of(std::vector<double> depths, std::uint32_t rings) {
   return options;
 }
 
-template <class T>
-void append(std::string& bytes, const T* from, std::size_t count) {
-  bytes.append(reinterpret_cast<const char*>(from), count * sizeof(T));
-}
-template <class T>
-void append(std::string& bytes, const std::vector<T>& from) {
-  append(bytes, from.data(), from.size());
-}
-
-void append(std::string& bytes, const Histogram& h) {
-  const double sums[] = {h.mean(), h.max()};
-  append(bytes, h.bins().data(), h.bins().size());
-  append(bytes, sums, 2);
-}
-
-// All that a sweep says, as bytes.
-std::string swept(const PatchCache& cache, const Engine& engine, const SweepOptions& options) {
-  std::string bytes;
-  const SweepResult result = sweep(cache, engine, options, [&](const SweepBlock& block) {
-    const std::size_t place[] = {block.depth_index, block.method_index};
-    append(bytes, place, 2);
-    append(bytes, block.face);
-    for (const auto* numbers : {&block.xi, &block.eta}) append(bytes, *numbers);
-    for (const auto* vectors : {&block.hip, &block.scp, &block.force}) append(bytes, *vectors);
-    append(bytes, block.residual_angle);
-    for (const auto* counts : {&block.iterations, &block.crossings, &block.flags}) {
-      append(bytes, *counts);
-    }
-  });
-  for (const SweepStatistics& s : result.statistics) {
-    for (const Histogram* h : {&s.step, &s.edge_step, &s.angle, &s.error, &s.residual}) {
-      append(bytes, *h);
-    }
-    const std::uint64_t counts[] = {s.samples, s.touching, s.unconverged, s.iterations,
-                                    s.crossings};
-    append(bytes, counts, 5);
-  }
-  return bytes;
-}
-
 TEST(Sweep, gives_the_same_bytes_on_any_number_of_threads) {
   const PatchCache cache = test::cache_of(torus_knot(60, 8).mesh);
   const SweepOptions options = options_of({1e-3, 2e-3}, 6);
-  const std::string serial = swept(cache, *make_serial_engine(), options);
+  const std::string serial = test::swept(cache, *make_serial_engine(), options);
   EXPECT_GT(serial.size(), sample_count(cache, options.rings) * 6 * 9 * sizeof(double));
   for (const int threads : {1, 2, 4}) {
-    const std::string parallel = swept(cache, *make_tbb_engine(threads), options);
+    const std::string parallel = test::swept(cache, *make_tbb_engine(threads), options);
     ASSERT_EQ(parallel.size(), serial.size());
     EXPECT_EQ(std::memcmp(parallel.data(), serial.data(), serial.size()), 0) << threads;
   }

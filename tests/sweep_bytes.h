@@ -1,0 +1,52 @@
+// All that a sweep gives, as bytes to compare.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/sweep.h"
+
+namespace gliss::test {
+
+template <class T>
+void append(std::string& bytes, const T* from, std::size_t count) {
+  bytes.append(reinterpret_cast<const char*>(from), count * sizeof(T));
+}
+template <class T>
+void append(std::string& bytes, const std::vector<T>& from) {
+  append(bytes, from.data(), from.size());
+}
+
+inline void append(std::string& bytes, const Histogram& h) {
+  const double sums[] = {h.mean(), h.max()};
+  append(bytes, h.bins().data(), h.bins().size());
+  append(bytes, sums, 2);
+}
+
+// All that a sweep says, as bytes.
+inline std::string swept(const PatchCache& cache, const Engine& engine,
+                         const SweepOptions& options) {
+  std::string bytes;
+  const SweepResult result = sweep(cache, engine, options, [&](const SweepBlock& block) {
+    const std::size_t place[] = {block.depth_index, block.method_index};
+    append(bytes, place, 2);
+    append(bytes, block.face);
+    for (const auto* numbers : {&block.xi, &block.eta}) append(bytes, *numbers);
+    for (const auto* vectors : {&block.hip, &block.scp, &block.force}) append(bytes, *vectors);
+    append(bytes, block.residual_angle);
+    for (const auto* counts : {&block.iterations, &block.crossings, &block.flags}) {
+      append(bytes, *counts);
+    }
+  });
+  for (const SweepStatistics& s : result.statistics) {
+    for (const Histogram* h : {&s.step, &s.edge_step, &s.angle, &s.error, &s.residual}) {
+      append(bytes, *h);
+    }
+    const std::uint64_t counts[] = {s.samples, s.touching, s.unconverged, s.iterations,
+                                    s.crossings};
+    append(bytes, counts, 5);
+  }
+  return bytes;
+}
+
+}  // namespace gliss::test
