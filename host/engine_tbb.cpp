@@ -24,7 +24,7 @@ class TbbEngine final : public Engine {
   }
   const char* name() const override { return "tbb"; }
   int threads() const override { return arena_.max_concurrency(); }
-  std::size_t batch() const override { return 4096 * static_cast<std::size_t>(threads()); }
+  std::size_t batch() const override { return 16384 * static_cast<std::size_t>(threads()); }
   void for_each(std::size_t count, std::size_t grain,
                 const std::function<void(std::size_t, std::size_t)>& body) const override {
     const std::size_t pieces = (count + grain - 1) / grain;

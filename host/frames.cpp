@@ -1,6 +1,7 @@
 #include "host/frames.h"
 
 #include <cmath>
+#include <limits>
 
 namespace gliss {
 template <class Real>
@@ -53,9 +54,14 @@ Vec3 from_local(const PatchCache& cache, const Surface<Real>& s, std::uint32_t p
          (origin + local * static_cast<double>(numbers[kPatchUnscale])) * (1 / cache.scale);
 }
 
+// The sign of a NaN is a matter of compilers: one for all.
+template <class Real>
+double number(Real x) {
+  return std::isnan(x) ? std::numeric_limits<double>::quiet_NaN() : static_cast<double>(x);
+}
 template <class Real>
 Vec3 vec(const Real* v) {
-  return {static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
+  return {number(v[0]), number(v[1]), number(v[2])};
 }
 
 }  // namespace
@@ -129,8 +135,7 @@ Contact contact_of(const PatchCache& cache, const Surface<Real>& s, const RawCon
   const std::uint32_t patch = raw.uints[kContactPatch];
   Contact c;
   c.touching = raw.uints[kContactState] != 0;
-  c.at = face_point(cache, s, patch, static_cast<double>(raw.reals[kContactXi]),
-                    static_cast<double>(raw.reals[kContactEta]));
+  c.at = face_point(cache, s, patch, number(raw.reals[kContactXi]), number(raw.reals[kContactEta]));
   c.scp = from_local(cache, s, patch, vec(raw.reals + kContactScp));
   c.normal = vec(raw.reals + kContactNormal);
   const Vec3 offset = vec(raw.reals + kContactOffset) / cache.scale;

@@ -105,7 +105,7 @@ std::vector<Found> find_devices() {
         "opencl: no platform (-1001): no driver is installed, such as Debian's pocl-opencl-icd");
   }
   std::vector<Found> found;
-  std::string names;
+  std::string names, problem;  // of a platform that fails: the others may do
   for (const cl::Platform& platform : platforms) {
     std::string name = fmt::format("platform {}", &platform - platforms.data());
     try {
@@ -116,19 +116,16 @@ std::vector<Found> find_devices() {
       for (const cl::Device& device : devices) found.push_back({device, describe(device, name)});
     } catch (const cl::Error& e) {
       if (e.err() != CL_DEVICE_NOT_FOUND)
-        throw DeviceError(
-            fmt::format("opencl: {}: {} failed: {}", name, e.what(), error_name(e.err())));
+        problem = fmt::format("opencl: {}: {} failed: {}", name, e.what(), error_name(e.err()));
     }
   }
   if (!found.empty()) return found;
-  const std::string folder =
-      names.find("Portable Computing Language") == names.npos ? "" : unwritable_cache();
-  throw DeviceError(fmt::format("opencl: no device on platform {}{}", names,
-                                folder.empty()
-                                    ? ""
-                                    : fmt::format("; PoCL shows none where it cannot write "
-                                                  "its cache: {}",
-                                                  folder)));
+  if (!problem.empty()) throw DeviceError(problem);
+  const bool pocl = names.find("Portable Computing Language") != names.npos;
+  const std::string folder = pocl ? unwritable_cache() : "";
+  problem = "opencl: no device on platform " + names;
+  if (!folder.empty()) problem += "; PoCL shows none where it cannot write its cache: " + folder;
+  throw DeviceError(problem);
 }
 
 Found choose(const std::string& wish, bool only_gpu) {

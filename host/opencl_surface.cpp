@@ -109,7 +109,7 @@ class OpenClSurface final : public ResidentSurface {
         },
         [&](Turn& turn, std::size_t begin, std::size_t count) {
           for (std::size_t m = 0; m < methods.size(); ++m)
-            finish_contacts(turn, m * count, methods.size() * count,
+            finish_contacts(turn, m * count, row_stride(methods.size() * count),
                             out.subspan(m * hips.size() + begin, count));
         },
         [&] { host_->nearest(hips, methods, options, out); });
@@ -143,7 +143,7 @@ class OpenClSurface final : public ResidentSurface {
           turn.out_index.download();
         },
         [&](Turn& turn, std::size_t begin, std::size_t count) {
-          finish_contacts(turn, 0, count, out.subspan(begin, count));
+          finish_contacts(turn, 0, row_stride(count), out.subspan(begin, count));
         },
         [&] { host_->track(hips, starts, options, out); });
   }
@@ -251,7 +251,7 @@ class OpenClSurface final : public ResidentSurface {
     const std::size_t count = first.back(), slots = count * lanes_;
     turn.in_index.resize(count);
     turn.in.resize(2 * slots);
-    turn.out.resize(9 * slots);
+    turn.out.resize(9 * row_stride(slots));
     cl_uint* patch = turn.in_index.data();
     Real* in = turn.in.data();
     shared_.host->for_each(pieces, 1, [&](std::size_t begin, std::size_t end) {
@@ -279,7 +279,7 @@ class OpenClSurface final : public ResidentSurface {
       const Real* rows = all + first[begin / kPointGrain];
       for (std::size_t i = begin; i < end; ++i) {
         out[i] = surface_point(cache_, surface_, b.patch_of[i - begin], rows + b.slot[i - begin],
-                               first.back());
+                               row_stride(first.back()));
       }
     });
   }
@@ -287,8 +287,8 @@ class OpenClSurface final : public ResidentSurface {
   void start_hips(Turn& turn, std::span<const Vec3> hips, std::size_t methods) const {
     const std::size_t count = hips.size();
     turn.in.resize(6 * count);
-    turn.out.resize(kContactReals * methods * count);
-    turn.out_index.resize(kContactUints * methods * count);
+    turn.out.resize(kContactReals * row_stride(methods * count));
+    turn.out_index.resize(kContactUints * row_stride(methods * count));
     Real* in = turn.in.data();
     for_pieces(count, [&](std::size_t i) {
       const RawHip<Real> hip = raw_hip<Real>(cache_, hips[i]);

@@ -9,6 +9,9 @@
 
 namespace gliss {
 
+// Distance between rows of `count` results (kernels/arguments.h).
+inline constexpr std::size_t row_stride(std::size_t count) { return count + 16; }
+
 template <class Real>
 struct PointBlocks {
   std::size_t lanes = 1;                // points in a block

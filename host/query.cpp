@@ -33,17 +33,17 @@ void evaluate_points(const PatchCache& cache, const Surface<Real>& s,
   thread_local std::vector<Real> rows;
   const auto lanes = static_cast<std::size_t>(kernels<Real>().lanes);
   block_points(cache, s, points, lanes, blocks);
-  const std::size_t slots = blocks.slots(), count = blocks.patch.size();
-  rows.resize(9 * slots);
+  const std::size_t stride = row_stride(blocks.slots()), count = blocks.patch.size();
+  rows.resize(9 * stride);
   for (std::size_t first = 0, end; first < count; first = end) {
     const std::uint32_t patch = blocks.patch[first], n = s.valence(patch);
     for (end = first + 1; end < count && blocks.patch[end] == patch;) ++end;
     const std::size_t at = first * lanes;
     kernels<Real>().evaluate(&s.domain[s.domain_begin[n]], control_of(s, patch), n, &blocks.xi[at],
-                             &blocks.eta[at], (end - first) * lanes, slots, &rows[at]);
+                             &blocks.eta[at], (end - first) * lanes, stride, &rows[at]);
   }
   for (std::size_t i = 0; i < points.size(); ++i)
-    out[i] = surface_point(cache, s, blocks.patch_of[i], &rows[blocks.slot[i]], slots);
+    out[i] = surface_point(cache, s, blocks.patch_of[i], &rows[blocks.slot[i]], stride);
 }
 
 }  // namespace

@@ -15,3 +15,7 @@
 
 // Work-groups have this size; what is over does nothing.
 #define GROUP __attribute__((reqd_work_group_size(GLISS_GROUP, 1, 1)))
+
+// Distance between rows of `count` results. Not the count itself: rows a power of two apart fall
+// into the same sets of the host's caches.
+#define ROW_STRIDE(count) ((ulong)(count) + 16)

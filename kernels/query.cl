@@ -6,7 +6,7 @@
 __kernel GROUP void nearest(SURFACE_ARGUMENTS, uint count, __global const scalar* hip, uint methods,
                             uint method_count, int solver, int max_iterations, scalar tolerance,
                             __global scalar* reals, __global uint* uints) {
-  const ulong i = get_global_id(0), stride = (ulong)count * method_count;
+  const ulong i = get_global_id(0), stride = ROW_STRIDE(count * (ulong)method_count);
   if (i >= count) return;
   const surface_view view = SURFACE_VIEW;
   const track_options options = {solver, max_iterations, tolerance};
@@ -33,6 +33,6 @@ __kernel GROUP void track(SURFACE_ARGUMENTS, uint count, __global const scalar* 
   last.patch = start_patch[i];
   last.xi = start[i];
   last.eta = start[count + i];
-  store_contact(reals + i, uints + i, count,
+  store_contact(reals + i, uints + i, ROW_STRIDE(count),
                 track_contact(view, load_hip(hip + i, count), last, options));
 }

@@ -35,7 +35,12 @@ typedef GLISS_JOIN(GLISS_JOIN(GLISS_MASK_, GLISS_SCALAR), GLISS_LANES) mask;
 #define GLOBAL __global const
 #define GLOBAL_OUT __global
 #define FN_LARGE static
-#define FN static inline __attribute__((always_inline))
+// PoCL does not inline by itself what takes structs of vectors; Oclgrind cannot read what inlining
+// leaves behind, and defines this as nothing.
+#ifndef GLISS_INLINE
+#define GLISS_INLINE __attribute__((always_inline))
+#endif
+#define FN static inline GLISS_INLINE
 
 #else  // C++
 

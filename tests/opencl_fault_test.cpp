@@ -4,13 +4,14 @@
 #include <sys/wait.h>
 
 #include <cstdlib>
+#include <set>
 
 #include "host/generate.h"
 #include "host/opencl.h"
+#include "tests/bytes.h"
 #include "tests/opencl_fault.h"
 #include "tests/scratch_folder.h"
 #include "tests/surfaces.h"
-#include "tests/sweep_bytes.h"
 
 namespace gliss {
 namespace {
@@ -31,11 +32,21 @@ bool is_one_line(const std::string& text) {
   return !text.empty() && text.find_first_of("\n\r") == text.npos;
 }
 
-struct Swept {
+struct Outcome {
   std::string problem;               // one that was thrown
-  std::string bytes;                 // else the sweep
+  std::string bytes;                 // else the result
   std::vector<std::string> notices;  // less that kernels are compiled
   bool failed = false;               // the call that was to fail came
+};
+
+// A call that fails, and what the line says then.
+// `harmless`: calls whose failure comes to light elsewhere or does no harm, such as those of
+// destructors after the results are there.
+struct Call {
+  const char* function;
+  cl_int code;
+  const char* reason;
+  bool harmless = false;
 };
 
 class OpenClFault : public ::testing::TestWithParam<Precision> {
@@ -47,69 +58,80 @@ class OpenClFault : public ::testing::TestWithParam<Precision> {
     const std::vector<OpenClDevice> devices = opencl_devices();
     if (GetParam() == Precision::kDouble && !devices.front().fp64)
       GTEST_SKIP() << "skipped: " << devices.front().name << " has no fp64";
-    cache_ = test::cache_of(torus_knot(24, 6).mesh, GetParam());
-    // Pieces for both queues: see swept().
-    sweep_.depths = {1e-3};
-    sweep_.methods = {Method::kFlat};
-    sweep_.rings = rings_for(cache_, 8000);
-    want_ = test::swept(cache_, *make_tbb_engine(2), sweep_);
+    const Mesh mesh = torus_knot(24, 6).mesh;
+    BuildOptions build;
+    build.precision = GetParam();
+    cache_ = build_cache(mesh, build);
+    // Pieces for both queues: see options_for_sweeps().
+    SweepOptions sweep;
+    sweep.depths = {1e-3};
+    sweep.methods = {Method::kFlat};
+    sweep.rings = rings_for(cache_, 8000);
+    sweeps_.run = [=, this](const Engine& engine) { return test::swept(cache_, engine, sweep); };
+    // Room for pieces of some 2,200 points.
+    sweeps_.options.memory = cache_.bytes() + 2 * 2200 * 704;
+    builds_.run = [=](const Engine& engine) { return test::bytes_of(engine.build(mesh, build)); };
+    builds_.options.smallest_batch = 1;
+    for (Work* work : {&sweeps_, &builds_}) {
+      work->options.threads = 2;
+      work->options.device = "0";
+      work->want = work->run(*make_tbb_engine(2));
+    }
   }
   void TearDown() override {
     test::fail_call(nullptr);
     test::pretend_nothing();
   }
 
-  Swept swept(const OpenClOptions& given) const {
-    Swept swept;
-    OpenClOptions options = given;
-    options.threads = 2;
-    options.device = "0";
-    // Room for pieces of some 2,200 points.
-    if (options.memory == 0) options.memory = cache_.bytes() + 2 * 2200 * 704;
+  // Something to do on an engine, and what comes of it.
+  struct Work {
+    OpenClOptions options;
+    std::function<std::string(const Engine&)> run;
+    std::string want;
+  };
+
+  static Outcome outcome_of(const Work& work, bool fall_back = false) {
+    Outcome outcome;
+    OpenClOptions options = work.options;
+    options.fall_back = fall_back;
     options.notice = [&](const std::string& line) {
-      if (line.find("compiling") == line.npos) swept.notices.push_back(line);
+      if (line.find("compiling") == line.npos) outcome.notices.push_back(line);
     };
     try {
-      const auto engine = make_opencl_engine(options);
-      swept.bytes = test::swept(cache_, *engine, sweep_);
+      outcome.bytes = work.run(*make_opencl_engine(options));
     } catch (const DeviceError& e) {
-      swept.problem = e.what();
+      outcome.problem = e.what();
     }
-    swept.failed = test::call_failed();
-    return swept;
+    outcome.failed = test::call_failed();
+    return outcome;
   }
 
-  void expect_refused(const OpenClOptions& options, const std::string& reason) const {
-    const Swept refused = swept(options);
+  static void expect_refused(const Work& work, const std::string& reason) {
+    const Outcome refused = outcome_of(work);
     EXPECT_THAT(refused.problem, AllOf(StartsWith("opencl: "), HasSubstr(reason)));
     EXPECT_TRUE(is_one_line(refused.problem)) << refused.problem;
     EXPECT_TRUE(refused.notices.empty()) << refused.notices.front();
   }
 
-  void expect_taken_over(OpenClOptions options, const std::string& reason) const {
-    options.fall_back = true;
-    const Swept done = swept(options);
+  static void expect_taken_over(const Work& work, const std::string& reason) {
+    const Outcome done = outcome_of(work, true);
     EXPECT_EQ(done.problem, "");
-    EXPECT_TRUE(done.bytes == want_);
+    EXPECT_TRUE(done.bytes == work.want);
     ASSERT_EQ(done.notices.size(), 1u);
     EXPECT_THAT(done.notices[0],
                 AllOf(StartsWith("opencl: "), HasSubstr(reason), EndsWith(kGoingOn)));
     EXPECT_TRUE(is_one_line(done.notices[0])) << done.notices[0];
   }
 
-  PatchCache cache_;
-  SweepOptions sweep_;
-  std::string want_;
-};
+  // Lets the work's calls of a function fail, one in turn, until they are through. How many there
+  // are, and how many of them did no harm.
+  static std::pair<int, int> expect_each_handled(const Work& work, const Call& call);
+  // ... of all functions but those that it does not call; `shared`: memory is mapped, not copied.
+  void expect_all_handled(const Work& work, const std::string& name, bool shared,
+                          std::set<std::string> uncalled) const;
 
-// How often the function is called in a sweep without faults; every one of them fails in turn.
-// `harmless`: calls whose failure comes to light elsewhere or does no harm, such as those of
-// destructors after the results are there.
-struct Call {
-  const char* function;
-  cl_int code;
-  const char* reason;
-  bool harmless = false;
+  PatchCache cache_;
+  Work sweeps_, builds_;
 };
 
 const Call kCalls[] = {
@@ -146,71 +168,88 @@ const Call kCalls[] = {
     {"clReleaseEvent", -6, "", true},
 };
 
-TEST_P(OpenClFault, of_any_call_is_one_line_or_left_to_the_host) {
-  {  // each half a minute, so mapped in double and copied in float
-    const cl_ulong shared = GetParam() == Precision::kDouble;
-    test::pretend(CL_DEVICE_HOST_UNIFIED_MEMORY, shared);
-    std::string places;
-    for (const Call& call : kCalls) {
-      SCOPED_TRACE(
-          fmt::format("{} gives {}, {}", call.function, call.code, shared ? "mapped" : "copied"));
-      int count = 0, harmless = 0;
-      for (; !HasFailure(); ++count) {
-        SCOPED_TRACE(fmt::format("call {}", count + 1));
-        test::fail_call(call.function, count + 1, call.code);
-        const Swept once = swept({});
-        EXPECT_TRUE(once.notices.empty()) << once.notices.front();
-        if (once.problem.empty()) {  // it did not come, or did no harm
-          EXPECT_TRUE(once.bytes == want_);
-          if (!once.failed) break;
-          EXPECT_TRUE(call.harmless) << "it passed unseen";
-          ++harmless;
-          continue;
-        }
-        EXPECT_TRUE(once.failed) << once.problem;
-        EXPECT_THAT(once.problem, AllOf(StartsWith("opencl: "), HasSubstr(call.reason)));
-        EXPECT_TRUE(is_one_line(once.problem)) << once.problem;
-        test::fail_call(call.function, count + 1, call.code);
-        expect_taken_over({}, call.reason);
-      }
-      if (HasFailure()) return;
-      // Read only where memory is not shared, mapped in both cases.
-      const bool used = shared == 0 || call.function != std::string("clEnqueueReadBuffer");
-      EXPECT_EQ(count > 0, used);
-      places += fmt::format("{}{} {}", places.empty() ? "" : ", ", count, call.function);
-      if (harmless > 0) places += fmt::format(" ({} harmless)", harmless);
+std::pair<int, int> OpenClFault::expect_each_handled(const Work& work, const Call& call) {
+  int count = 0, harmless = 0;
+  for (; !HasFailure(); ++count) {
+    SCOPED_TRACE(fmt::format("{} gives {} at call {}", call.function, call.code, count + 1));
+    test::fail_call(call.function, count + 1, call.code);
+    const Outcome once = outcome_of(work);
+    EXPECT_TRUE(once.notices.empty()) << once.notices.front();
+    if (once.problem.empty()) {  // it did not come, or did no harm
+      EXPECT_TRUE(once.bytes == work.want);
+      if (!once.failed) break;
+      EXPECT_TRUE(call.harmless) << "it passed unseen";
+      ++harmless;
+      continue;
     }
-    test::record(shared ? "mapped" : "copied", "{}", places);
+    EXPECT_TRUE(once.failed) << once.problem;
+    EXPECT_THAT(once.problem, AllOf(StartsWith("opencl: "), HasSubstr(call.reason)));
+    EXPECT_TRUE(is_one_line(once.problem)) << once.problem;
+    test::fail_call(call.function, count + 1, call.code);
+    expect_taken_over(work, call.reason);
   }
+  return {count, harmless};
+}
+
+void OpenClFault::expect_all_handled(const Work& work, const std::string& name, bool shared,
+                                     std::set<std::string> uncalled) const {
+  test::pretend(CL_DEVICE_HOST_UNIFIED_MEMORY, shared);
+  if (shared) uncalled.insert("clEnqueueReadBuffer");
+  std::string places;
+  for (const Call& call : kCalls) {
+    const auto [count, harmless] = expect_each_handled(work, call);
+    if (HasFailure()) return;
+    EXPECT_EQ(count > 0, uncalled.count(call.function) == 0);
+    places += fmt::format("{}{} {}", places.empty() ? "" : ", ", count, call.function);
+    if (harmless > 0) places += fmt::format(" ({} harmless)", harmless);
+  }
+  test::record(name + (shared ? ", mapped" : ", copied"), "{}", places);
+}
+
+// Each takes half a minute, so mapped in double and copied in float.
+TEST_P(OpenClFault, of_any_call_of_a_sweep_is_one_line_or_left_to_the_host) {
+  expect_all_handled(sweeps_, "sweep", GetParam() == Precision::kDouble, {});
+}
+
+// Builds are in double whatever comes of them.
+TEST_P(OpenClFault, of_any_call_of_a_build_is_one_line_or_left_to_the_host) {
+  if (!opencl_devices().front().fp64) GTEST_SKIP() << "skipped: there is no fp64";
+  const bool mapped = GetParam() == Precision::kDouble;
+  std::set<std::string> uncalled = {"clFlush"};
+  if (mapped) uncalled.insert("clEnqueueWriteBuffer");  // which sweeps use for the patches
+  expect_all_handled(builds_, "build", mapped, uncalled);
 }
 
 TEST_P(OpenClFault, of_a_buffer_too_large_names_both_sizes) {
   test::pretend(CL_DEVICE_MAX_MEM_ALLOC_SIZE, 4096);
   const std::string reason = "in one buffer, the device gives 0.003906 MiB";
-  expect_refused({}, reason);
-  expect_taken_over({}, reason);
+  for (const Work& work : {sweeps_, builds_}) {
+    expect_refused(work, reason);
+    expect_taken_over(work, reason);
+  }
 }
 
 TEST_P(OpenClFault, of_too_little_memory_names_both_sizes) {
-  OpenClOptions options;
-  options.memory = 65536;
-  expect_refused(options, "the patches need ");
-  expect_taken_over(options, "the patches need ");
+  sweeps_.options.memory = builds_.options.memory = 65536;
+  for (const auto& [work, reason] : {std::pair(&sweeps_, "the patches need "),
+                                     std::pair(&builds_, "a batch of patches needs ")}) {
+    expect_refused(*work, reason);
+    expect_taken_over(*work, reason);
+  }
 }
 
 TEST_P(OpenClFault, of_memory_full_of_patches_is_found_when_points_come) {
-  OpenClOptions options;
   std::visit(
       [&](const auto& s) {
         const auto add = [&](const auto&... arrays) {
-          options.memory = ((arrays.size() * sizeof(arrays[0])) + ...);
+          sweeps_.options.memory = ((arrays.size() * sizeof(arrays[0])) + ...);
         };
         add(s.domain, s.domain_begin, s.side_begin, s.side_patch, s.side_twin, s.control, s.corner,
             s.patch, s.triangle, s.node, s.child);
       },
       cache_.surface);
-  expect_refused(options, "full of patches");
-  expect_taken_over(options, "full of patches");
+  expect_refused(sweeps_, "full of patches");
+  expect_taken_over(sweeps_, "full of patches");
 }
 
 INSTANTIATE_TEST_SUITE_P(Precisions, OpenClFault,
@@ -261,7 +300,8 @@ class OpenClProgram : public ::testing::Test {
     std::string err, all = err_.read("err");
     std::istringstream lines(all);
     for (std::string line; std::getline(lines, line);)
-      if (line.find("compiling kernels, once") == line.npos && !line.starts_with("sweep: "))
+      if (line.find("compiling kernels, once") == line.npos && !line.starts_with("sweep: ") &&
+          !line.starts_with("build: "))
         err += line + "\n";
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, err};
   }

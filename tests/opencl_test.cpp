@@ -11,9 +11,9 @@
 #include <thread>
 
 #include "host/generate.h"
+#include "tests/bytes.h"
 #include "tests/opencl_fault.h"
 #include "tests/surfaces.h"
-#include "tests/sweep_bytes.h"
 
 namespace gliss {
 namespace {
@@ -62,31 +62,34 @@ Mesh lantern(const std::vector<std::uint32_t>& rings) {
   return test::with_normals(mesh);
 }
 
-PatchCache region_of_knot(Precision precision) {
-  BuildOptions options;
-  options.precision = precision;
-  for (std::uint32_t face = 20; face < 80; face += face % 7 == 0 ? 4 : 1)
-    options.faces.push_back(face);
-  return build_cache(torus_knot(24, 6).mesh, options);
+std::vector<std::uint32_t> faces_of_region() {
+  std::vector<std::uint32_t> faces;
+  for (std::uint32_t face = 20; face < 80; face += face % 7 == 0 ? 4 : 1) faces.push_back(face);
+  return faces;
 }
 
 struct Case {
   const char* name;
   bool shared;
-  PatchCache (*make)(Precision);
+  Mesh (*mesh)();
+  std::vector<std::uint32_t> (*faces)() = [] { return std::vector<std::uint32_t>(); };
 };
-const Case kCases[] = {
-    {"knot", false, [](Precision p) { return test::cache_of(torus_knot(60, 8).mesh, p); }},
-    {"goldberg", false, [](Precision p) { return test::cache_of(goldberg(3).mesh, p); }},
-    {"lantern", false,
-     [](Precision p) {
-       return test::cache_of(lantern({40, 40, 8, 8, 4}), p);
-     }},
-    {"region", false, region_of_knot},
-    {"teeth", true,
-     [](Precision p) { return test::cache_of(test::load_shared("meshes/teeth32_ngon"), p); }},
-    {"spot", true,
-     [](Precision p) { return test::cache_of(test::load_shared("meshes/spot_control"), p); }}};
+const Case kCases[] = {{"knot", false, [] { return torus_knot(60, 8).mesh; }},
+                       {"goldberg", false, [] { return goldberg(3).mesh; }},
+                       {"lantern", false,
+                        [] {
+                          return lantern({40, 40, 8, 8, 4});
+                        }},
+                       {"region", false, [] { return torus_knot(24, 6).mesh; }, faces_of_region},
+                       {"teeth", true, [] { return test::load_shared("meshes/teeth32_ngon"); }},
+                       {"spot", true, [] { return test::load_shared("meshes/spot_control"); }}};
+
+BuildOptions options_of(const Case& c, Precision precision) {
+  BuildOptions options;
+  options.precision = precision;
+  options.faces = c.faces();
+  return options;
+}
 
 // Questions to a cache: points all over the domain and on its border, HIPs near and far, and some
 // that are no numbers.
@@ -201,8 +204,8 @@ class Judge {
       bool same = true;
       for (std::size_t i = first; i < first + want.row; ++i) {
         const double a = want.numbers[i], b = got.numbers[i];
-        const bool nan = std::isnan(a) && std::isnan(b);  // their signs are anyone's
-        same = same && (nan || std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b));
+        const bool nan = std::isnan(a) && std::isnan(b);
+        same = same && std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
         if (i - first < want.judged && !nan && a != b)
           worst_.add(std::abs(a - b) / std::max(size_, std::abs(a)));
       }
@@ -288,7 +291,7 @@ class OpenClParity : public OpenClTest, public ::testing::WithParamInterface<Ask
     if (kind.shared && !std::filesystem::exists(test::shared_path("meshes")))
       GTEST_SKIP() << "skipped: ../shared is absent";
     if (!can(precision)) GTEST_SKIP() << "skipped: " << device().name << " has no fp64";
-    cache_ = kind.make(precision);
+    cache_ = build_cache(kind.mesh(), options_of(kind, precision));
     questions_ = questions_of(cache_, 1500);
     few_ = questions_of(cache_, 400);
   }
@@ -316,6 +319,21 @@ class OpenClParity : public OpenClTest, public ::testing::WithParamInterface<Ask
   PatchCache cache_;
   Questions questions_, few_;  // few_: for searches
 };
+
+TEST_P(OpenClParity, builds) {
+  if (!exact()) GTEST_SKIP() << "skipped: " << device().name << " is not exact";
+  const auto& [kind, precision] = GetParam();
+  const Mesh mesh = kind.mesh();
+  const BuildOptions options = options_of(kind, precision);
+  const std::string want = test::bytes_of(cache_);
+  for (const int threads : {1, 2, 4}) {
+    const PatchCache cache = make_tbb_engine(threads)->build(mesh, options);
+    EXPECT_TRUE(test::bytes_of(cache) == want) << threads;
+  }
+  const auto opencl = engine();
+  EXPECT_TRUE(test::bytes_of(opencl->build(mesh, options)) == want);
+  EXPECT_GT(opencl->device_seconds(), 0) << "nothing ran on the device";
+}
 
 TEST_P(OpenClParity, evaluates) {
   expect_parity("evaluate", [&](const ResidentSurface& surface) {
@@ -372,7 +390,7 @@ TEST(OpenClCases, hold_every_kind_of_patch_and_many_valences) {
     GTEST_SKIP() << "skipped: ../shared is absent";
   std::set<PatchKind> kinds;
   for (const Case& c : kCases) {
-    const std::vector<PatchKind> kind = c.make(Precision::kDouble).kind;
+    const auto kind = build_cache(c.mesh(), options_of(c, Precision::kDouble)).kind;
     kinds.insert(kind.begin(), kind.end());
   }
   EXPECT_EQ(kinds.size(), 4u);
@@ -417,6 +435,31 @@ TEST_P(OpenClSmall, evaluates_with_any_number_of_lanes) {
     EXPECT_GT(opencl->device_seconds(), 0);
   }
   judge.conclude("evaluate");
+}
+
+// With any number of lanes; under Oclgrind with those of one kind of device.
+TEST_P(OpenClSmall, builds) {
+  if (!device().fp64) GTEST_SKIP() << "skipped: " << device().name << " has no fp64";
+  const Mesh mesh = slow_ ? lantern({4}) : lantern({24, 8, 4, 4});
+  BuildOptions options;
+  options.precision = GetParam();
+  const PatchCache want = build_cache(mesh, options);
+  for (const int lanes : {1, 4, 8, 16}) {
+    if (slow_ && lanes != 4) continue;
+    test::pretend(CL_DEVICE_NATIVE_VECTOR_WIDTH_DOUBLE, static_cast<cl_ulong>(lanes));
+    const auto opencl = engine();
+    const PatchCache got = opencl->build(mesh, options);
+    EXPECT_GT(opencl->device_seconds(), 0);
+    if (exact()) {
+      EXPECT_TRUE(test::bytes_of(got) == test::bytes_of(want)) << lanes << " lanes";
+    }
+    const Questions questions = questions_of(want, 70, true);
+    const auto serial = make_serial_engine();
+    Judge judge(exact(), GetParam(), questions.size);
+    judge.compare(evaluated(*serial->reside(want), questions),
+                  evaluated(*serial->reside(got), questions));
+    judge.conclude(fmt::format("build, {} lanes", lanes));
+  }
 }
 
 TEST_P(OpenClSmall, finds_the_nearest) {

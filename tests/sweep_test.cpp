@@ -5,8 +5,8 @@
 #include <cstring>
 
 #include "host/generate.h"
+#include "tests/bytes.h"
 #include "tests/surfaces.h"
-#include "tests/sweep_bytes.h"
 
 namespace gliss {
 namespace {

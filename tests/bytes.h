@@ -1,10 +1,11 @@
-// All that a sweep gives, as bytes to compare.
+// What engines give, as bytes to compare.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "host/sweep.h"
+#include "tests/scratch_folder.h"
 
 namespace gliss::test {
 
@@ -23,7 +24,14 @@ inline void append(std::string& bytes, const Histogram& h) {
   append(bytes, sums, 2);
 }
 
-// All that a sweep says, as bytes.
+// A cache as its file.
+inline std::string bytes_of(const PatchCache& cache) {
+  const ScratchFolder folder;
+  save_cache(cache, folder / "cache");
+  return folder.read("cache");
+}
+
+// All that a sweep says.
 inline std::string swept(const PatchCache& cache, const Engine& engine,
                          const SweepOptions& options) {
   std::string bytes;
