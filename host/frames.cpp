@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace gliss {
 template <class Real>
@@ -87,27 +88,43 @@ PatchPlace place_of(const PatchCache& cache, const Surface<Real>& s, const Domai
 }
 
 template <class Real>
-SurfacePoint surface_point(const PatchCache& cache, const Surface<Real>& s, std::uint32_t patch,
-                           const Real* rows, std::size_t stride) {
-  const auto triple = [&](std::size_t r) {
-    return Vec3(rows[r * stride], rows[(r + 1) * stride], rows[(r + 2) * stride]);
-  };
-  const double unscale =
-      static_cast<double>(s.patch[patch * kPatchReals + kPatchUnscale]) * (1 / cache.scale);
-  const Vec3 g_xi = triple(3), g_eta = triple(6);
-  SurfacePoint p;
-  p.position = from_local(cache, s, patch, triple(0));
-  p.d_xi = g_xi * unscale;
-  p.d_eta = g_eta * unscale;
-  p.normal = g_xi.cross(g_eta).normalized();
-  if (is_part(cache, patch)) {  // along the domain of the face: d(patch xi, eta) / d(face xi, eta)
-    const PartDomain<Real> part(cache, s, patch);
-    const Eigen::Matrix3d j = part.in_patch * part.in_face.inverse();
-    const Vec3 dx = p.d_xi, dy = p.d_eta;
-    p.d_xi = j(0, 0) * dx + j(1, 0) * dy;
-    p.d_eta = j(0, 1) * dx + j(1, 1) * dy;
+void surface_points(const PatchCache& cache, const Surface<Real>& s,
+                    std::span<const std::uint32_t> patch, std::span<const std::uint32_t> slot,
+                    const Real* rows, std::size_t stride, std::span<SurfacePoint> out) {
+  const double inverse = 1 / cache.scale;
+  std::uint32_t last = kNone;
+  Vec3 origin = Vec3::Zero();
+  double unscale = 1;
+  std::optional<Eigen::Matrix2d> map;  // d(patch xi, eta) / d(face xi, eta), of a part
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    if (patch[i] != last) {
+      last = patch[i];
+      const Real* numbers = &s.patch[last * kPatchReals];
+      origin = vec(numbers + kPatchOrigin);
+      unscale = static_cast<double>(numbers[kPatchUnscale]);
+      map.reset();
+      if (is_part(cache, last)) {
+        const PartDomain<Real> part(cache, s, last);
+        map = (part.in_patch * part.in_face.inverse()).template topLeftCorner<2, 2>();
+      }
+    }
+    const Real* column = rows + slot[i];
+    const auto triple = [&](std::size_t r) {
+      return Vec3(column[r * stride], column[(r + 1) * stride], column[(r + 2) * stride]);
+    };
+    const Vec3 g_xi = triple(3), g_eta = triple(6);
+    SurfacePoint& p = out[i];
+    p.position = cache.origin + (origin + triple(0) * unscale) * inverse;
+    p.d_xi = g_xi * (unscale * inverse);
+    p.d_eta = g_eta * (unscale * inverse);
+    p.normal = g_xi.cross(g_eta).normalized();
+    if (map) {
+      const Eigen::Matrix<double, 3, 2> d =
+          (Eigen::Matrix<double, 3, 2>() << p.d_xi, p.d_eta).finished() * *map;
+      p.d_xi = d.col(0);
+      p.d_eta = d.col(1);
+    }
   }
-  return p;
 }
 
 template <class Real>
@@ -148,13 +165,14 @@ Contact contact_of(const PatchCache& cache, const Surface<Real>& s, const RawCon
   return c;
 }
 
-#define GLISS_FRAMES(REAL)                                                                    \
-  template Eigen::Vector2d domain_corner(const Surface<REAL>&, std::uint32_t, std::uint32_t); \
-  template PatchPlace place_of(const PatchCache&, const Surface<REAL>&, const DomainPoint&);  \
-  template SurfacePoint surface_point(const PatchCache&, const Surface<REAL>&, std::uint32_t, \
-                                      const REAL*, std::size_t);                              \
-  template RawHip<REAL> raw_hip(const PatchCache&, const Vec3&);                              \
-  template TrackOptions<REAL> track_options(const QueryOptions&);                             \
+#define GLISS_FRAMES(REAL)                                                                     \
+  template Eigen::Vector2d domain_corner(const Surface<REAL>&, std::uint32_t, std::uint32_t);  \
+  template PatchPlace place_of(const PatchCache&, const Surface<REAL>&, const DomainPoint&);   \
+  template void surface_points(const PatchCache&, const Surface<REAL>&,                        \
+                               std::span<const std::uint32_t>, std::span<const std::uint32_t>, \
+                               const REAL*, std::size_t, std::span<SurfacePoint>);             \
+  template RawHip<REAL> raw_hip(const PatchCache&, const Vec3&);                               \
+  template TrackOptions<REAL> track_options(const QueryOptions&);                              \
   template Contact contact_of(const PatchCache&, const Surface<REAL>&, const RawContact<REAL>&);
 GLISS_FRAMES(float)
 GLISS_FRAMES(double)

@@ -15,10 +15,12 @@ struct PatchPlace {
 template <class Real>
 PatchPlace place_of(const PatchCache& cache, const Surface<Real>& s, const DomainPoint& point);
 
-// From the nine rows, `stride` apart, that evaluation gave at a point of a patch.
+// out[i] from column slot[i] of the nine rows, `stride` apart, that evaluation gave; a point of
+// patch[i].
 template <class Real>
-SurfacePoint surface_point(const PatchCache& cache, const Surface<Real>& s, std::uint32_t patch,
-                           const Real* rows, std::size_t stride);
+void surface_points(const PatchCache& cache, const Surface<Real>& s,
+                    std::span<const std::uint32_t> patch, std::span<const std::uint32_t> slot,
+                    const Real* rows, std::size_t stride, std::span<SurfacePoint> out);
 
 template <class Real>
 RawHip<Real> raw_hip(const PatchCache& cache, const Vec3& hip);

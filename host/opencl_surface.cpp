@@ -13,6 +13,8 @@ namespace gliss {
 namespace {
 
 constexpr std::size_t kPointGrain = 4096, kHipGrain = 1024;
+// At once on a processor: fewer and they wait for each other more, more and they leave its caches.
+constexpr std::size_t kPoints = 1 << 18, kHips = 1 << 16;
 
 template <class Real>
 constexpr Precision kPrecision = sizeof(Real) == 4 ? Precision::kFloat : Precision::kDouble;
@@ -80,7 +82,7 @@ class OpenClSurface final : public ResidentSurface {
 
   void evaluate(std::span<const DomainPoint> points, std::span<SurfacePoint> out) const override {
     on_device(
-        points.size(), 11 * sizeof(Real) * lanes_,
+        points.size(), kPoints, 11 * sizeof(Real) * lanes_,
         [&](Turn& turn, std::size_t begin, std::size_t count) {
           start_evaluate(turn, points.subspan(begin, count));
         },
@@ -97,7 +99,7 @@ class OpenClSurface final : public ResidentSurface {
       packed |= static_cast<cl_uint>(methods[m]) << 4 * m;
     const TrackOptions<Real> track = track_options<Real>(options);
     on_device(
-        hips.size(), hip_bytes(methods.size()),
+        hips.size(), kHips, hip_bytes(methods.size()),
         [&](Turn& turn, std::size_t begin, std::size_t count) {
           start_hips(turn, hips.subspan(begin, count), methods.size());
           turn.ran(nearest_(turn.queue, count, turn.in.buffer(), packed,
@@ -119,7 +121,7 @@ class OpenClSurface final : public ResidentSurface {
              const QueryOptions& options, std::span<Contact> out) const override {
     const TrackOptions<Real> track = track_options<Real>(options);
     on_device(
-        hips.size(), hip_bytes(1) + 2 * sizeof(Real) + sizeof(cl_uint),
+        hips.size(), kHips, hip_bytes(1) + 2 * sizeof(Real) + sizeof(cl_uint),
         [&](Turn& turn, std::size_t begin, std::size_t count) {
           start_hips(turn, hips.subspan(begin, count), 1);
           turn.start.resize(2 * count);
@@ -182,23 +184,22 @@ class OpenClSurface final : public ResidentSurface {
 
   // Cuts [0, count) into chunks: enough to keep the device busy, few enough for its memory, and
   // several, so that they overlap.
-  std::size_t chunk_of(std::size_t count, std::size_t bytes) const {
+  std::size_t chunk_of(std::size_t count, std::size_t at_once, std::size_t bytes) const {
     const std::size_t fits = (shared_.device.memory() - there_.bytes) / (2 * bytes);
     if (fits < kGroup) throw shared_.device.error("its memory is full of patches");
-    // A CPU does best with what its caches hold.
-    if (!shared_.on_gpu()) return std::min<std::size_t>(fits, 1 << 16);
+    if (!shared_.on_gpu()) return std::min(fits, at_once);
     return std::min(fits, std::clamp<std::size_t>((count + 3) / 4, 1 << 17, 1 << 20));
   }
 
   template <class Start, class Finish, class OnHost>
-  void on_device(std::size_t count, std::size_t bytes, Start start, Finish finish,
-                 OnHost on_host) const {
+  void on_device(std::size_t count, std::size_t at_once, std::size_t bytes, Start start,
+                 Finish finish, OnHost on_host) const {
     if (count < shared_.options.smallest_batch) return on_host();
     shared_.run(
         [&] {
           const std::lock_guard lock(mutex_);
           const Idle idle{turns_};
-          const std::size_t chunk = chunk_of(count, bytes);
+          const std::size_t chunk = chunk_of(count, at_once, bytes);
           const auto settle = [&](Turn& turn) {
             if (turn.count == 0) return;
             turn.wait();
@@ -276,11 +277,8 @@ class OpenClSurface final : public ResidentSurface {
     const Real* all = turn.out.data();
     shared_.host->for_each(out.size(), kPointGrain, [&](std::size_t begin, std::size_t end) {
       const PointBlocks<Real>& b = turn.blocks[begin / kPointGrain];
-      const Real* rows = all + first[begin / kPointGrain];
-      for (std::size_t i = begin; i < end; ++i) {
-        out[i] = surface_point(cache_, surface_, b.patch_of[i - begin], rows + b.slot[i - begin],
-                               row_stride(first.back()));
-      }
+      surface_points<Real>(cache_, surface_, b.patch_of, b.slot, all + first[begin / kPointGrain],
+                           row_stride(first.back()), out.subspan(begin, end - begin));
     });
   }
 

@@ -16,14 +16,17 @@ const Real* control_of(const Surface<Real>& s, std::uint32_t patch) {
 
 template <class Real>
 SurfacePoint evaluate_point(const PatchCache& cache, const Surface<Real>& s,
-                            const DomainPoint& point) {
-  const PatchPlace place = place_of(cache, s, point);
+                            const DomainPoint& at) {
+  const PatchPlace place = place_of(cache, s, at);
   const auto xi = static_cast<Real>(place.xi), eta = static_cast<Real>(place.eta);
   const std::uint32_t n = s.valence(place.patch);
   Real rows[9];
   kernels<Real>().evaluate(&s.domain[s.domain_begin[n]], control_of(s, place.patch), n, &xi, &eta,
                            1, 1, rows);
-  return surface_point(cache, s, place.patch, rows, 1);
+  const std::uint32_t slot = 0;
+  SurfacePoint point;
+  surface_points(cache, s, {&place.patch, 1}, {&slot, 1}, rows, 1, {&point, 1});
+  return point;
 }
 
 template <class Real>
@@ -42,8 +45,7 @@ void evaluate_points(const PatchCache& cache, const Surface<Real>& s,
     kernels<Real>().evaluate(&s.domain[s.domain_begin[n]], control_of(s, patch), n, &blocks.xi[at],
                              &blocks.eta[at], (end - first) * lanes, stride, &rows[at]);
   }
-  for (std::size_t i = 0; i < points.size(); ++i)
-    out[i] = surface_point(cache, s, blocks.patch_of[i], &rows[blocks.slot[i]], stride);
+  surface_points<Real>(cache, s, blocks.patch_of, blocks.slot, rows.data(), stride, out);
 }
 
 }  // namespace
