@@ -3,8 +3,10 @@
 // host work overlap the other's kernels.
 #include <algorithm>
 #include <array>
+#include <optional>
 
 #include "host/frames.h"
+#include "host/opencl_arrays.h"
 #include "host/opencl_queue.h"
 #include "host/opencl_shared.h"
 #include "host/point_blocks.h"
@@ -17,54 +19,6 @@ constexpr std::size_t kPointGrain = 4096, kHipGrain = 1024;
 constexpr std::size_t kPoints = 1 << 18, kHips = 1 << 16;
 
 template <class Real>
-constexpr Precision kPrecision = sizeof(Real) == 4 ? Precision::kFloat : Precision::kDouble;
-
-// The arrays of a surface in the device's memory.
-template <class Real>
-struct DeviceSurface {
-  cl::Buffer domain, domain_begin, side_begin, side_patch, side_twin, control, corner, patch,
-      triangle, node, child;
-  cl_uint patch_count;
-  std::uint64_t bytes = 0;
-
-  DeviceSurface(const Device& device, const Surface<Real>& s) : patch_count(s.patch_count()) {
-    const auto size = [&](const auto& array) { bytes += array.size() * sizeof(array[0]); };
-    for_each_array(s, [&](cl::Buffer&, const auto& array) { size(array); });
-    if (bytes > device.memory()) {
-      throw device.error("the patches need " + size_text(bytes) + ", to be used are " +
-                         size_text(device.memory()));
-    }
-    const cl::CommandQueue queue(device.context(), device.id());
-    for_each_array(s, [&](cl::Buffer& buffer, const auto& array) {
-      const std::size_t length = array.size() * sizeof(array[0]);
-      buffer = device.buffer(length, CL_MEM_READ_ONLY, "the patches");
-      if (length > 0) queue.enqueueWriteBuffer(buffer, CL_TRUE, 0, length, array.data());
-    });
-  }
-
-  template <class F>
-  void for_each_array(const Surface<Real>& s, F f) {
-    f(domain, s.domain);
-    f(domain_begin, s.domain_begin);
-    f(side_begin, s.side_begin);
-    f(side_patch, s.side_patch);
-    f(side_twin, s.side_twin);
-    f(control, s.control);
-    f(corner, s.corner);
-    f(patch, s.patch);
-    f(triangle, s.triangle);
-    f(node, s.node);
-    f(child, s.child);
-  }
-
-  Launch launch(const Device& device, const char* program, const char* name, int lanes) const {
-    return {device,     program,    name,       kPrecision<Real>, lanes,  domain, domain_begin,
-            side_begin, side_patch, side_twin,  control,          corner, patch,  triangle,
-            node,       child,      patch_count};
-  }
-};
-
-template <class Real>
 class OpenClSurface final : public ResidentSurface {
  public:
   OpenClSurface(const OpenClShared& shared, const PatchCache& cache, const Surface<Real>& s)
@@ -74,10 +28,6 @@ class OpenClSurface final : public ResidentSurface {
         host_(shared.host->reside(cache)),
         lanes_(static_cast<std::size_t>(shared.lanes(kPrecision<Real>))),
         there_(shared.device, s),
-        evaluate_(there_.launch(shared.device, kEvaluateProgram, "evaluate_blocks",
-                                static_cast<int>(lanes_))),
-        nearest_(there_.launch(shared.device, kQueryProgram, "nearest", 1)),
-        track_(there_.launch(shared.device, kQueryProgram, "track", 1)),
         turns_{Turn(shared), Turn(shared)} {}
 
   void evaluate(std::span<const DomainPoint> points, std::span<SurfacePoint> out) const override {
@@ -102,10 +52,10 @@ class OpenClSurface final : public ResidentSurface {
         hips.size(), kHips, hip_bytes(methods.size()),
         [&](Turn& turn, std::size_t begin, std::size_t count) {
           start_hips(turn, hips.subspan(begin, count), methods.size());
-          turn.ran(nearest_(turn.queue, count, turn.in.buffer(), packed,
-                            static_cast<cl_uint>(methods.size()), static_cast<cl_int>(track.solver),
-                            static_cast<cl_int>(track.max_iterations), track.tolerance,
-                            turn.out.buffer(), turn.out_index.buffer()));
+          turn.ran(kernel(nearest_)(
+              turn.queue, count, turn.in.buffer(), packed, static_cast<cl_uint>(methods.size()),
+              static_cast<cl_int>(track.solver), static_cast<cl_int>(track.max_iterations),
+              track.tolerance, turn.out.buffer(), turn.out_index.buffer()));
           turn.out.download();
           turn.out_index.download();
         },
@@ -136,11 +86,11 @@ class OpenClSurface final : public ResidentSurface {
           });
           turn.start.upload();
           turn.in_index.upload();
-          turn.ran(track_(turn.queue, count, turn.in.buffer(), turn.in_index.buffer(),
-                          turn.start.buffer(), static_cast<cl_int>(options.method),
-                          static_cast<cl_int>(track.solver),
-                          static_cast<cl_int>(track.max_iterations), track.tolerance,
-                          turn.out.buffer(), turn.out_index.buffer()));
+          turn.ran(kernel(track_)(turn.queue, count, turn.in.buffer(), turn.in_index.buffer(),
+                                  turn.start.buffer(), static_cast<cl_int>(options.method),
+                                  static_cast<cl_int>(track.solver),
+                                  static_cast<cl_int>(track.max_iterations), track.tolerance,
+                                  turn.out.buffer(), turn.out_index.buffer()));
           turn.out.download();
           turn.out_index.download();
         },
@@ -176,6 +126,17 @@ class OpenClSurface final : public ResidentSurface {
       shared.count(kernels);
     }
   };
+
+  // A kernel of this surface, compiled when it is first needed.
+  struct Kernel {
+    const char *program, *name;
+    int lanes;
+    std::optional<Launch> launch;
+  };
+  Launch& kernel(Kernel& k) const {
+    if (!k.launch) k.launch.emplace(there_.launch(shared_.device, k.program, k.name, k.lanes));
+    return *k.launch;
+  }
 
   static std::size_t hip_bytes(std::size_t methods) {
     return 6 * sizeof(Real) +
@@ -265,8 +226,8 @@ class OpenClSurface final : public ResidentSurface {
     });
     turn.in_index.upload();
     turn.in.upload();
-    turn.ran(
-        evaluate_(turn.queue, count, turn.in_index.buffer(), turn.in.buffer(), turn.out.buffer()));
+    turn.ran(kernel(evaluate_)(turn.queue, count, turn.in_index.buffer(), turn.in.buffer(),
+                               turn.out.buffer()));
     turn.out.download();
   }
 
@@ -315,7 +276,8 @@ class OpenClSurface final : public ResidentSurface {
   const std::size_t lanes_;
   const DeviceSurface<Real> there_;
   mutable std::mutex mutex_;
-  mutable Launch evaluate_, nearest_, track_;
+  mutable Kernel evaluate_{kEvaluateProgram, "evaluate_blocks", static_cast<int>(lanes_), {}};
+  mutable Kernel nearest_{kQueryProgram, "nearest", 1, {}}, track_{kQueryProgram, "track", 1, {}};
   mutable std::array<Turn, 2> turns_;
 };
 

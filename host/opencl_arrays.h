@@ -1,0 +1,57 @@
+// The arrays of a surface in a device's memory.
+#pragma once
+
+#include "host/opencl_queue.h"
+#include "host/surface.h"
+
+namespace gliss {
+
+template <class Real>
+constexpr Precision kPrecision = sizeof(Real) == 4 ? Precision::kFloat : Precision::kDouble;
+
+// Throws where they do not fit.
+template <class Real>
+struct DeviceSurface {
+  cl::Buffer domain, domain_begin, side_begin, side_patch, side_twin, control, corner, patch,
+      triangle, node, child;
+  cl_uint patch_count;
+  std::uint64_t bytes = 0;
+
+  DeviceSurface(const Device& device, const Surface<Real>& s) : patch_count(s.patch_count()) {
+    for_each_array(
+        s, [&](cl::Buffer&, const auto& array) { bytes += array.size() * sizeof(array[0]); });
+    if (bytes > device.memory()) {
+      throw device.error("the patches need " + size_text(bytes) + ", to be used are " +
+                         size_text(device.memory()));
+    }
+    const cl::CommandQueue queue(device.context(), device.id());
+    for_each_array(s, [&](cl::Buffer& buffer, const auto& array) {
+      const std::size_t length = array.size() * sizeof(array[0]);
+      buffer = device.buffer(length, CL_MEM_READ_ONLY, "the patches");
+      if (length > 0) queue.enqueueWriteBuffer(buffer, CL_TRUE, 0, length, array.data());
+    });
+  }
+
+  template <class F>
+  void for_each_array(const Surface<Real>& s, F f) {
+    f(domain, s.domain);
+    f(domain_begin, s.domain_begin);
+    f(side_begin, s.side_begin);
+    f(side_patch, s.side_patch);
+    f(side_twin, s.side_twin);
+    f(control, s.control);
+    f(corner, s.corner);
+    f(patch, s.patch);
+    f(triangle, s.triangle);
+    f(node, s.node);
+    f(child, s.child);
+  }
+
+  Launch launch(const Device& device, const char* program, const char* name, int lanes) const {
+    return {device,     program,    name,       kPrecision<Real>, lanes,  domain, domain_begin,
+            side_begin, side_patch, side_twin,  control,          corner, patch,  triangle,
+            node,       child,      patch_count};
+  }
+};
+
+}  // namespace gliss
