@@ -1,6 +1,8 @@
 #include "host/query.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include "host/frames.h"
@@ -94,12 +96,55 @@ ContactTracker::ContactTracker(const PatchCache& cache, const QueryOptions& opti
   if (cache.surface.index() == 1) state_.emplace<1>();
 }
 
+// Sphere tracing: along the line from the last HIP no surface is nearer than the last distance
+// found (Hart 1996). Leaves `state` in contact where the line enters and the HIP stays inside;
+// returns the iterations spent.
+template <class Real>
+int ContactTracker::meet(const Surface<Real>& s, const Vec3& hip, RawContact<Real>& state) const {
+  constexpr int kMostSteps = 32;
+  const double length = (hip - last_).norm(), on_surface = 1e-6 / cache_.scale;
+  const TrackOptions<Real> options = track_options<Real>(options_);
+  int iterations = 0;
+  double at = clear_;
+  for (int i = 0; i < kMostSteps && at < length; ++i) {
+    RawContact<Real> there;
+    const RawHip<Real> x = raw_hip<Real>(cache_, last_ + (at / length) * (hip - last_));
+    kernels<Real>().nearest(s, &options_.method, 1, options, x, &there);
+    iterations += static_cast<int>(there.uints[kContactIterations]);
+    const double distance = std::abs(contact_of(cache_, s, there).distance);
+    if (there.uints[kContactState] != 0 || distance <= on_surface) {
+      kernels<Real>().track(s, options_.method, options, raw_hip<Real>(cache_, hip), &there);
+      iterations += static_cast<int>(there.uints[kContactIterations]);
+      if (there.uints[kContactState] != 0) {
+        state = there;
+        break;
+      }
+    }
+    at += std::max(distance, length / kMostSteps);  // it may glide along the surface
+  }
+  return iterations;
+}
+
 Contact ContactTracker::tick(const Vec3& hip) noexcept {
   return with_surface(cache_, [&]<class Real>(const Surface<Real>& s) {
     RawContact<Real>& state = *std::get_if<RawContact<Real>>(&state_);
-    kernels<Real>().tick(s, options_.method, track_options<Real>(options_),
-                         raw_hip<Real>(cache_, hip), &state);
-    return contact_of(cache_, s, state);
+    const bool was_free = !touching();
+    int iterations = 0;
+    if (was_free && clear_ >= 0 && (hip - last_).norm() > clear_) iterations = meet(s, hip, state);
+    const bool met = was_free && touching();
+    if (!met) {
+      kernels<Real>().tick(s, options_.method, track_options<Real>(options_),
+                           raw_hip<Real>(cache_, hip), &state);
+      iterations += static_cast<int>(state.uints[kContactIterations]);
+    }
+    Contact contact = contact_of(cache_, s, state);
+    contact.iterations = iterations;
+    if (hip.allFinite()) {
+      last_ = hip;
+      // What local tracking leaves need not be the nearest of all.
+      clear_ = was_free && !contact.touching ? contact.distance : 0;
+    }
+    return contact;
   });
 }
 
@@ -112,6 +157,10 @@ Contact ContactTracker::track(const Vec3& hip, const DomainPoint& start) noexcep
     state.reals[kContactEta] = static_cast<Real>(place.eta);
     kernels<Real>().track(s, options_.method, track_options<Real>(options_),
                           raw_hip<Real>(cache_, hip), &state);
+    if (hip.allFinite()) {
+      last_ = hip;
+      clear_ = 0;
+    }
     return contact_of(cache_, s, state);
   });
 }

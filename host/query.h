@@ -58,8 +58,10 @@ Contact nearest(const PatchCache& cache, const Vec3& hip, const QueryOptions& op
 void nearest(const PatchCache& cache, const Vec3& hip, std::span<const Method> methods,
              const QueryOptions& options, std::span<Contact> out);
 
-// Algorithm 1 for one HIP: a search while free, local tracking in contact. One object per HIP,
-// cache and method.
+// Algorithm 1 for one HIP: a search while free, local tracking in contact, so that it stays on the
+// side that it came in by, however deep and thin the part. Between two ticks a free HIP moves along
+// a line; where that meets the surface, contact begins there, so that no speed tunnels through a
+// plate. One object per HIP, cache and method.
 class ContactTracker {
  public:
   ContactTracker(const PatchCache& cache, const QueryOptions& options);
@@ -69,9 +71,14 @@ class ContactTracker {
   bool touching() const;
 
  private:
+  template <class Real>
+  int meet(const Surface<Real>& s, const Vec3& hip, RawContact<Real>& state) const;
+
   const PatchCache& cache_;
   QueryOptions options_;
   std::variant<RawContact<float>, RawContact<double>> state_;
+  Vec3 last_ = Vec3::Zero();  // the HIP of the last tick
+  double clear_ = -1;         // no surface is nearer to it than this; negative: there was no tick
 };
 
 // F = stiffness (N/m) x push, in newtons.

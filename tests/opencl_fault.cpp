@@ -1,7 +1,6 @@
 // Stands before the OpenCL library, as a linked library or by LD_PRELOAD, and makes calls fail. As
 // LD_PRELOAD it is told by GLISS_TEST_FAULT=FUNCTION:CALL:CODE, as clFinish:2:-5, and by
 // GLISS_TEST_DEVICE=INFO:VALUE, as 0x1010:4096 for CL_DEVICE_MAX_MEM_ALLOC_SIZE.
-#define CL_TARGET_OPENCL_VERSION 120
 #include "tests/opencl_fault.h"
 
 #include <dlfcn.h>

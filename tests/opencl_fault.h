@@ -1,6 +1,7 @@
 // What opencl_fault.cpp changes about OpenCL, for the tests.
 #pragma once
 
+#define CL_TARGET_OPENCL_VERSION 120
 #include <CL/cl.h>
 
 namespace gliss::test {

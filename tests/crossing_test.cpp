@@ -1,0 +1,94 @@
+// A HIP that moves far between two ticks: contact begins where its way enters, on the side it came
+// from, and stays there however deep it goes.
+#include "host/generate.h"
+#include "tests/surfaces.h"
+
+namespace gliss {
+namespace {
+
+using oracle::Rng, oracle::uniform;
+
+Contact at_end(const PatchCache& cache, Method method, const Vec3& from, const Vec3& to,
+               int ticks) {
+  QueryOptions options;
+  options.method = method;
+  ContactTracker tracker(cache, options);
+  Contact contact = tracker.tick(from);
+  for (int i = 1; i <= ticks; ++i) contact = tracker.tick(from + (to - from) * i / ticks);
+  return contact;
+}
+
+class Crossing : public ::testing::TestWithParam<Method> {};
+
+TEST_P(Crossing, of_a_thin_plate_keeps_the_side_it_came_from) {
+  const PatchCache cache = test::cache_of(thin_plate(12, 12, 30, 0.5).mesh);
+  const Vec3 middle = 0.5 * (cache.bounds().low + cache.bounds().high);
+  for (const double side : {1.0, -1.0}) {
+    for (const double depth : {0.1, 0.4, 1.0, 4.0}) {
+      const Vec3 over = middle + Vec3(1, 2, side * 3), under = middle + Vec3(1.5, 2, -side * depth);
+      const Contact contact = at_end(cache, GetParam(), over, under, 1);
+      ASSERT_TRUE(contact.touching) << depth;
+      EXPECT_GT(side * contact.normal.z(), 0.9);
+      EXPECT_NEAR(contact.scp.z(), middle.z() + side * 0.25, 0.05);
+      EXPECT_GT(side * contact.push.z(), depth);
+    }
+  }
+}
+
+TEST_P(Crossing, past_a_plate_without_entering_it_is_none) {
+  const PatchCache cache = test::cache_of(thin_plate(12, 12, 30, 0.5).mesh);
+  const Vec3 middle = 0.5 * (cache.bounds().low + cache.bounds().high);
+  for (const double height : {0.26, 0.3, 1.0}) {
+    const Contact contact =
+        at_end(cache, GetParam(), middle + Vec3(-20, 0, height), middle + Vec3(20, 0.3, height), 1);
+    EXPECT_FALSE(contact.touching) << height;
+    EXPECT_EQ(contact.push, Vec3::Zero());
+  }
+}
+
+// One tick ends where three hundred short ones do.
+TEST_P(Crossing, at_any_speed_ends_in_the_same_contact) {
+  const struct {
+    const char* name;
+    Mesh mesh;
+  } cases[] = {{"plate", thin_plate().mesh}, {"fin", fin().mesh}, {"goldberg", goldberg(3).mesh}};
+  for (const auto& [name, mesh] : cases) {
+    const PatchCache cache = test::cache_of(mesh);
+    const Box box = cache.bounds();
+    const Vec3 middle = 0.5 * (box.low + box.high), half = 0.5 * (box.high - box.low);
+    Rng rng(5);
+    int touching = 0, same = 0, both = 0;
+    constexpr int kWays = 200;
+    for (int i = 0; i < kWays; ++i) {
+      Vec3 from, to;
+      for (int axis = 0; axis < 3; ++axis) {
+        from[axis] = middle[axis] + half[axis] * uniform(rng, -1, 1);
+        to[axis] = middle[axis] + 0.8 * half[axis] * uniform(rng, -1, 1);
+      }
+      const int out = static_cast<int>(rng() % 3);
+      from[out] = middle[out] + (half[out] + 0.1 * half.norm()) * (rng() % 2 ? 1 : -1);
+      const Contact fast = at_end(cache, GetParam(), from, to, 1),
+                    slow = at_end(cache, GetParam(), from, to, 300);
+      touching += slow.touching;
+      both += fast.touching && slow.touching;
+      same += fast.touching == slow.touching &&
+              (!slow.touching || (fast.scp - slow.scp).norm() < 1e-3 * half.norm());
+    }
+    test::record(name, "{} of {} ways end in contact, {} when fast too; {} alike", touching, kWays,
+                 both, same);
+    EXPECT_GT(touching, kWays / 4) << name;
+    // Where a way grazes a rim, or leads to a ridge, both may be right.
+    EXPECT_GE(both, touching * 97 / 100) << name;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, Crossing,
+                         ::testing::Values(Method::kGregory, Method::kShaded, Method::kFlat),
+                         [](const auto& info) {
+                           return std::string(info.param == Method::kGregory  ? "gregory"
+                                              : info.param == Method::kShaded ? "shaded"
+                                                                              : "flat");
+                         });
+
+}  // namespace
+}  // namespace gliss
