@@ -128,9 +128,11 @@ int ContactTracker::meet(const Surface<Real>& s, const Vec3& hip, RawContact<Rea
 Contact ContactTracker::tick(const Vec3& hip) noexcept {
   return with_surface(cache_, [&]<class Real>(const Surface<Real>& s) {
     RawContact<Real>& state = *std::get_if<RawContact<Real>>(&state_);
-    const bool was_free = !touching();
+    // Where it is clear, nothing is learnt: a caller that does not ask there gets the same
+    // contacts.
+    const bool was_free = !touching(), clear = is_clear(hip);
     int iterations = 0;
-    if (was_free && clear_ >= 0 && (hip - last_).norm() > clear_) iterations = meet(s, hip, state);
+    if (was_free && !clear && clear_ >= 0) iterations = meet(s, hip, state);
     const bool met = was_free && touching();
     if (!met) {
       kernels<Real>().tick(s, options_.method, track_options<Real>(options_),
@@ -139,7 +141,7 @@ Contact ContactTracker::tick(const Vec3& hip) noexcept {
     }
     Contact contact = contact_of(cache_, s, state);
     contact.iterations = iterations;
-    if (hip.allFinite()) {
+    if (hip.allFinite() && !clear) {
       last_ = hip;
       // What local tracking leaves need not be the nearest of all.
       clear_ = was_free && !contact.touching ? contact.distance : 0;

@@ -69,6 +69,8 @@ class ContactTracker {
   // As tick, from a given contact, whatever the state: the local nearest point.
   Contact track(const Vec3& hip, const DomainPoint& start) noexcept;
   bool touching() const;
+  // Free, and nearer to the last HIP than any surface: a tick would find no contact.
+  bool is_clear(const Vec3& hip) const { return (hip - last_).norm() < clear_; }
 
  private:
   template <class Real>
@@ -77,7 +79,7 @@ class ContactTracker {
   const PatchCache& cache_;
   QueryOptions options_;
   std::variant<RawContact<float>, RawContact<double>> state_;
-  Vec3 last_ = Vec3::Zero();  // the HIP of the last tick
+  Vec3 last_ = Vec3::Zero();  // a HIP of a tick before
   double clear_ = -1;         // no surface is nearer to it than this; negative: there was no tick
 };
 

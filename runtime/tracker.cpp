@@ -1,0 +1,47 @@
+#include "runtime/tracker.h"
+
+#include <algorithm>
+
+namespace gliss {
+namespace {
+
+QueryOptions query_of(const SceneObject& object) {
+  QueryOptions query;
+  query.method = object.method;
+  query.solver = object.solver;
+  return query;
+}
+
+}  // namespace
+
+Tracker::Tracker(std::span<const SceneObject> objects) : steps_(objects.size()) {
+  for (const SceneObject& object : objects) {
+    tracked_.push_back(
+        {object, object.pose.inverse(), ContactTracker(*object.cache, query_of(object))});
+  }
+}
+
+Vec3 Tracker::step(const Vec3& hip) noexcept {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t i = 0; i < tracked_.size(); ++i) {
+    Tracked& tracked = tracked_[i];
+    ObjectStep& step = steps_[i];
+    const Vec3 at = tracked.to_object * hip / tracked.object.cache->unit;
+    step.searched = !tracked.contact.is_clear(at);
+    step.force.setZero();
+    if (!step.searched) continue;
+    step.contact = tracked.contact.tick(at);
+    if (!step.contact.touching) continue;
+    step.force = tracked.object.pose.linear() *
+                 force(*tracked.object.cache, step.contact, tracked.object.stiffness);
+    sum += step.force;
+  }
+  return sum;
+}
+
+bool Tracker::touching() const {
+  return std::any_of(tracked_.begin(), tracked_.end(),
+                     [](const Tracked& t) { return t.contact.touching(); });
+}
+
+}  // namespace gliss

@@ -1,0 +1,86 @@
+// One HIP among the objects of a scene.
+#include "runtime/tracker.h"
+
+#include <cstring>
+
+#include "host/generate.h"
+#include "tests/surfaces.h"
+
+namespace gliss {
+namespace {
+
+using oracle::Rng, oracle::uniform;
+
+std::shared_ptr<const PatchCache> ball(Precision precision = Precision::kDouble) {
+  return std::make_shared<PatchCache>(test::cache_of(goldberg().mesh, precision));
+}
+
+// A hand that wanders about and through balls of 10 mm, 0 to 2 mm a tick.
+std::vector<Vec3> wandering(std::size_t ticks, double reach) {
+  Rng rng(3);
+  std::vector<Vec3> path{Vec3(0, 0, 0.02)};
+  Vec3 aim = path[0];
+  while (path.size() < ticks) {
+    if ((aim - path.back()).norm() < 0.002)
+      aim = reach * Vec3(uniform(rng, -1, 1), uniform(rng, -1, 1), uniform(rng, -1, 1));
+    path.push_back(path.back() + uniform(rng, 0, 0.002) * (aim - path.back()).normalized());
+  }
+  return path;
+}
+
+TEST(Tracker, gives_the_forces_of_a_contact_tracker) {
+  for (const Precision precision : {Precision::kFloat, Precision::kDouble}) {
+    const auto cache = ball(precision);
+    const SceneObject object{.cache = cache, .stiffness = 700};
+    Tracker tracker({&object, 1});
+    ContactTracker contact(*cache, {});
+    std::size_t touching = 0, searched = 0;
+    const std::vector<Vec3> path = wandering(5000, 0.03);
+    for (const Vec3& hip : path) {
+      const Vec3 got = tracker.step(hip),
+                 want = force(*cache, contact.tick(hip / cache->unit), 700);
+      ASSERT_EQ(std::memcmp(&got, &want, sizeof got), 0) << got << "\n" << want;
+      touching += tracker.touching();
+      searched += tracker.objects()[0].searched;
+    }
+    EXPECT_GT(touching, path.size() / 20);
+    // Most ticks in the open are too far away to matter.
+    EXPECT_LT(searched, touching + (path.size() - touching) / 2);
+    test::record("searches", "{} of {} ticks, {} in contact", searched, path.size(), touching);
+  }
+}
+
+TEST(Tracker, turns_forces_with_the_object) {
+  SceneObject object{.cache = ball()};
+  Tracker still({&object, 1});
+  object.pose =
+      Eigen::Translation3d(0.1, -0.2, 0.3) * Eigen::AngleAxisd(1.1, Vec3(1, 2, -1).normalized());
+  Tracker moved({&object, 1});
+  for (const Vec3& hip : wandering(2000, 0.02)) {
+    const Vec3 want = object.pose.linear() * still.step(hip);
+    EXPECT_LT((moved.step(object.pose * hip) - want).norm(), 1e-7);
+  }
+}
+
+TEST(Tracker, adds_the_forces_of_objects_that_touch) {
+  const auto cache = ball();
+  SceneObject objects[2] = {{.cache = cache}, {.cache = cache, .stiffness = 300}};
+  objects[1].pose = Eigen::Translation3d(0.015, 0, 0) * Eigen::Isometry3d::Identity();
+  Tracker both(objects), first({&objects[0], 1}), second({&objects[1], 1});
+  std::size_t together = 0;
+  for (const Vec3& hip : wandering(5000, 0.02)) {
+    const Vec3 a = first.step(hip), b = second.step(hip);
+    EXPECT_EQ(both.step(hip), a + b);
+    together += a.norm() > 0 && b.norm() > 0;
+  }
+  EXPECT_GT(together, 50u);
+}
+
+TEST(Tracker, feels_nothing_of_an_empty_scene) {
+  Tracker tracker({});
+  EXPECT_EQ(tracker.step(Vec3(1, 2, 3)), Vec3::Zero());
+  EXPECT_FALSE(tracker.touching());
+}
+
+}  // namespace
+}  // namespace gliss
