@@ -104,5 +104,6 @@ void add_sweep(Command& program);
 void add_trace(Command& program);
 void add_generate(Command& program);
 void add_devices(Command& program);
+void add_judge(Command& program);
 
 }  // namespace gliss::tools

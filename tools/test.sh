@@ -7,7 +7,7 @@ source tools/packages.sh
 install_packages "${build_packages[@]}" "${test_packages[@]}"
 
 # Another release formats in another way.
-find kernels host tools tests bench -name '*.h' -o -name '*.cpp' -o -name '*.inc' | sort |
+find kernels host runtime tools tests bench -name '*.h' -o -name '*.cpp' -o -name '*.inc' | sort |
   xargs clang-format-14 --dry-run -Werror
 
 cores=$(nproc)

@@ -1,0 +1,24 @@
+// The two clocks of the loop. An instant is the time since the clock's own zero.
+#pragma once
+
+#include <time.h>
+
+#include <chrono>
+
+namespace gliss {
+
+using Nanoseconds = std::chrono::nanoseconds;
+
+inline Nanoseconds read_clock(clockid_t clock) noexcept {
+  timespec time{};
+  clock_gettime(clock, &time);
+  return std::chrono::seconds(time.tv_sec) + Nanoseconds(time.tv_nsec);
+}
+
+inline Nanoseconds monotonic_time() noexcept { return read_clock(CLOCK_MONOTONIC); }
+
+// What the calling thread has computed, without what it waited or was pre-empted. A system call,
+// unlike the other.
+inline Nanoseconds thread_time() noexcept { return read_clock(CLOCK_THREAD_CPUTIME_ID); }
+
+}  // namespace gliss

@@ -1,0 +1,38 @@
+#include "tests/allocations.h"
+
+#include <errno.h>
+#include <stddef.h>
+
+namespace {
+
+thread_local std::uint64_t counted = 0;
+
+}  // namespace
+
+#ifndef __SANITIZE_ADDRESS__
+// glibc lets a program have its own, and keeps these names for what they were.
+extern "C" {
+void* __libc_malloc(size_t size);
+void* __libc_calloc(size_t count, size_t size);
+void* __libc_realloc(void* block, size_t size);
+void* __libc_memalign(size_t alignment, size_t size);
+
+void* malloc(size_t size) { return ++counted, __libc_malloc(size); }
+void* calloc(size_t count, size_t size) { return ++counted, __libc_calloc(count, size); }
+void* realloc(void* block, size_t size) { return ++counted, __libc_realloc(block, size); }
+void* memalign(size_t alignment, size_t size) {
+  return ++counted, __libc_memalign(alignment, size);
+}
+void* aligned_alloc(size_t alignment, size_t size) { return memalign(alignment, size); }
+int posix_memalign(void** block, size_t alignment, size_t size) {
+  *block = memalign(alignment, size);
+  return *block == nullptr ? ENOMEM : 0;
+}
+}
+
+bool gliss::test::allocations_are_counted() noexcept { return true; }
+#else
+bool gliss::test::allocations_are_counted() noexcept { return false; }
+#endif
+
+std::uint64_t gliss::test::allocations() noexcept { return counted; }

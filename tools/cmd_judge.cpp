@@ -1,0 +1,202 @@
+// gliss judge: whether this machine keeps a loop of 1 kHz. The keys of its JSON are a contract.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <future>
+#include <memory>
+
+#include "host/generate.h"
+#include "host/query.h"
+#include "runtime/realtime.h"
+#include "runtime/verdict.h"
+#include "tools/interrupt.h"
+#include "tools/watch.h"
+
+namespace gliss::tools {
+namespace {
+
+constexpr Nanoseconds kPeriod = std::chrono::milliseconds(1);
+constexpr int kAlong = 500, kAround = 20;             // 10,000 patches
+constexpr double kDepth = 2, kStep = 0.15;            // mm; the step is that of a tick
+constexpr double kStiffness = 500;                    // N/m
+enum TickError { kFine, kNoContact, kNotConverged };  // of a tick
+
+struct JudgeOptions : CommonOptions {
+  double seconds = 30;
+  bool require_realtime = false;
+};
+
+void describe(Command& command, JudgeOptions& options) {
+  command.option({"--seconds", "SECONDS", "how long, 0.1 to 86400; default 30"}, options.seconds,
+                 0.1, 86400);
+  command.flag("--require-rt", options.require_realtime,
+               "make it an error where real-time scheduling or locked memory is refused");
+}
+
+Vec3 centre_of(const Mesh& mesh, std::uint32_t face) {
+  Vec3 sum = Vec3::Zero();
+  for (std::uint32_t side = mesh.face_begin[face]; side < mesh.face_begin[face + 1]; ++side) {
+    sum += mesh.positions[mesh.corner_vertex[side]];
+  }
+  return sum / mesh.valence(face);
+}
+
+// HIPs beneath the surface, one a tick: over the patches once along the knot and once round its
+// tube, back to the first.
+std::vector<Vec3> path_beneath(const Generated& knot) {
+  const auto centre = [&](int i) {
+    const int ring = i % kAlong, column = ring * kAround / kAlong;
+    return centre_of(knot.mesh, static_cast<std::uint32_t>(ring * kAround + column));
+  };
+  std::vector<Vec3> path;
+  for (int i = 0; i < kAlong; ++i) {
+    const Vec3 here = centre(i), there = centre(i + 1);
+    const int steps = static_cast<int>(std::ceil((there - here).norm() / kStep));
+    for (int step = 0; step < steps; ++step) {
+      const auto point = knot.exact->nearest(here + (there - here) * step / steps);
+      path.push_back(point.position - kDepth * point.normal);
+    }
+  }
+  return path;
+}
+
+// A tick as a device would have it: the contact and its force for where the hand is now.
+class KnotTick {
+ public:
+  explicit KnotTick(const CommonOptions& options)
+      : knot_(torus_knot(kAlong, kAround)),
+        cache_(make_engine(options)->build(knot_.mesh)),
+        path_(path_beneath(knot_)),
+        tracker_(cache_, {}) {}
+
+  int operator()() noexcept {
+    const Contact contact = tracker_.tick(path_[next_]);
+    next_ = next_ + 1 < path_.size() ? next_ + 1 : 0;
+    if (!(force(cache_, contact, kStiffness).norm() > 0)) return kNoContact;
+    return contact.flags & kConverged ? kFine : kNotConverged;
+  }
+
+  std::uint32_t patches() const { return cache_.patch_count(); }
+
+ private:
+  Generated knot_;
+  PatchCache cache_;
+  std::vector<Vec3> path_;
+  ContactTracker tracker_;
+  std::size_t next_ = 0;
+};
+
+// Until that many periods are over or somebody interrupts; `done` counts them on.
+template <class Tick>
+void run_loop(std::uint64_t periods, Tick&& tick, TickRecord& record,
+              std::atomic<std::uint64_t>& done) {
+  PeriodicTimer timer(kPeriod);
+  for (std::uint64_t over = 0; over < periods && !interrupted();) {
+    const Wake wake = timer.wait();
+    const Nanoseconds start = thread_time();
+    const int error = tick();
+    record.add({wake.deadline, wake.lateness, thread_time() - start, error}, wake.missed);
+    over += wake.missed + 1;
+    done.fetch_add(wake.missed + 1, std::memory_order_relaxed);
+  }
+}
+
+struct Judgement {
+  TickRecord floor, loop;
+  std::string scheduling = "SCHED_OTHER";
+  bool memory_locked = false;
+  std::vector<std::string> refusals;
+};
+
+// In a thread of its own, so that this one may write progress meanwhile.
+std::unique_ptr<Judgement> measure(const JudgeOptions& options, KnotTick& tick) {
+  auto result = std::make_unique<Judgement>();
+  const auto periods = static_cast<std::uint64_t>(options.seconds / 2 * 1e9) /
+                       static_cast<std::uint64_t>(kPeriod.count());
+  std::atomic<std::uint64_t> done{0};
+  Watch watch(options, "judge", 2 * periods, "ticks");
+  // Leaving this function, by Interrupted too, waits for the thread.
+  auto running = std::async(std::launch::async, [&] {
+    const Realtime realtime({.require = options.require_realtime});
+    if (realtime.priority() > 0)
+      result->scheduling = fmt::format("SCHED_FIFO {}", realtime.priority());
+    result->memory_locked = realtime.memory_locked();
+    result->refusals = realtime.refusals();
+    run_loop(
+        periods, [] { return kFine; }, result->floor, done);
+    run_loop(periods, tick, result->loop, done);
+  });
+  while (running.wait_for(std::chrono::milliseconds(100)) != std::future_status::ready) {
+    watch.reach(std::min(done.load(std::memory_order_relaxed), 2 * periods - 1));
+  }
+  running.get();
+  watch.reach(2 * periods);
+  return result;
+}
+
+double microseconds(Nanoseconds time) { return static_cast<double>(time.count()) / 1e3; }
+
+Json json_of(const DurationHistogram& h) {
+  return {{"p50_us", microseconds(h.quantile(0.5))},
+          {"p99_us", microseconds(h.quantile(0.99))},
+          {"p999_us", microseconds(h.quantile(0.999))},
+          {"max_us", microseconds(h.max())}};
+}
+
+std::string row_of(const char* name, const DurationHistogram& h) {
+  return fmt::format("{:<8} {:>10.1f} {:>10.1f} {:>10.1f} {:>10.1f}\n", name,
+                     microseconds(h.quantile(0.5)), microseconds(h.quantile(0.99)),
+                     microseconds(h.quantile(0.999)), microseconds(h.max()));
+}
+
+void run(const JudgeOptions& options) {
+  KnotTick tick(options);
+  const auto found = measure(options, tick);
+  const TickRecord &floor = found->floor, &loop = found->loop;
+  if (!options.quiet) {
+    for (const std::string& line : found->refusals) fmt::print(stderr, "gliss: {}\n", line);
+  }
+  const char* verdict = verdict_name(judge(floor, loop));
+  const Json json = {{"floor", json_of(floor.lateness())},
+                     {"wake", json_of(loop.lateness())},
+                     {"compute", json_of(loop.compute())},
+                     {"success_rate", loop.success()},
+                     {"verdict", verdict},
+                     {"seconds", options.seconds},
+                     {"scheduling", found->scheduling},
+                     {"memory_locked", found->memory_locked},
+                     {"refusals", found->refusals},
+                     {"patches", tick.patches()},
+                     {"ticks", loop.ticks()},
+                     {"missed", loop.missed()},
+                     {"longest_missed", loop.longest_missed()},
+                     {"errors", loop.errors()},
+                     {"floor_success_rate", floor.success()}};
+  report(options,
+         fmt::format("{:<8} {:>10} {:>10} {:>10} {:>10}\n", "us", "p50", "p99", "p99.9", "max") +
+             row_of("floor", floor.lateness()) + row_of("wake", loop.lateness()) +
+             row_of("compute", loop.compute()) +
+             fmt::format("{} ticks on {} patches, {} missed, at most {} in a row; success {:.2f} % "
+                         "({:.2f} % without a tick); {}, memory {}\n{}\n",
+                         loop.ticks(), tick.patches(), loop.missed(), loop.longest_missed(),
+                         100 * loop.success(), 100 * floor.success(), found->scheduling,
+                         found->memory_locked ? "locked" : "not locked", verdict),
+         json);
+}
+
+}  // namespace
+
+void add_judge(Command& program) {
+  add_command<JudgeOptions>(
+      program, "judge",
+      "Judge whether this machine keeps a haptic loop of 1 kHz.\n"
+      "floor: lateness of the wakes of an empty loop, for half of the time. wake, compute: of a "
+      "loop that follows a contact on 10,000 patches.\n"
+      "good: wake p99.9 within 50 us of the floor's, compute p99 within 50 us, 99.9 % of the "
+      "periods succeed. usable: 2 ms, 500 us, 99 %. unfit: less.",
+      "gliss judge --seconds 30 --json", describe, run);
+}
+
+}  // namespace gliss::tools
