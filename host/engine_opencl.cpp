@@ -43,7 +43,7 @@ std::unique_ptr<Engine> make_opencl_engine(const OpenClOptions& options) {
     return std::make_unique<OpenClEngine>(options);
   } catch (const DeviceError& e) {
     if (!options.fall_back) throw;
-    if (options.notice) options.notice(std::string(e.what()) + "; going on with oneTBB");
+    tell_fallback(options, e);
     return make_tbb_engine(options.threads);
   }
 }

@@ -20,10 +20,7 @@ struct DeviceSurface {
   DeviceSurface(const Device& device, const Surface<Real>& s) : patch_count(s.patch_count()) {
     for_each_array(
         s, [&](cl::Buffer&, const auto& array) { bytes += array.size() * sizeof(array[0]); });
-    if (bytes > device.memory()) {
-      throw device.error("the patches need " + size_text(bytes) + ", to be used are " +
-                         size_text(device.memory()));
-    }
+    device.require_room(bytes, "the patches need");
     const cl::CommandQueue queue(device.context(), device.id());
     for_each_array(s, [&](cl::Buffer& buffer, const auto& array) {
       const std::size_t length = array.size() * sizeof(array[0]);

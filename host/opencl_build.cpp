@@ -41,11 +41,8 @@ class OpenClBuilder {
   void run(PatchBatch& b, BatchStep step) {
     const Idle idle{queue_};
     const std::size_t patches = b.size(), sides = b.side_begin.back();
-    const std::size_t bytes = patches * kPatchBytes + sides * kSideBytes;
-    if (bytes > shared_.device.memory()) {
-      throw shared_.device.error("a batch of patches needs " + size_text(bytes) +
-                                 ", to be used are " + size_text(shared_.device.memory()));
-    }
+    shared_.device.require_room(patches * kPatchBytes + sides * kSideBytes,
+                                "a batch of patches needs");
     upload(begins_, b.side_begin);
     upload(corner_, b.corner);
     side_patch_.resize(sides);

@@ -151,11 +151,11 @@ std::string first_error(const std::string& log) {
   return trimmed(log.substr(at, log.find('\n', at) - at));
 }
 
-}  // namespace
-
 std::string size_text(std::uint64_t bytes) {
   return fmt::format("{:.4g} MiB", static_cast<double>(bytes) / (1 << 20));
 }
+
+}  // namespace
 
 std::vector<OpenClDevice> opencl_devices() {
   std::vector<OpenClDevice> infos;
@@ -186,6 +186,11 @@ DeviceError Device::error(const std::string& problem) const {
 void Device::require(Precision precision) const {
   if (precision == Precision::kDouble && !info_.fp64)
     throw error("has no fp64; take --precision float");
+}
+
+void Device::require_room(std::uint64_t bytes, const std::string& who) const {
+  if (bytes > memory_)
+    throw error(fmt::format("{} {}, to be used are {}", who, size_text(bytes), size_text(memory_)));
 }
 
 cl::Kernel Device::kernel(const char* program, const char* name, Precision precision,

@@ -24,8 +24,6 @@ extern const char* const kQueryProgram;
 // Work-items of a group: fixed, because PoCL compiles for each size anew and wants whole groups.
 inline constexpr std::size_t kGroup = 64;
 
-std::string size_text(std::uint64_t bytes);  // "1.58 MiB"
-
 class Device {
  public:
   explicit Device(const OpenClOptions& options);
@@ -37,6 +35,8 @@ class Device {
 
   // Throws where the device cannot do the precision.
   void require(Precision precision) const;
+  // Throws where `bytes` are more than may be used; `who` starts the line: "the patches need".
+  void require_room(std::uint64_t bytes, const std::string& who) const;
   // A kernel object of its own for the caller; its program is compiled when first asked for.
   cl::Kernel kernel(const char* program, const char* name, Precision precision, int lanes) const;
   // A buffer for `bytes` of `what`.

@@ -7,6 +7,10 @@
 
 namespace gliss {
 
+inline void tell_fallback(const OpenClOptions& options, const DeviceError& why) {
+  if (options.notice) options.notice(std::string(why.what()) + "; going on with oneTBB");
+}
+
 struct OpenClShared {
   Device device;
   std::unique_ptr<Engine> host;
@@ -29,8 +33,7 @@ struct OpenClShared {
       }
     } catch (const DeviceError& e) {
       if (!options.fall_back) throw;
-      if (!broken.exchange(true) && options.notice)
-        options.notice(std::string(e.what()) + "; going on with oneTBB");
+      if (!broken.exchange(true)) tell_fallback(options, e);
     }
     return on_host();
   }

@@ -31,6 +31,19 @@ inline std::string bytes_of(const PatchCache& cache) {
   return folder.read("cache");
 }
 
+// Of the arrays that a device holds.
+inline std::uint64_t surface_bytes(const PatchCache& cache) {
+  return std::visit(
+      [](const auto& s) -> std::uint64_t {
+        const auto bytes = [](const auto&... arrays) {
+          return ((arrays.size() * sizeof(arrays[0])) + ...);
+        };
+        return bytes(s.domain, s.domain_begin, s.side_begin, s.side_patch, s.side_twin, s.control,
+                     s.corner, s.patch, s.triangle, s.node, s.child);
+      },
+      cache.surface);
+}
+
 // All that a sweep says.
 inline std::string swept(const PatchCache& cache, const Engine& engine,
                          const SweepOptions& options) {

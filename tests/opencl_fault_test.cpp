@@ -239,15 +239,7 @@ TEST_P(OpenClFault, of_too_little_memory_names_both_sizes) {
 }
 
 TEST_P(OpenClFault, of_memory_full_of_patches_is_found_when_points_come) {
-  std::visit(
-      [&](const auto& s) {
-        const auto add = [&](const auto&... arrays) {
-          sweeps_.options.memory = ((arrays.size() * sizeof(arrays[0])) + ...);
-        };
-        add(s.domain, s.domain_begin, s.side_begin, s.side_patch, s.side_twin, s.control, s.corner,
-            s.patch, s.triangle, s.node, s.child);
-      },
-      cache_.surface);
+  sweeps_.options.memory = test::surface_bytes(cache_);
   expect_refused(sweeps_, "full of patches");
   expect_taken_over(sweeps_, "full of patches");
 }

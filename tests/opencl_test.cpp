@@ -490,19 +490,6 @@ TEST_P(OpenClSmall, tracks) {
   judge.conclude("track");
 }
 
-// Of the arrays that a device holds.
-std::uint64_t surface_bytes(const PatchCache& cache) {
-  return std::visit(
-      [](const auto& s) -> std::uint64_t {
-        const auto bytes = [](const auto&... arrays) {
-          return ((arrays.size() * sizeof(arrays[0])) + ...);
-        };
-        return bytes(s.domain, s.domain_begin, s.side_begin, s.side_patch, s.side_twin, s.control,
-                     s.corner, s.patch, s.triangle, s.node, s.child);
-      },
-      cache.surface);
-}
-
 // Room for the patches and for two pieces of a group of work-items, the least that a device takes.
 TEST_P(OpenClSmall, cuts_what_its_memory_does_not_hold) {
   Judge judge = this->judge();
@@ -512,8 +499,9 @@ TEST_P(OpenClSmall, cuts_what_its_memory_does_not_hold) {
     OpenClOptions options = all_on_device();
     const bool single = GetParam() == Precision::kFloat;
     const int lanes = single ? device().lanes_float : device().lanes_double;
-    options.memory = surface_bytes(cache_) + 2 * 64 * 11 * (single ? 4 : 8) *
-                                                 static_cast<std::uint64_t>(std::max(lanes, 4));
+    options.memory =
+        test::surface_bytes(cache_) +
+        2 * 64 * 11 * (single ? 4 : 8) * static_cast<std::uint64_t>(std::max(lanes, 4));
     const auto opencl = engine(options);
     const auto there = opencl->reside(cache_);
     judge.compare(evaluated(*host_, many), evaluated(*there, many));
