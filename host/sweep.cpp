@@ -243,8 +243,4 @@ SweepResult sweep(const PatchCache& cache, const Engine& engine, const SweepOpti
   return Sweeper(cache, engine, options).run(sink, progress);
 }
 
-const char* method_name(Method method) {
-  return method == Method::kGregory ? "gregory" : method == Method::kShaded ? "shaded" : "flat";
-}
-
 }  // namespace gliss

@@ -85,6 +85,4 @@ struct SweepResult {
 SweepResult sweep(const PatchCache& cache, const Engine& engine, const SweepOptions& options,
                   const SweepSink& sink = nullptr, const SweepProgress& progress = nullptr);
 
-const char* method_name(Method method);
-
 }  // namespace gliss

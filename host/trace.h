@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "host/force_statistics.h"
 #include "host/query.h"
 
 namespace gliss {
@@ -21,12 +22,8 @@ struct TraceStep {
   Vec3 force;  // N
 };
 
-struct TraceStatistics {
+struct TraceStatistics : ForceStatistics {
   Method method = Method::kGregory;
-  double largest_step = 0,
-         mean_step = 0;      // |F_i - F_(i-1)|, N, over ticks where both are in contact
-  double largest_force = 0;  // N
-  std::uint64_t ticks = 0, touching = 0, entries = 0;  // entries: free to contact
 };
 
 // Steps arrive in order, all methods of a tick together (steps[i] belongs to options.methods[i]).

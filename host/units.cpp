@@ -29,6 +29,7 @@ constexpr Unit kLengths[] = {{"m", {}},
                              {"nm", {1, 1e9}},
                              {"in", {254, 1e4}}};
 constexpr Unit kForces[] = {{"N", {}}, {"mN", {1, 1e3}}, {"kN", {1e3, 1}}};
+constexpr Unit kTimes[] = {{"s", {}}, {"ms", {1, 1e3}}, {"us", {1, 1e6}}, {"ns", {1, 1e9}}};
 constexpr char kAcceptedLengths[] = "m, cm, mm, um, nm or in";
 
 template <std::size_t count>
@@ -40,6 +41,8 @@ std::optional<Factor> find(const Unit (&units)[count], std::string_view name) {
 }
 
 std::optional<Factor> find_length(std::string_view name) { return find(kLengths, name); }
+
+std::optional<Factor> find_time(std::string_view name) { return find(kTimes, name); }
 
 std::optional<Factor> find_stiffness(std::string_view name) {
   const auto slash = name.find('/');
@@ -88,6 +91,11 @@ double parse_stiffness(std::string_view text) {
       fmt::format("a stiffness is a number in N, mN or kN over {} such as 0.5N/mm, or in N/m "
                   "without a unit",
                   kAcceptedLengths));
+}
+
+double parse_time(std::string_view text) {
+  return parse(text, find_time,
+               "a time is a number in s, ms, us or ns, or in seconds without a unit");
 }
 
 double parse_unit(std::string_view text) {

@@ -109,7 +109,7 @@ GuardOutput Guard::step(nanoseconds now, const GuardInput& input) noexcept {
   if (state_ == GuardState::kSafe) return {force_, state_, settle()};
   // Also where this input is usable: the force stood too long.
   if (silent_ > limits_.hold_after && usable) note(GuardReason::kLateInput);
-  if (silent_ >= limits_.ramp_to) {
+  if (silent_ >= limits_.ramp_to && !tripped()) {
     trip(acts_ & bit_of(GuardReason::kNotFinite) ? GuardReason::kNotFinite
                                                  : GuardReason::kLateInput);
   }
@@ -188,6 +188,11 @@ const char* text(GuardReason reason) noexcept {
       "none",       "device fault", "stop requested", "time ran backwards", "time stood still",
       "not finite", "late input",   "force limit",    "rate limit"};
   return kTexts[static_cast<std::size_t>(reason)];
+}
+
+bool is_failure(GuardReason reason) noexcept {
+  return reason != GuardReason::kNone && reason != GuardReason::kStopRequested &&
+         reason < GuardReason::kForceLimit;
 }
 
 const char* text(GuardState state) noexcept {

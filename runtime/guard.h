@@ -50,6 +50,8 @@ enum class GuardReason : std::uint8_t {
 };
 inline constexpr int kGuardReasons = 9;
 const char* text(GuardReason reason) noexcept;  // "late input"
+// Something went wrong: not a limit, and not a stop that was asked for.
+bool is_failure(GuardReason reason) noexcept;
 
 enum class GuardState : std::uint8_t { kStart, kRun, kHold, kRamp, kSafe };
 const char* text(GuardState state) noexcept;  // "hold"

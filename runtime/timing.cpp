@@ -37,6 +37,15 @@ Nanoseconds DurationHistogram::quantile(double q) const {
   return max_;
 }
 
+std::vector<DurationHistogram::Bin> DurationHistogram::bins() const {
+  std::vector<Bin> held;
+  for (std::size_t bin = 0; bin < bins_.size(); ++bin) {
+    if (bins_[bin] == 0) continue;
+    held.push_back({Nanoseconds(static_cast<std::int64_t>(longest_of(bin))), bins_[bin]});
+  }
+  return held;
+}
+
 void TickRecord::add(const TickSample& tick, std::uint64_t missed) noexcept {
   last_[ticks() % kLast] = tick;
   lateness_.add(tick.lateness);

@@ -6,6 +6,7 @@
 #include <bitset>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "runtime/periodic.h"
 
@@ -24,6 +25,12 @@ class DurationHistogram {
   Nanoseconds max() const { return max_; }
   // The longest of the bin that holds it, never above max(); 0 where there is none.
   Nanoseconds quantile(double q) const;
+  // The bins that hold any, shortest first: the longest duration of the bin, and how many.
+  struct Bin {
+    Nanoseconds longest;
+    std::uint64_t count;
+  };
+  std::vector<Bin> bins() const;
 
  private:
   static constexpr int kBitsPerDoubling = 7, kDoublings = 30;

@@ -14,19 +14,24 @@ QueryOptions query_of(const SceneObject& object) {
 
 }  // namespace
 
-Tracker::Tracker(std::span<const SceneObject> objects) : steps_(objects.size()) {
-  for (const SceneObject& object : objects) {
-    tracked_.push_back(
-        {object, object.pose.inverse(), ContactTracker(*object.cache, query_of(object))});
+Tracker::Tracker(std::span<const SceneObject> objects, std::span<const Vec3> hips) {
+  static const Vec3 at_the_device = Vec3::Zero();
+  if (hips.empty()) hips = {&at_the_device, 1};
+  for (const Vec3& hip : hips) {
+    for (const SceneObject& object : objects) {
+      tracked_.push_back(
+          {object, hip, object.pose.inverse(), ContactTracker(*object.cache, query_of(object))});
+    }
   }
+  steps_.resize(tracked_.size());
 }
 
-Vec3 Tracker::step(const Vec3& hip) noexcept {
+Vec3 Tracker::step(const Vec3& position) noexcept {
   Vec3 sum = Vec3::Zero();
   for (std::size_t i = 0; i < tracked_.size(); ++i) {
     Tracked& tracked = tracked_[i];
     ObjectStep& step = steps_[i];
-    const Vec3 at = tracked.to_object * hip / tracked.object.cache->unit;
+    const Vec3 at = tracked.to_object * (position + tracked.hip) / tracked.object.cache->unit;
     step.searched = !tracked.contact.is_clear(at);
     step.force.setZero();
     if (!step.searched) continue;

@@ -1,6 +1,6 @@
-// One HIP among the objects of a scene: what a device loop calls each tick. The same contacts as
-// ContactTracker's (host/query.h), in metres and the world's frame; a step allocates nothing, takes
-// no lock, and its work is bounded.
+// A device's HIPs among the objects of a scene: what a device loop calls each tick. The same
+// contacts as ContactTracker's (host/query.h), in metres and the world's frame; a step allocates
+// nothing, takes no lock, and its work is bounded.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -30,17 +30,22 @@ struct ObjectStep {
 
 class Tracker {
  public:
-  explicit Tracker(std::span<const SceneObject> objects);
+  // `hips`: where the tool's HIPs are from the device's position (m, world); none: one, there.
+  // A second hand is a second Tracker; caches are shared.
+  explicit Tracker(std::span<const SceneObject> objects, std::span<const Vec3> hips = {});
 
-  // The force on the hand at a HIP (m, world), in N: the sum over the objects. What is farther than
-  // the HIP has moved since its last search costs a comparison.
-  Vec3 step(const Vec3& hip) noexcept;
-  std::span<const ObjectStep> objects() const { return steps_; }  // of the last step
+  // The force on the hand at a position (m, world), in N: the sum over HIPs and objects. What is
+  // farther than the HIP has moved since its last search costs a comparison.
+  Vec3 step(const Vec3& position) noexcept;
+  // Of the last step: the first HIP's objects, then the next one's.
+  std::span<const ObjectStep> objects() const { return steps_; }
+  double unit(std::size_t i) const { return tracked_[i].object.cache->unit; }  // m, of objects()[i]
   bool touching() const;
 
  private:
   struct Tracked {
     SceneObject object;
+    Vec3 hip;                     // from the device's position, m
     Eigen::Isometry3d to_object;  // of points in m
     ContactTracker contact;
   };

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "tools/result_table.h"
+#include "host/result_table.h"
 #include "tools/surface_input.h"
 #include "tools/watch.h"
 

@@ -12,6 +12,7 @@
 #include "runtime/realtime.h"
 #include "runtime/verdict.h"
 #include "tools/interrupt.h"
+#include "tools/timing_text.h"
 #include "tools/watch.h"
 
 namespace gliss::tools {
@@ -136,21 +137,6 @@ std::unique_ptr<Judgement> measure(const JudgeOptions& options, KnotTick& tick) 
   return result;
 }
 
-double microseconds(Nanoseconds time) { return static_cast<double>(time.count()) / 1e3; }
-
-Json json_of(const DurationHistogram& h) {
-  return {{"p50_us", microseconds(h.quantile(0.5))},
-          {"p99_us", microseconds(h.quantile(0.99))},
-          {"p999_us", microseconds(h.quantile(0.999))},
-          {"max_us", microseconds(h.max())}};
-}
-
-std::string row_of(const char* name, const DurationHistogram& h) {
-  return fmt::format("{:<8} {:>10.1f} {:>10.1f} {:>10.1f} {:>10.1f}\n", name,
-                     microseconds(h.quantile(0.5)), microseconds(h.quantile(0.99)),
-                     microseconds(h.quantile(0.999)), microseconds(h.max()));
-}
-
 void run(const JudgeOptions& options) {
   KnotTick tick(options);
   const auto found = measure(options, tick);
@@ -175,9 +161,8 @@ void run(const JudgeOptions& options) {
                      {"errors", loop.errors()},
                      {"floor_success_rate", floor.success()}};
   report(options,
-         fmt::format("{:<8} {:>10} {:>10} {:>10} {:>10}\n", "us", "p50", "p99", "p99.9", "max") +
-             row_of("floor", floor.lateness()) + row_of("wake", loop.lateness()) +
-             row_of("compute", loop.compute()) +
+         timing_header() + timing_row("floor", floor.lateness()) +
+             timing_row("wake", loop.lateness()) + timing_row("compute", loop.compute()) +
              fmt::format("{} ticks on {} patches, {} missed, at most {} in a row; success {:.2f} % "
                          "({:.2f} % without a tick); {}, memory {}\n{}\n",
                          loop.ticks(), tick.patches(), loop.missed(), loop.longest_missed(),

@@ -1,7 +1,7 @@
 // gliss project: the nearest point of the surface to each HIP. Its columns are a contract.
 #include <fmt/format.h>
 
-#include "tools/result_table.h"
+#include "host/result_table.h"
 #include "tools/surface_input.h"
 #include "tools/watch.h"
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/result_table.h"
 #include "host/trace.h"
-#include "tools/result_table.h"
 #include "tools/surface_input.h"
 #include "tools/watch.h"
 
@@ -85,9 +85,10 @@ void run(const TracingOptions& options) {
   const PatchCache cache = open_surface(options, *engine);
   const PointTable path = read_points(options.path, options.unit, {"step"});
   const std::vector<double>* steps = path.table.find("step");
-  const UnitChange inward(path.unit, cache.unit), across(path.unit, options.unit);
-  std::vector<Vec3> hips = path.points;
-  for (Vec3& hip : hips) hip = inward(hip);
+  const UnitChange across(path.unit, options.unit);
+  // As the loop has it: by way of metres, so that the forces have the same bytes.
+  std::vector<Vec3> hips = points_in_metres(path);
+  for (Vec3& hip : hips) hip /= cache.unit;
 
   const std::string unit = unit_name(options.unit);
   const auto file = create_described_file(options.output, cache, options.unit);

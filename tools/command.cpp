@@ -15,25 +15,14 @@ namespace {
 // Patches without curvature have the largest double as radius, in the unit of their mesh.
 constexpr double kFlat = 1e290;
 
-template <class Value>
-using Names = std::vector<std::pair<std::string, Value>>;
-
-const Names<Solver> kSolvers = {
-    {"newton", Solver::kNewton}, {"gauss-newton", Solver::kGaussNewton}, {"paper", Solver::kPaper}};
-const Names<Precision> kPrecisions = {{"float", Precision::kFloat}, {"double", Precision::kDouble}};
-const Names<Method> kMethods = {
-    {"gregory", Method::kGregory}, {"shaded", Method::kShaded}, {"flat", Method::kFlat}};
-const Names<std::string> kBackends = {
+constexpr Named<const char*> kBackendNames[] = {
     {"tbb", "tbb"}, {"serial", "serial"}, {"opencl", "opencl"}, {"auto", "auto"}};
 
-template <class Value>
-Value find(const Names<Value>& names, const std::string& option, const std::string& wanted) {
-  std::string known;
-  for (const auto& [name, value] : names) {
-    if (name == wanted) return value;
-    known += (known.empty() ? "" : ", ") + name;
-  }
-  throw InputError(fmt::format("{}: '{}' is none of {}", option, wanted, known));
+template <class Value, std::size_t count>
+Value find(const Named<Value> (&names)[count], const std::string& option,
+           const std::string& wanted) {
+  if (const auto value = find_named(names, wanted)) return *value;
+  throw InputError(fmt::format("{}: '{}' is none of {}", option, wanted, listed(names)));
 }
 
 std::string& kept_command_line() {
@@ -43,21 +32,25 @@ std::string& kept_command_line() {
 
 }  // namespace
 
+void add_common_options(Command& command, ReportOptions& options) {
+  command.flag("--json", options.json, "print figures as JSON");
+  command.flag("--quiet", options.quiet, "print errors only");
+}
+
 void add_common_options(Command& command, CommonOptions& options) {
   command.option({"--threads", "N", "threads to use; 0, the default: all of the machine"},
                  options.threads, 0, 4096);
   command.option({"--backend", "NAME",
                   "tbb (default), serial, opencl, or auto: opencl on a GPU, tbb where that fails"},
                  [&options](const std::string& text) {
-                   options.backend = find(kBackends, "--backend", text);
+                   options.backend = find(kBackendNames, "--backend", text);
                  });
   command.option(
       {"--device", "NAME", "OpenCL device: part of its name, or its number in gliss devices"},
       options.device);
   command.option({"--device-memory", "MIB", "memory of it to use at most; default: half of it"},
                  options.device_memory, 1, 1 << 24);
-  command.flag("--json", options.json, "print figures as JSON");
-  command.flag("--quiet", options.quiet, "print errors only");
+  add_common_options(command, static_cast<ReportOptions&>(options));
 }
 
 void add_surface_options(Command& command, SurfaceOptions& options, const std::string& name) {
@@ -70,7 +63,7 @@ void add_surface_options(Command& command, SurfaceOptions& options, const std::s
                  [&options](const std::string& text) { options.unit = parse_unit(text); });
   command.option({"--precision", "NAME", "float or double (default)"},
                  [&options](const std::string& text) {
-                   options.precision = find(kPrecisions, "--precision", text);
+                   options.precision = find(kPrecisionNames, "--precision", text);
                  });
   command.flag("--split-non-manifold", options.split_non_manifold,
                "cut non-manifold edges and vertices open instead of refusing them");
@@ -104,8 +97,9 @@ void add_stiffness_option(Command& command, double& stiffness) {
 }
 
 void add_solver_option(Command& command, Solver& solver) {
-  command.option({"--solver", "NAME", "newton (default), gauss-newton or paper"},
-                 [&solver](const std::string& text) { solver = find(kSolvers, "--solver", text); });
+  command.option(
+      {"--solver", "NAME", "newton (default), gauss-newton or paper"},
+      [&solver](const std::string& text) { solver = find(kSolverNames, "--solver", text); });
 }
 
 void add_methods_option(Command& command, std::vector<Method>& methods) {
@@ -122,7 +116,7 @@ void add_methods_option(Command& command, std::vector<Method>& methods) {
                  });
 }
 
-Method parse_method(const std::string& name) { return find(kMethods, "--method", name); }
+Method parse_method(const std::string& name) { return find(kMethodNames, "--method", name); }
 
 std::unique_ptr<Engine> make_engine(const CommonOptions& options) {
   const bool device = options.backend == "opencl" || options.backend == "auto";
@@ -153,7 +147,7 @@ void keep_command_line(int count, const char* const* words) {
 
 const std::string& command_line() { return kept_command_line(); }
 
-void report(const CommonOptions& options, const std::string& text, const Json& json,
+void report(const ReportOptions& options, const std::string& text, const Json& json,
             bool table_on_stdout) {
   std::FILE* stream = table_on_stdout ? stderr : stdout;
   if (options.json) {
@@ -178,10 +172,6 @@ std::string unit_name(double unit) {
     if (unit == parse_unit(name)) return name;
   }
   return fmt::format("{} m", unit);
-}
-
-const char* precision_name(Precision precision) {
-  return precision == Precision::kFloat ? "float" : "double";
 }
 
 std::string hash_name(std::uint64_t hash) { return fmt::format("{:016x}", hash); }

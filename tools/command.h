@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "host/names.h"
 #include "host/opencl.h"
 #include "host/sweep.h"
 #include "tools/command_line.h"
@@ -20,12 +21,16 @@ using Json = nlohmann::ordered_json;
 
 struct Interrupted {};  // exit code 130
 
-struct CommonOptions {
+struct ReportOptions {
+  bool json = false, quiet = false;
+};
+
+// Of commands that use an engine.
+struct CommonOptions : ReportOptions {
   int threads = 0;  // 0: as many as the machine has
   std::string backend = "tbb";
   std::string device;     // of opencl and auto
   int device_memory = 0;  // MiB; 0: as OpenClOptions has it
-  bool json = false, quiet = false;
 };
 
 // Of commands that read a mesh or a cache.
@@ -41,6 +46,7 @@ struct TableOptions : SurfaceOptions {
   std::string output = "-";
 };
 
+void add_common_options(Command& command, ReportOptions& options);
 void add_common_options(Command& command, CommonOptions& options);
 // `name` of the positional argument: "MESH" or "MESH_OR_CACHE".
 void add_surface_options(Command& command, SurfaceOptions& options, const std::string& name);
@@ -74,7 +80,7 @@ const std::string& command_line();
 
 // To standard output, or to stderr where a table goes to standard output: JSON with --json, else
 // text, nothing with --quiet.
-void report(const CommonOptions& options, const std::string& text, const Json& json,
+void report(const ReportOptions& options, const std::string& text, const Json& json,
             bool table_on_stdout = false);
 
 std::string printed(const Json& json);  // with a line end; text that is no UTF-8 is made some
@@ -82,7 +88,6 @@ std::string printed(const Json& json);  // with a line end; text that is no UTF-
 std::string radius_text(double radius);  // "4.67", or "none" where all is flat
 Json radius_json(double radius);
 std::string unit_name(double unit);  // "mm"; "0.5 m" where it has no name
-const char* precision_name(Precision precision);
 std::string hash_name(std::uint64_t hash);
 
 class Stopwatch {
@@ -105,5 +110,6 @@ void add_trace(Command& program);
 void add_generate(Command& program);
 void add_devices(Command& program);
 void add_judge(Command& program);
+void add_run(Command& program);
 
 }  // namespace gliss::tools

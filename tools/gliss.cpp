@@ -8,6 +8,7 @@
 #include "host/csv_reader.h"
 #include "host/units.h"
 #include "runtime/realtime.h"
+#include "runtime/scene.h"
 #include "tools/command.h"
 #include "tools/interrupt.h"
 
@@ -30,7 +31,7 @@ int run(int count, char** words) {
       "Exit codes: 0 done, 1 internal error, 2 bad input, 3 stale or foreign cache,\n"
       "4 backend or real-time scheduling not available, 130 interrupted.");
   for (const auto add : {add_bake, add_info, add_check, add_eval, add_project, add_sweep, add_trace,
-                         add_generate, add_devices, add_judge}) {
+                         add_generate, add_devices, add_judge, add_run}) {
     add(program);
   }
   try {
@@ -40,6 +41,8 @@ int run(int count, char** words) {
   } catch (const MeshError& error) {
     return say(error.what(), kBadInput);
   } catch (const CsvError& error) {
+    return say(error.what(), kBadInput);
+  } catch (const SceneError& error) {
     return say(error.what(), kBadInput);
   } catch (const UnitError& error) {
     return say(error.what(), kBadInput);

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "host/progress_text.h"
+#include "tools/status_line.h"
 
 namespace gliss {
 
@@ -18,24 +19,18 @@ class Progress {
   // total = 0: unknown. `noun` is what is counted, in the plural: "points".
   Progress(std::string label, std::uint64_t total, std::string noun,
            ProgressStyle style = ProgressStyle::kAutomatic);
-  ~Progress();  // unfinished: leaves the bar where it stopped, and the error its own line
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
 
   void update(std::uint64_t done);
   void finish();  // says how many in what time
 
  private:
-  enum class Display { kBar, kLines, kNone };
   double seconds() const;
-  void draw(const std::string& text);
 
   std::string label_, noun_;
-  Display display_;
+  StatusLine line_;
   ProgressState state_;
   LinePace pace_;
-  double drawn_ = -1;       // when the bar was drawn last; negative: never
-  bool open_line_ = false;  // the bar stands on the terminal's last line
+  double drawn_ = -1;  // when the bar was drawn last; negative: never
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 

@@ -48,18 +48,17 @@ PatchCache open_surface(const SurfaceOptions& options, const Engine& engine) {
   return cache;
 }
 
-PointTable read_points(const std::string& path, double unit,
-                       const std::vector<std::string>& optional) {
-  const std::vector<std::vector<std::string>> names = {{"x", "y", "z"}, {"x_mm", "y_mm", "z_mm"}};
-  PointTable result;
-  result.table = read_csv(path, {.alternatives = names, .optional = optional});
-  const std::size_t chosen = result.table.alternative;
-  result.unit = chosen == 0 ? unit : 1e-3;
-  const auto &x = *result.table.find(names[chosen][0]), &y = *result.table.find(names[chosen][1]),
-             &z = *result.table.find(names[chosen][2]);
-  result.points.reserve(x.size());
-  for (std::size_t i = 0; i < x.size(); ++i) result.points.emplace_back(x[i], y[i], z[i]);
-  return result;
+std::unique_ptr<ResultFile> create_described_file(const std::string& path, const PatchCache& cache,
+                                                  double unit) {
+  auto file = create_result_file(path);
+  file->set_attribute({"program", "gliss"});
+  file->set_attribute({"version", GLISS_VERSION});
+  file->set_attribute({"command_line", command_line()});
+  file->set_attribute({"mesh_hash", hash_name(cache.mesh_hash)});
+  file->set_attribute({"unit", unit_name(unit)});
+  file->set_attribute({"unit_m", unit});
+  file->set_attribute({"precision", precision_name(cache.precision())});
+  return file;
 }
 
 }  // namespace gliss::tools

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "host/result_table.h"
 #include "host/sweep.h"
-#include "tools/result_table.h"
 #include "tools/surface_input.h"
 
 namespace gliss::tools {

@@ -11,7 +11,7 @@ constexpr double kPatience = 1;  // seconds
 
 }  // namespace
 
-Watch::Watch(const CommonOptions& options, std::string label, std::uint64_t total, std::string noun)
+Watch::Watch(const ReportOptions& options, std::string label, std::uint64_t total, std::string noun)
     : progress_(std::move(label), total, std::move(noun),
                 options.quiet ? ProgressStyle::kSilent : ProgressStyle::kAutomatic),
       total_(total) {}

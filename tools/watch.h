@@ -14,7 +14,7 @@ namespace gliss::tools {
 // Ctrl-C is answered with the exception Interrupted, out of add() or reach().
 class Watch {
  public:
-  Watch(const CommonOptions& options, std::string label, std::uint64_t total, std::string noun);
+  Watch(const ReportOptions& options, std::string label, std::uint64_t total, std::string noun);
   ~Watch();
 
   void add(std::uint64_t more);    // from any thread
@@ -30,7 +30,7 @@ class Watch {
 
 // Calls body(begin, end) over [0, count) in blocks that bound the memory of the results.
 template <class Body>
-void for_blocks(const CommonOptions& options, const std::string& label, std::size_t count,
+void for_blocks(const ReportOptions& options, const std::string& label, std::size_t count,
                 const std::string& noun, Body body) {
   constexpr std::size_t kBlock = 65536;
   Watch watch(options, label, count, noun);

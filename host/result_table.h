@@ -9,10 +9,9 @@
 #include <vector>
 
 #include "host/mesh.h"
-#include "host/patch_cache.h"
 #include "host/result_file.h"
 
-namespace gliss::tools {
+namespace gliss {
 
 // Columns under construction: add({"x", "y", "z"}, ColumnType::kFloat64, "mm").
 class Columns {
@@ -72,9 +71,4 @@ class ResultTable {
   std::size_t next_ = 0;
 };
 
-// A file that says where it comes from: command line, version, mesh, unit of coordinates,
-// precision.
-std::unique_ptr<ResultFile> create_described_file(const std::string& path, const PatchCache& cache,
-                                                  double unit);
-
-}  // namespace gliss::tools
+}  // namespace gliss

@@ -1,8 +1,6 @@
-#include "tools/result_table.h"
+#include "host/result_table.h"
 
-#include "tools/command.h"
-
-namespace gliss::tools {
+namespace gliss {
 
 Columns& Columns::add(std::initializer_list<const char*> names, ColumnType type,
                       const std::string& unit) {
@@ -52,17 +50,4 @@ void ResultTable::write() {
   for (Values& column : columns_) std::visit([](auto& values) { values.clear(); }, column);
 }
 
-std::unique_ptr<ResultFile> create_described_file(const std::string& path, const PatchCache& cache,
-                                                  double unit) {
-  auto file = create_result_file(path);
-  file->set_attribute({"program", "gliss"});
-  file->set_attribute({"version", GLISS_VERSION});
-  file->set_attribute({"command_line", command_line()});
-  file->set_attribute({"mesh_hash", hash_name(cache.mesh_hash)});
-  file->set_attribute({"unit", unit_name(unit)});
-  file->set_attribute({"unit_m", unit});
-  file->set_attribute({"precision", precision_name(cache.precision())});
-  return file;
-}
-
-}  // namespace gliss::tools
+}  // namespace gliss

@@ -1,0 +1,26 @@
+// Points in files, in whatever unit they come: CSV tables, and recordings of the loop in HDF5.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "host/csv_reader.h"
+#include "host/mesh.h"
+
+namespace gliss {
+
+// Of CSV, columns x,y,z in a unit that the caller knows, or x_mm,y_mm,z_mm in millimetres; of
+// .h5 or .hdf5, the table "ticks", in metres.
+struct PointTable {
+  CsvTable table;            // the other columns that were asked for; of HDF5: none
+  double unit = 1;           // m
+  std::vector<Vec3> points;  // in `unit`
+};
+
+// Throws CsvError, or std::runtime_error that names the file.
+PointTable read_points(const std::string& path, double unit,
+                       const std::vector<std::string>& optional = {});
+// In m.
+std::vector<Vec3> points_in_metres(const PointTable& table);
+
+}  // namespace gliss

@@ -1,0 +1,52 @@
+// What a loop is to render and how, as a TOML file says it; README.md has an example. What a scene
+// does not list costs nothing.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "host/patch_cache.h"
+#include "host/query.h"
+#include "runtime/device.h"
+#include "runtime/loop.h"
+#include "runtime/sim_device.h"
+
+namespace gliss {
+
+// what() names the file, the line and the key.
+struct SceneError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+// An [[object]]. Numbers without a unit are SI.
+struct ObjectDescription {
+  std::string place;  // "scene.toml:3: object 'knot'", for messages
+  std::string name;
+  std::string surface;                 // path of a mesh or a cache, from the scene's folder
+  double unit = 1;                     // m, of a mesh's coordinates
+  std::optional<Precision> precision;  // as the cache has it, or double
+  double stiffness = 500;              // N/m
+  Method method = Method::kGregory;
+  Solver solver = Solver::kNewton;
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  // translation in m
+};
+
+struct Scene {
+  std::vector<ObjectDescription> objects;
+  std::vector<Vec3> hips;  // m, from the device's position; empty: one, there
+  LoopOptions loop;        // of [loop] and [guards]
+  int priority = 80;       // of SCHED_FIFO
+  // Of [device], besides the device's own limits.
+  double max_force = std::numeric_limits<double>::infinity();      // N
+  double max_stiffness = std::numeric_limits<double>::infinity();  // N/m
+  std::optional<SimOptions> sim;
+  HandPath sim_path;
+};
+
+// Throws SceneError, std::runtime_error where the file cannot be read.
+Scene read_scene(const std::string& path);
+
+}  // namespace gliss

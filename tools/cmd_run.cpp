@@ -1,0 +1,259 @@
+// gliss run: a scene under a device, 1000 times a second. The keys of its JSON are a contract.
+#include <fmt/format.h>
+
+#include <atomic>
+#include <future>
+#include <optional>
+#include <thread>
+
+#include "host/atomic_file.h"
+#include "runtime/realtime.h"
+#include "runtime/recorder.h"
+#include "tools/interrupt.h"
+#include "tools/run_devices.h"
+#include "tools/run_report.h"
+#include "tools/status_line.h"
+#include "tools/surface_input.h"
+#include "tools/timing_text.h"
+
+namespace gliss::tools {
+namespace {
+
+using namespace std::chrono_literals;
+
+struct RunOptions : ReportOptions {
+  int threads = 0;
+  std::string scene, device = "sim", recording, report;
+  double seconds = 0;  // 0: until the device ends
+  bool no_wait = false, require_realtime = false, cpu_time = false;
+};
+
+void describe(Command& command, RunOptions& options) {
+  add_input_option(command, "SCENE", options.scene, "scene file (.toml)");
+  command.option({"--device", "DEVICE", std::string(kDeviceWords) + "; default sim"},
+                 options.device);
+  command.flag("--no-wait", options.no_wait,
+               "tick after tick as fast as it goes, in a time of its own; for sim and replay");
+  command.option({"--seconds", "SECONDS", "end after so long; default: when the device ends"},
+                 options.seconds, 1e-3, 1e7);
+  command.option(
+      {"-o,--record", "FILE", "record each tick: .h5, .hdf5 or .csv"},
+      [&](const std::string& path) {
+        if (!path.ends_with(".csv") && !path.ends_with(".h5") && !path.ends_with(".hdf5"))
+          throw InputError(fmt::format("'{}' must end in .h5, .hdf5 or .csv", path));
+        options.recording = path;
+      });
+  command.option({"--report", "FILE", "write figures, histograms and what led to trips, as JSON"},
+                 options.report);
+  command.option({"--threads", "N", "threads to build patches with; 0, the default: all"},
+                 options.threads, 0, 4096);
+  command.flag("--cpu-time", options.cpu_time,
+               "time the ticks by the thread's CPU clock, blind to pre-emption: two system calls "
+               "more a tick");
+  command.flag("--require-rt", options.require_realtime,
+               "make it an error where real-time scheduling or locked memory is refused");
+}
+
+std::vector<SceneObject> open_objects(const Scene& scene, const RunOptions& options) {
+  const auto engine = make_tbb_engine(options.threads);
+  std::vector<SceneObject> objects;
+  for (const ObjectDescription& described : scene.objects) {
+    SurfaceOptions surface;
+    surface.threads = options.threads;
+    surface.quiet = options.quiet;
+    surface.surface = described.surface;
+    surface.unit = described.unit;
+    surface.precision = described.precision;
+    objects.push_back({std::make_shared<const PatchCache>(open_surface(surface, *engine)),
+                       described.stiffness, described.method, described.solver, described.pose});
+  }
+  return objects;
+}
+
+void check_stiffness(const Scene& scene, const DeviceInfo& device) {
+  const double most = std::min(scene.max_stiffness, device.max_stiffness);
+  for (const ObjectDescription& object : scene.objects) {
+    if (object.stiffness <= most) continue;
+    throw SceneError(fmt::format("{}: stiffness is {:g} N/m, and {} renders at most {:g} N/m",
+                                 object.place, object.stiffness, device.name, most));
+  }
+}
+
+struct Session {
+  RunReport report;
+  LoopEnd end = LoopEnd::kStopped;
+  std::string scheduling = "SCHED_OTHER";
+  bool memory_locked = false;
+  std::vector<std::string> refusals;
+  std::uint64_t lost = 0;  // ticks that the queue had no room for
+};
+
+// The loop in a thread of its own; this one records and tells.
+void run_session(HapticLoop& loop, const RunOptions& options, const Scene& scene,
+                 RecordingFile* recording, Session& session) {
+  TickQueue queue;
+  std::atomic<bool> given_up{false};
+  const auto on_tick = [&](const LoopTick& tick) {
+    // Without a clock to keep, nothing need be lost.
+    while (options.no_wait && queue.full()) std::this_thread::sleep_for(100us);
+    queue.add(tick);
+    const bool over = options.seconds > 0 && tick.time >= options.seconds * 1s;
+    return !over && !interrupted() && !given_up.load(std::memory_order_relaxed);
+  };
+  auto running = std::async(std::launch::async, [&] {
+    std::optional<Realtime> realtime;
+    if (!options.no_wait) {
+      realtime.emplace(RealtimeOptions{scene.priority, options.require_realtime});
+      if (realtime->priority() > 0)
+        session.scheduling = fmt::format("SCHED_FIFO {}", realtime->priority());
+      session.memory_locked = realtime->memory_locked();
+      session.refusals = realtime->refusals();
+      if (!options.quiet) {
+        for (const std::string& line : session.refusals) fmt::print(stderr, "gliss: {}\n", line);
+      }
+    }
+    session.end = loop.run(on_tick);
+  });
+  // A recording that cannot be written ends the loop, and its end is waited for.
+  struct GiveUp {
+    std::atomic<bool>& given_up;
+    ~GiveUp() { given_up = true; }
+  } give_up{given_up};
+  StatusLine status(options.quiet || options.no_wait);
+  const auto pace = status.place() == StatusLine::Place::kTerminal ? 250ms : 5000ms;
+  auto next_line = std::chrono::steady_clock::now() + pace;
+  std::vector<LoopTick> ticks;
+  for (bool more = true; more;) {
+    more = running.wait_for(options.no_wait ? 1ms : 50ms) != std::future_status::ready;
+    queue.take(ticks);
+    for (const LoopTick& tick : ticks) session.report.add(tick);
+    if (recording != nullptr) recording->write(ticks);
+    if (more && std::chrono::steady_clock::now() < next_line) continue;
+    next_line += pace;
+    status.show(session.report.live_line());
+  }
+  running.get();
+  session.lost = queue.lost();
+}
+
+Json figures_of(const HapticLoop& loop, const Session& session, const std::string& device) {
+  const TickRecord& record = loop.record();
+  const ForceStatistics &rendered = session.report.rendered(), &sent = session.report.sent();
+  Json acts = Json::object();
+  std::uint64_t trips = 0;
+  for (int i = 1; i < kGuardReasons; ++i) {
+    const auto reason = static_cast<GuardReason>(i);
+    acts[text(reason)] = loop.guard().count(reason);
+    if (is_failure(reason)) trips += loop.guard().count(reason);
+  }
+  return {{"ticks", record.ticks()},
+          {"missed", record.missed()},
+          {"largest_force_step", rendered.largest_step},
+          {"p50_us", microseconds(record.compute().quantile(0.5))},
+          {"p99_us", microseconds(record.compute().quantile(0.99))},
+          {"guard_trips", trips},
+          {"guards", acts},
+          {"mean_force_step", rendered.mean_step},
+          {"largest_force", rendered.largest_force},
+          {"in_contact", rendered.touching},
+          {"entries", rendered.entries},
+          {"largest_sent_step", sent.largest_step},
+          {"largest_sent_force", sent.largest_force},
+          {"success_rate", record.success()},
+          {"longest_missed", record.longest_missed()},
+          {"wake", json_of(record.lateness())},
+          {"compute", json_of(record.compute())},
+          {"device", device},
+          {"end", text(session.end)},
+          {"scheduling", session.scheduling},
+          {"memory_locked", session.memory_locked},
+          {"refusals", session.refusals},
+          {"ticks_not_recorded", session.lost}};
+}
+
+std::string text_of(const HapticLoop& loop, const Session& session, const Json& json) {
+  const TickRecord& record = loop.record();
+  const ForceStatistics &rendered = session.report.rendered(), &sent = session.report.sent();
+  std::string out =
+      timing_header() + timing_row("wake", record.lateness()) +
+      timing_row("compute", record.compute()) +
+      fmt::format("{} ticks, {} missed, at most {} in a row; success {:.3f} %; {}, memory {}\n",
+                  record.ticks(), record.missed(), record.longest_missed(), 100 * record.success(),
+                  session.scheduling, session.memory_locked ? "locked" : "not locked") +
+      fmt::format(
+          "rendered: {} ticks in contact, {} entries, force up to {:.3f} N, largest step "
+          "{:.4f} N\nsent: force up to {:.3f} N, largest step {:.4f} N\nguards:",
+          rendered.touching, rendered.entries, rendered.largest_force, rendered.largest_step,
+          sent.largest_force, sent.largest_step);
+  std::string acts;
+  for (const auto& [reason, count] : json["guards"].items()) {
+    if (count != 0) acts += fmt::format(" {} {}x,", reason, count.get<std::uint64_t>());
+  }
+  if (!acts.empty()) acts.pop_back();
+  out += acts.empty() ? " none acted" : acts;
+  if (session.lost > 0) out += fmt::format("\n{} ticks were not recorded", session.lost);
+  return fmt::format("{}\nend: {}\n", out, text(session.end));
+}
+
+std::vector<Attribute> provenance(const RunOptions& options, const HapticDevice& device) {
+  return {{"program", "gliss"},
+          {"version", GLISS_VERSION},
+          {"command_line", command_line()},
+          {"scene", options.scene},
+          {"device", device.info().name}};
+}
+
+void run(const RunOptions& options) {
+  const Scene scene = read_scene(options.scene);
+  const std::vector<SceneObject> objects = open_objects(scene, options);
+  const auto device = open_device(options.device, scene);
+  check_stiffness(scene, device->info());
+  if (options.no_wait && device->info().real_time)
+    throw InputError(fmt::format("--no-wait: {} lives in real time", device->info().name));
+  std::optional<RecordingFile> recording;
+  if (!options.recording.empty())
+    recording.emplace(options.recording, provenance(options, *device));
+  std::optional<AtomicFile> report_file;
+  if (!options.report.empty()) report_file.emplace(options.report);
+
+  Tracker tracker(objects, scene.hips);
+  LoopOptions loop_options = scene.loop;
+  loop_options.wait = !options.no_wait;
+  loop_options.cpu_time = options.cpu_time;
+  HapticLoop loop(*device, tracker, loop_options);
+  Session session;
+  run_session(loop, options, scene, recording ? &*recording : nullptr, session);
+
+  const Json json = figures_of(loop, session, device->info().name);
+  if (recording) {
+    recording->add_histogram("wake_lateness", loop.record().lateness());
+    recording->add_histogram("compute", loop.record().compute());
+    recording->close();
+  }
+  if (report_file) {
+    Json whole = json;
+    whole["histograms"] = {{"wake", histogram_json(loop.record().lateness())},
+                           {"compute", histogram_json(loop.record().compute())}};
+    whole["trips"] = session.report.trips_json();
+    report_file->write(printed(whole));
+    report_file->commit();
+  }
+  report(options, text_of(loop, session, json), json);
+  if (interrupted()) throw Interrupted();
+  if (session.end == LoopEnd::kDeviceFault)
+    throw LoopError(fmt::format("{}: {}", device->info().name, text(session.end)));
+}
+
+}  // namespace
+
+void add_run(Command& program) {
+  add_command<RunOptions>(
+      program, "run",
+      "Run a scene under a device, 1000 times a second.\n"
+      "largest_force_step: of the force as rendered, between ticks in contact, as gliss trace has "
+      "it; largest_sent_step: of what went to the device, between all ticks. guard_trips: times "
+      "that a guard acted on a late input, numbers that are not finite, a clock or the device.",
+      "gliss run scene.toml --device sim --record run.h5", describe, run);
+}
+
+}  // namespace gliss::tools

@@ -1,0 +1,33 @@
+#include "tools/run_devices.h"
+
+#include <fmt/format.h>
+
+#include "host/point_table.h"
+#include "runtime/replay_device.h"
+#include "tools/command.h"
+
+namespace gliss::tools {
+namespace {
+
+std::unique_ptr<HapticDevice> open_sim(const Scene& scene) {
+  if (!scene.sim) throw InputError("--device sim: the scene has no [sim]");
+  return std::make_unique<SimDevice>(scene.sim_path, *scene.sim);
+}
+
+std::unique_ptr<HapticDevice> open_replay(const std::string& file) {
+  std::vector<Vec3> positions = points_in_metres(read_points(file, 1));
+  return std::make_unique<ReplayDevice>(std::move(positions), "replay:" + file);
+}
+
+}  // namespace
+
+std::unique_ptr<HapticDevice> open_device(const std::string& words, const Scene& scene) {
+  const auto colon = words.find(':');
+  const std::string kind = words.substr(0, colon);
+  const std::string rest = colon == std::string::npos ? "" : words.substr(colon + 1);
+  if (words == "sim") return open_sim(scene);
+  if (kind == "replay" && !rest.empty()) return open_replay(rest);
+  throw InputError(fmt::format("--device: '{}' is none of {}", words, kDeviceWords));
+}
+
+}  // namespace gliss::tools

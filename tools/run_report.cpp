@@ -1,0 +1,71 @@
+#include "tools/run_report.h"
+
+#include <fmt/format.h>
+
+#include "tools/timing_text.h"
+
+namespace gliss::tools {
+namespace {
+
+double seconds(Nanoseconds time) { return std::chrono::duration<double>(time).count(); }
+
+Json json_of(const Vec3& v) {
+  Json list = Json::array();
+  for (const double x : v) list.push_back(std::isfinite(x) ? Json(x) : Json(nullptr));
+  return list;
+}
+
+Json json_of(const LoopTick& tick) {
+  return {{"tick", tick.number},
+          {"lateness_us", microseconds(tick.lateness)},
+          {"compute_us", microseconds(tick.compute)},
+          {"missed", tick.missed},
+          {"age_us", microseconds(tick.age)},
+          {"position_m", json_of(tick.input.position)},
+          {"rendered_N", json_of(tick.rendered)},
+          {"sent_N", json_of(tick.sent)},
+          {"guard", text(tick.state)},
+          {"reason", text(tick.reason)}};
+}
+
+}  // namespace
+
+void RunReport::add(const LoopTick& tick) {
+  if (tick.rendered.allFinite()) rendered_.add(tick.touching, tick.rendered);
+  sent_.add(true, tick.sent);
+  const bool was_safe = !last_.empty() && last_.back().state == GuardState::kSafe;
+  if (last_.size() == TickRecord::kLast) last_.pop_front();
+  last_.push_back(tick);
+  const bool trips = tick.state == GuardState::kSafe && !was_safe && is_failure(tick.reason);
+  if (trips && trips_.size() < kTrips) trips_.push_back({tick.reason, last_});
+  compute_.add(tick.compute);
+  missed_ += tick.missed;
+}
+
+std::string RunReport::live_line() {
+  if (last_.empty()) return "waiting for the first tick";
+  const LoopTick& tick = last_.back();
+  const double passed = seconds(tick.time - line_at_);
+  const double rate = passed > 0 ? static_cast<double>(compute_.count()) / passed : 0;
+  const std::string depth = tick.touching ? fmt::format("{:.2f} mm", -1e3 * tick.distance) : "free";
+  std::string line = fmt::format(
+      "{:6.1f} s  {:6.1f} Hz  depth {:>8}  force {:5.2f} N  missed {}  p99 {:.1f} us  {}",
+      seconds(tick.time), rate, depth, tick.sent.norm(), missed_,
+      microseconds(compute_.quantile(0.99)), text(tick.state));
+  if (tick.reason != GuardReason::kNone) line += fmt::format(": {}", text(tick.reason));
+  compute_ = {};
+  line_at_ = tick.time;
+  return line;
+}
+
+Json RunReport::trips_json() const {
+  Json trips = Json::array();
+  for (const Trip& trip : trips_) {
+    Json ticks = Json::array();
+    for (const LoopTick& tick : trip.ticks) ticks.push_back(json_of(tick));
+    trips.push_back({{"reason", text(trip.reason)}, {"ticks", ticks}});
+  }
+  return trips;
+}
+
+}  // namespace gliss::tools

@@ -1,0 +1,48 @@
+#include "tools/status_line.h"
+
+#include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <cstdio>
+
+namespace gliss {
+namespace {
+
+// A log that cannot be written must not end the work that it tells of: failures are ignored.
+void say(const std::string& text) { std::fputs(text.c_str(), stderr); }
+
+std::size_t terminal_width() {
+  winsize size{};
+  const bool known = ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+  return known ? size.ws_col : 80;
+}
+
+}  // namespace
+
+StatusLine::StatusLine(bool silent)
+    : place_(silent                  ? Place::kNowhere
+             : isatty(STDERR_FILENO) ? Place::kTerminal
+                                     : Place::kLog) {}
+
+StatusLine::~StatusLine() {
+  if (open_) say("\n");
+}
+
+void StatusLine::show(const std::string& text) {
+  if (place_ == Place::kLog) say(text + "\n");
+  if (place_ != Place::kTerminal) return;
+  // Over the old text, cut to the terminal: a wrapped line could not be drawn over.
+  say(fmt::format("\r{}\x1b[K", text.substr(0, terminal_width() - 1)));
+  std::fflush(stderr);
+  open_ = true;
+}
+
+void StatusLine::finish(const std::string& text) {
+  show(text);
+  if (open_) say("\n");
+  open_ = false;
+  place_ = Place::kNowhere;
+}
+
+}  // namespace gliss
