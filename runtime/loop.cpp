@@ -123,7 +123,7 @@ LoopEnd HapticLoop::run(const std::function<bool(const LoopTick&)>& on_tick) {
     }
     last_sequence = tick.input.sequence;
     tick.age = now - tick.input.measured;
-    if (end) guard_.trip(GuardReason::kStopRequested);
+    if (end && !failed_) guard_.trip(GuardReason::kStopRequested);
     feel(now, tick);
     tick.compute = read_clock(clock) - began;
     tick.time = wake.deadline - pace.start();

@@ -20,7 +20,7 @@ struct LoopOptions {
   // Once late inputs or numbers that are not finite have made the guard safe, engage it again as
   // soon as it permits. Else it stays safe.
   bool reengage = false;
-  GuardLimits guard;
+  GuardLimits guard = {};
 };
 
 // What one tick did.

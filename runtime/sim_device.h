@@ -32,16 +32,16 @@ class HandPath {
 };
 
 struct SimOptions {
-  double mass = 0.1;              // kg, of the end effector and what moves with it
-  double hand_stiffness = 300;    // N/m, of the hand's grip
-  double hand_damping = 5;        // N s/m
-  double resolution = 5e-6;       // m, of the position sensor; 0: exact
-  double noise = 0;               // m, standard deviation of a coordinate
-  Nanoseconds delay{0};           // of what is read, unknown to the reader; at most kLongestDelay
-  std::uint64_t seed = 1;         // of the noise
-  double max_force = 3.3;         // N, what the motors give
-  double max_stiffness = 2000;    // N/m
-  Eigen::AlignedBox3d workspace;  // m, where the arm reaches; empty: everywhere
+  double mass = 0.1;            // kg, of the end effector and what moves with it
+  double hand_stiffness = 300;  // N/m, of the hand's grip
+  double hand_damping = 5;      // N s/m
+  double resolution = 5e-6;     // m, of the position sensor; 0: exact
+  double noise = 0;             // m, standard deviation of a coordinate
+  Nanoseconds delay{0};         // of what is read, unknown to the reader; at most kLongestDelay
+  std::uint64_t seed = 1;       // of the noise
+  double max_force = 3.3;       // N, what the motors give
+  double max_stiffness = 2000;  // N/m
+  Eigen::AlignedBox3d workspace = {};  // m, where the arm reaches; empty: everywhere
 };
 
 class SimDevice final : public HapticDevice {

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "host/generate.h"
+#include "host/names.h"
 #include "tests/bytes.h"
 #include "tests/surfaces.h"
 
