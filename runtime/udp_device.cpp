@@ -1,0 +1,107 @@
+#include "runtime/udp_device.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "runtime/realtime.h"
+
+namespace gliss {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Nanoseconds kHelloEvery = 5ms;  // the server forgets a loop that is silent for 20 ms
+constexpr int kByes = 3;                  // a datagram may be lost
+
+}  // namespace
+
+UdpDevice::UdpDevice(std::uint16_t port, Nanoseconds patience) {
+  if (port == 0) throw std::invalid_argument("a device's UDP port must be 1 to 65535");
+  socket_.connect(port);
+  const Nanoseconds start = monotonic_time();
+  while (state_.sequence == 0) {
+    const Nanoseconds now = monotonic_time();
+    if (now - start > patience) {
+      throw LoopError(fmt::format(
+          "udp:{0}: no haptic device answered at 127.0.0.1:{0} for {1:.1f} s; cure: start the "
+          "device's program or gliss serve with this port, or end the loop that uses it already",
+          port, std::chrono::duration<double>(patience).count()));
+    }
+    send(Vec3::Zero(), now, 0);
+    // A refusal ends a wait at once, and is to be waited for, not to be spun on.
+    for (const Nanoseconds next = now + kHelloEvery; state_.sequence == 0;) {
+      const Nanoseconds left = next - monotonic_time();
+      if (left <= 0ns) break;
+      socket_.wait(left);
+      receive();
+    }
+  }
+  info_ = udp::info_of(last_, fmt::format("udp:{}", port));
+}
+
+UdpDevice::~UdpDevice() {
+  for (int i = 0; i < kByes; ++i) send(Vec3::Zero(), monotonic_time(), udp::kBye);
+}
+
+DeviceState UdpDevice::read(Nanoseconds now) noexcept {
+  receive();
+  DeviceState state = state_;
+  state.measured = std::min(state.measured, now);
+  return state;
+}
+
+bool UdpDevice::write(const Vec3& force, Nanoseconds now) noexcept {
+  return send(force, now, 0) && !unreachable_;
+}
+
+void UdpDevice::receive() noexcept {
+  for (int i = 0; i < kDrain; ++i) {
+    std::array<std::byte, udp::kLargest> buffer;
+    const udp::Arrival arrival = socket_.receive(buffer);
+    if (arrival.outcome == udp::Outcome::kNothing) return;
+    if (arrival.outcome == udp::Outcome::kRefused) {
+      unreachable_ = true;
+      continue;
+    }
+    const std::span<const std::byte> bytes(buffer.data(), std::min(arrival.size, buffer.size()));
+    const auto datagram =
+        arrival.size > buffer.size() ? std::nullopt : udp::decode<udp::StateDatagram>(bytes);
+    if (datagram) {
+      take(*datagram);
+    } else {
+      ++rejected_;
+    }
+  }
+}
+
+// The same sequence again may carry other flags.
+void UdpDevice::take(const udp::StateDatagram& datagram) noexcept {
+  const bool older = datagram.session == last_.session ? datagram.sequence < last_.sequence
+                                                       : datagram.session < last_.session;
+  if (older) {
+    ++outdated_;
+    return;
+  }
+  if (datagram.session != last_.session) before_ = state_.sequence;
+  last_ = datagram;
+  state_ = udp::state_of(datagram);
+  state_.sequence = before_ + datagram.sequence;
+  unreachable_ = false;
+}
+
+bool UdpDevice::send(const Vec3& force, Nanoseconds now, std::uint16_t flags) noexcept {
+  udp::ForceDatagram datagram;
+  datagram.flags = flags;
+  datagram.sequence = ++sent_;
+  datagram.answers = last_.sequence;
+  datagram.sent = std::max(now, 0ns).count();
+  if (const udp::Triple wanted = udp::triple(force); udp::is_finite(wanted))
+    datagram.force = wanted;
+  const udp::Outcome outcome = socket_.send(udp::encode(datagram));
+  if (outcome == udp::Outcome::kRefused) unreachable_ = true;
+  return outcome == udp::Outcome::kDone;
+}
+
+}  // namespace gliss

@@ -1,0 +1,51 @@
+// A UDP socket of the loopback interface, 127.0.0.1 alone, that never waits unless told to. It
+// neither allocates nor throws once it is open.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "runtime/clock.h"
+
+namespace gliss::udp {
+
+enum class Outcome : std::uint8_t {
+  kDone,
+  kRefused,  // nobody has the other end's port any more: its process ended
+  kNothing,  // nothing arrived, no room to send
+};
+
+struct Arrival {
+  Outcome outcome = Outcome::kNothing;
+  std::size_t size = 0;    // of the datagram, of which the buffer may hold only the beginning
+  std::uint16_t port = 0;  // of its sender
+};
+
+class Socket {
+ public:
+  // Takes a port, which disconnect() keeps; 0: any that is free. Throws LoopError.
+  explicit Socket(std::uint16_t port = 0);
+  ~Socket();
+  Socket(const Socket&) = delete;
+  Socket& operator=(const Socket&) = delete;
+
+  std::uint16_t port() const noexcept { return port_; }
+
+  // Sends there; nobody else's datagrams arrive from now on, but those that wait already do.
+  // Strangers are refused as if nobody were here.
+  bool connect(std::uint16_t port) noexcept;
+  void disconnect() noexcept;
+
+  // What an earlier datagram met is told by a later call.
+  Outcome send(std::span<const std::byte> bytes) noexcept;
+  Arrival receive(std::span<std::byte> buffer) noexcept;
+  // True when something may have arrived.
+  bool wait(Nanoseconds timeout) noexcept;
+
+ private:
+  int descriptor_ = -1;
+  std::uint16_t port_ = 0;
+};
+
+}  // namespace gliss::udp
