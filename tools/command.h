@@ -111,5 +111,6 @@ void add_generate(Command& program);
 void add_devices(Command& program);
 void add_judge(Command& program);
 void add_run(Command& program);
+void add_serve(Command& program);
 
 }  // namespace gliss::tools

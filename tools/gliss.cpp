@@ -31,7 +31,7 @@ int run(int count, char** words) {
       "Exit codes: 0 done, 1 internal error, 2 bad input, 3 stale or foreign cache,\n"
       "4 backend or real-time scheduling not available, 130 interrupted.");
   for (const auto add : {add_bake, add_info, add_check, add_eval, add_project, add_sweep, add_trace,
-                         add_generate, add_devices, add_judge, add_run}) {
+                         add_generate, add_devices, add_judge, add_run, add_serve}) {
     add(program);
   }
   try {

@@ -4,6 +4,7 @@
 
 #include "host/point_table.h"
 #include "runtime/replay_device.h"
+#include "runtime/udp_device.h"
 #include "tools/command.h"
 
 namespace gliss::tools {
@@ -27,6 +28,8 @@ std::unique_ptr<HapticDevice> open_device(const std::string& words, const Scene&
   const std::string rest = colon == std::string::npos ? "" : words.substr(colon + 1);
   if (words == "sim") return open_sim(scene);
   if (kind == "replay" && !rest.empty()) return open_replay(rest);
+  if (kind == "udp" && !rest.empty())
+    return std::make_unique<UdpDevice>(parse_number<std::uint16_t>("--device udp", rest));
   throw InputError(fmt::format("--device: '{}' is none of {}", words, kDeviceWords));
 }
 
