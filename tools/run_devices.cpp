@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "host/point_table.h"
+#include "runtime/haply_device.h"
 #include "runtime/replay_device.h"
 #include "runtime/udp_device.h"
 #include "tools/command.h"
@@ -20,6 +21,15 @@ std::unique_ptr<HapticDevice> open_replay(const std::string& file) {
   return std::make_unique<ReplayDevice>(std::move(positions), "replay:" + file);
 }
 
+std::unique_ptr<HapticDevice> open_haply(const std::string& where) {
+  HaplyOptions options;
+  const auto colon = where.rfind(':');
+  if (!where.empty()) options.host = where.substr(0, colon);
+  if (colon != std::string::npos)
+    options.port = parse_number<std::uint16_t>("--device haply", where.substr(colon + 1));
+  return std::make_unique<HaplyDevice>(options);
+}
+
 }  // namespace
 
 std::unique_ptr<HapticDevice> open_device(const std::string& words, const Scene& scene) {
@@ -30,6 +40,7 @@ std::unique_ptr<HapticDevice> open_device(const std::string& words, const Scene&
   if (kind == "replay" && !rest.empty()) return open_replay(rest);
   if (kind == "udp" && !rest.empty())
     return std::make_unique<UdpDevice>(parse_number<std::uint16_t>("--device udp", rest));
+  if (kind == "haply" && (words == kind || !rest.empty())) return open_haply(rest);
   throw InputError(fmt::format("--device: '{}' is none of {}", words, kDeviceWords));
 }
 
