@@ -48,6 +48,9 @@ template <class Real>
 struct RawContact {
   Real reals[kContactReals] = {};
   std::uint32_t uints[kContactUints] = {};
+  // What a tick leaves for the next one: bend and drift, once warm.
+  Real warmth[5] = {};
+  bool warm = false;
 };
 
 // A HIP of the mesh frame as high and low part: their sum.

@@ -19,6 +19,11 @@ typedef struct {
   real3 push;    // force over stiffness, mesh frame: `offset`, for shaded turned to the normal
   int iterations, crossings;
   uint flags;  // FOOT_*
+  // From tick to tick only, never in memory that devices share: the foot's bend, and how far the
+  // last tick moved the SCP in the patch's domain.
+  int warm;  // whether they are there
+  sym2 bend;
+  domain_vector drift;
 } contact;
 
 // A contact in memory: CONTACT_REALS rows of numbers and CONTACT_UINTS of whole ones.
@@ -63,6 +68,9 @@ FN contact contact_of_foot(surface_view view, foot f) {
   c.iterations = f.iterations;
   c.crossings = f.crossings;
   c.flags = f.flags;
+  c.warm = 1;
+  c.bend = f.bend;
+  c.drift = make_vector(K(0), K(0));
   // Inside where the way out goes along the normal.
   c.state = dot3(f.r, c.normal) > K(0) ? CONTACT_TOUCHING : CONTACT_FREE;
   return c;
@@ -84,6 +92,7 @@ FN contact contact_of_base(surface_view view, hip_point h, base_point b, int met
   c.iterations = 0;
   c.crossings = crossings;
   c.flags = FOOT_CONVERGED;
+  c.warm = 0;
   c.state = dot3(r, c.normal) > K(0) ? CONTACT_TOUCHING : CONTACT_FREE;
   return c;
 }
@@ -106,10 +115,36 @@ FN_LARGE contact track_contact(surface_view view, hip_point h, contact last,
                          last.method, 0);
 }
 
+// Where the contact would be had it gone on as in the last tick; where it was, if that is outside.
+FN domain_vector ahead_of(surface_view view, contact last) {
+  const int n = valence_of(view, last.patch);
+  GLOBAL scalar* domain = domain_of(view, n);
+  const domain_vector ahead = make_vector(last.xi + last.drift.xi, last.eta + last.drift.eta);
+  for (int k = 0; k < n; ++k) {
+    if (!(side_distance(domain, n, k, ahead.xi, ahead.eta).f > K(0)))
+      return make_vector(last.xi, last.eta);
+  }
+  return ahead;
+}
+
+// As track_contact after a tick that was in contact as well: starts from where the SCP was going,
+// with the curvature found on the way.
+FN_LARGE contact follow_contact(surface_view view, hip_point h, contact last,
+                                track_options options) {
+  const known_minimum none = {NONE, K(0)};
+  const domain_vector ahead = ahead_of(view, last);
+  foot f = start_foot(view, h, last.patch, ahead.xi, ahead.eta);
+  f.bend = last.bend;
+  contact c = contact_of_foot(view, track_foot(view, h, f, options, none));
+  if (c.patch == last.patch) c.drift = make_vector(c.xi - last.xi, c.eta - last.eta);
+  return c;
+}
+
 // A tick, Algorithm 1: free, search everywhere; in contact, follow it until the HIP is outside
 // again. Outside there is no force.
 FN contact tick(surface_view view, hip_point h, contact last, track_options options) {
-  return last.state == CONTACT_TOUCHING
-             ? track_contact(view, h, last, options)
-             : nearest_contact(view, h, nearest_base(view, h), last.method, options);
+  if (last.state != CONTACT_TOUCHING)
+    return nearest_contact(view, h, nearest_base(view, h), last.method, options);
+  return last.warm && options.solver == SOLVER_NEWTON ? follow_contact(view, h, last, options)
+                                                      : track_contact(view, h, last, options);
 }

@@ -93,7 +93,8 @@ FN real patch_box_distance2(surface_view view, hip_point h, uint patch) {
 
 FN foot track_from(surface_view view, hip_point h, uint patch, real xi, real eta,
                    track_options options, known_minimum known) {
-  const foot f = start_foot(view, h, patch, xi, eta);
+  foot f = start_foot(view, h, patch, xi, eta);
+  f.bend = start_bend(view, f, options);
   return options.solver == SOLVER_PAPER ? track_as_printed(view, h, f, options)
                                         : track_foot(view, h, f, options, known);
 }

@@ -16,6 +16,11 @@ typedef struct {
   real tolerance;  // length of the last step, local frame: relative to the size of the patch
 } track_options;
 
+// Symmetric 2 x 2 matrix.
+typedef struct {
+  real a, b, c;
+} sym2;
+
 typedef struct {
   uint patch;
   real xi, eta;
@@ -25,6 +30,7 @@ typedef struct {
   int iterations;  // evaluations after the first
   int crossings;   // edges and corners crossed
   uint flags;      // FOOT_*
+  sym2 bend;       // estimate of the curvature term sum r . G_ij
 } foot;
 
 typedef struct {
@@ -35,11 +41,6 @@ FN domain_vector make_vector(real xi, real eta) {
   domain_vector r = {xi, eta};
   return r;
 }
-
-// Symmetric 2 x 2 matrix.
-typedef struct {
-  real a, b, c;
-} sym2;
 
 FN real quadratic(sym2 m, domain_vector v) {
   return fma(v.xi, fma(m.a, v.xi, K(2) * m.b * v.eta), m.c * v.eta * v.eta);
@@ -262,7 +263,7 @@ FN cut_step cut_at_sides(GLOBAL scalar* domain, int n, held_sides held, real xi,
   return r;
 }
 
-// The curvature term sum r . G_ij as the second fundamental form at the patch's centre has it.
+// The curvature term as the second fundamental form at the patch's centre has it.
 FN sym2 start_bend(surface_view view, foot f, track_options options) {
   sym2 s = {K(0), K(0), K(0)};
   if (options.solver != SOLVER_NEWTON) return s;
@@ -280,12 +281,11 @@ typedef struct {
   real distance2;
 } known_minimum;
 
-// Tracks the local nearest point from a start. An edge is crossed where the distance falls on its
-// other side; having crossed, not again before it has fallen. Gives up on entering the patch of
-// `known`, a minimum found before, at no less than its distance (patch NONE: never).
+// Tracks the local nearest point from a start with its bend. An edge is crossed where the distance
+// falls on its other side; having crossed, not again before it has fallen. Gives up on entering the
+// patch of `known`, a minimum found before, at no less than its distance (patch NONE: never).
 FN_LARGE foot track_foot(surface_view view, hip_point h, foot f, track_options options,
                          known_minimum known) {
-  sym2 second = start_bend(view, f, options);
   int just_crossed = 0;
   real last2 = -K(1);  // squared length of the last step, in the same patch
   while (f.iterations < options.max_iterations) {
@@ -295,7 +295,7 @@ FN_LARGE foot track_foot(surface_view view, hip_point h, foot f, track_options o
     const domain_vector gradient = gradient_of(f);
     const sym2 first = {dot3(f.at.g_xi, f.at.g_xi), dot3(f.at.g_xi, f.at.g_eta),
                         dot3(f.at.g_eta, f.at.g_eta)};
-    domain_vector step = newton_step(first, second, gradient);
+    domain_vector step = newton_step(first, f.bend, gradient);
     const real tolerance2 = options.tolerance * options.tolerance;
     const held_sides held = sides_at(domain, n, f.xi, f.eta);
     const int leaves_a = held.a >= 0 && outward(domain, held.a, step) > K(0);
@@ -338,7 +338,7 @@ FN_LARGE foot track_foot(surface_view view, hip_point h, foot f, track_options o
         ++f.crossings;
         just_crossed = 1;
         if (f.patch == known.patch && f.distance2 >= known.distance2) break;
-        second = start_bend(view, f, options);
+        f.bend = start_bend(view, f, options);
         last2 = -K(1);
         continue;
       }
@@ -392,13 +392,13 @@ FN_LARGE foot track_foot(surface_view view, hip_point h, foot f, track_options o
     last2 = crossed || along.a >= 0 ? -K(1) : length * length * length2;
     if (crossed) {
       if (to.patch == known.patch && to.distance2 >= known.distance2) return to;
-      second = start_bend(view, to, options);
+      to.bend = start_bend(view, to, options);
     } else if (options.solver == SOLVER_NEWTON) {
       const domain_vector after = gradient_of(to);
       const domain_vector change = make_vector(after.xi - gradient.xi, after.eta - gradient.eta);
       const domain_vector y =
           make_vector(after.xi - dot3(f.at.g_xi, to.r), after.eta - dot3(f.at.g_eta, to.r));
-      second = secant_update(second, make_vector(length * step.xi, length * step.eta), y, change);
+      to.bend = secant_update(f.bend, make_vector(length * step.xi, length * step.eta), y, change);
     }
     just_crossed = crossed;
     f = to;
