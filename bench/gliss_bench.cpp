@@ -132,6 +132,7 @@ int main(int argc, char** argv) {
     break;
   }
   register_all();
+  bench::register_loop();
   bench::register_opencl(device);
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;

@@ -43,4 +43,6 @@ inline std::string name_of(Precision precision) {
 // Of the OpenCL engine, each beside oneTBB's in the same run.
 void register_opencl(const std::string& device);
 
+void register_loop();
+
 }  // namespace gliss::bench

@@ -32,6 +32,10 @@ struct Generated {
 // cut into `along` x `around` quads. The defaults give the paper's 1,440 quadrangles.
 Generated torus_knot(int along = 120, int around = 12, double R = 33, double r = 17,
                      double tube = 12);
+// A path of HIPs `depth` (mm) beneath its exact surface, `step` (mm) a tick: over the quads once
+// along the knot and once round its tube, back to the first.
+std::vector<Vec3> path_beneath(const Generated& knot, int along, int around, double depth,
+                               double step);
 Generated torus(int along = 24, int around = 12, double R = 30, double r = 10);
 // Dual of an icosphere: 12 pentagons and 10 (frequency^2 - 1) hexagons, vertices on the sphere.
 Generated goldberg(int frequency = 4, double radius = 10);

@@ -198,4 +198,27 @@ Generated torus_knot(int along, int around, double R, double r, double tube) {
   return {std::move(mesh), std::make_shared<KnotTube>(curve, tube)};
 }
 
+std::vector<Vec3> path_beneath(const Generated& knot, int along, int around, double depth,
+                               double step) {
+  const auto centre = [&](int i) {
+    const int ring = i % along, column = ring * around / along;
+    const auto face = static_cast<std::uint32_t>(ring * around + column);
+    Vec3 sum = Vec3::Zero();
+    for (std::uint32_t s = knot.mesh.face_begin[face]; s < knot.mesh.face_begin[face + 1]; ++s) {
+      sum += knot.mesh.positions[knot.mesh.corner_vertex[s]];
+    }
+    return Vec3(sum / knot.mesh.valence(face));
+  };
+  std::vector<Vec3> path;
+  for (int i = 0; i < along; ++i) {
+    const Vec3 here = centre(i), there = centre(i + 1);
+    const int steps = static_cast<int>(std::ceil((there - here).norm() / step));
+    for (int k = 0; k < steps; ++k) {
+      const auto point = knot.exact->nearest(here + (there - here) * k / steps);
+      path.push_back(point.position - depth * point.normal);
+    }
+  }
+  return path;
+}
+
 }  // namespace gliss

@@ -133,9 +133,17 @@ FN_LARGE contact follow_contact(surface_view view, hip_point h, contact last,
                                 track_options options) {
   const known_minimum none = {NONE, K(0)};
   const domain_vector ahead = ahead_of(view, last);
+  track_options brief = options;
+  brief.max_iterations = options.max_iterations < 8 ? options.max_iterations : 8;
   foot f = start_foot(view, h, last.patch, ahead.xi, ahead.eta);
   f.bend = last.bend;
-  contact c = contact_of_foot(view, track_foot(view, h, f, options, none));
+  f = track_foot(view, h, f, brief, none);
+  if (!(f.flags & FOOT_CONVERGED)) {  // the hand did something else
+    contact again = track_contact(view, h, last, options);
+    again.iterations += f.iterations;
+    return again;
+  }
+  contact c = contact_of_foot(view, f);
   if (c.patch == last.patch) c.drift = make_vector(c.xi - last.xi, c.eta - last.eta);
   return c;
 }

@@ -19,6 +19,7 @@ namespace gliss::tools {
 namespace {
 
 constexpr Nanoseconds kPeriod = std::chrono::milliseconds(1);
+constexpr std::uint64_t kTurn = 1000;                 // periods
 constexpr int kAlong = 500, kAround = 20;             // 10,000 patches
 constexpr double kDepth = 2, kStep = 0.15;            // mm; the step is that of a tick
 constexpr double kStiffness = 500;                    // N/m
@@ -36,40 +37,13 @@ void describe(Command& command, JudgeOptions& options) {
                "make it an error where real-time scheduling or locked memory is refused");
 }
 
-Vec3 centre_of(const Mesh& mesh, std::uint32_t face) {
-  Vec3 sum = Vec3::Zero();
-  for (std::uint32_t side = mesh.face_begin[face]; side < mesh.face_begin[face + 1]; ++side) {
-    sum += mesh.positions[mesh.corner_vertex[side]];
-  }
-  return sum / mesh.valence(face);
-}
-
-// HIPs beneath the surface, one a tick: over the patches once along the knot and once round its
-// tube, back to the first.
-std::vector<Vec3> path_beneath(const Generated& knot) {
-  const auto centre = [&](int i) {
-    const int ring = i % kAlong, column = ring * kAround / kAlong;
-    return centre_of(knot.mesh, static_cast<std::uint32_t>(ring * kAround + column));
-  };
-  std::vector<Vec3> path;
-  for (int i = 0; i < kAlong; ++i) {
-    const Vec3 here = centre(i), there = centre(i + 1);
-    const int steps = static_cast<int>(std::ceil((there - here).norm() / kStep));
-    for (int step = 0; step < steps; ++step) {
-      const auto point = knot.exact->nearest(here + (there - here) * step / steps);
-      path.push_back(point.position - kDepth * point.normal);
-    }
-  }
-  return path;
-}
-
 // A tick as a device would have it: the contact and its force for where the hand is now.
 class KnotTick {
  public:
   explicit KnotTick(const CommonOptions& options)
       : knot_(torus_knot(kAlong, kAround)),
         cache_(make_engine(options)->build(knot_.mesh)),
-        path_(path_beneath(knot_)),
+        path_(path_beneath(knot_, kAlong, kAround, kDepth, kStep)),
         tracker_(cache_, {}) {}
 
   int operator()() noexcept {
@@ -116,8 +90,11 @@ std::unique_ptr<Judgement> measure(const JudgeOptions& options, KnotTick& tick) 
   auto result = std::make_unique<Judgement>();
   const auto periods = static_cast<std::uint64_t>(options.seconds / 2 * 1e9) /
                        static_cast<std::uint64_t>(kPeriod.count());
+  // Turn by turn: what else the machine does comes and goes.
+  const auto turns = std::max<std::uint64_t>(1, periods / kTurn);
+  const std::uint64_t total = turns * (periods / turns) * 2;
   std::atomic<std::uint64_t> done{0};
-  Watch watch(options, "judge", 2 * periods, "ticks");
+  Watch watch(options, "judge", total, "ticks");
   // Leaving this function, by Interrupted too, waits for the thread.
   auto running = std::async(std::launch::async, [&] {
     const Realtime realtime({.require = options.require_realtime});
@@ -125,15 +102,17 @@ std::unique_ptr<Judgement> measure(const JudgeOptions& options, KnotTick& tick) 
       result->scheduling = fmt::format("SCHED_FIFO {}", realtime.priority());
     result->memory_locked = realtime.memory_locked();
     result->refusals = realtime.refusals();
-    run_loop(
-        periods, [] { return kFine; }, result->floor, done);
-    run_loop(periods, tick, result->loop, done);
+    for (std::uint64_t turn = 0; turn < turns; ++turn) {
+      run_loop(
+          periods / turns, [] { return kFine; }, result->floor, done);
+      run_loop(periods / turns, tick, result->loop, done);
+    }
   });
   while (running.wait_for(std::chrono::milliseconds(100)) != std::future_status::ready) {
-    watch.reach(std::min(done.load(std::memory_order_relaxed), 2 * periods - 1));
+    watch.reach(std::min(done.load(std::memory_order_relaxed), total - 1));
   }
   running.get();
-  watch.reach(2 * periods);
+  watch.reach(total);
   return result;
 }
 
@@ -177,8 +156,8 @@ void add_judge(Command& program) {
   add_command<JudgeOptions>(
       program, "judge",
       "Judge whether this machine keeps a haptic loop of 1 kHz.\n"
-      "floor: lateness of the wakes of an empty loop, for half of the time. wake, compute: of a "
-      "loop that follows a contact on 10,000 patches.\n"
+      "floor: lateness of the wakes of an empty loop. wake, compute: of a loop that follows a "
+      "contact on 10,000 patches. They take turns of a second.\n"
       "good: wake p99.9 within 50 us of the floor's, compute p99 within 50 us, 99.9 % of the "
       "periods succeed. usable: 2 ms, 500 us, 99 %. unfit: less.",
       "gliss judge --seconds 30 --json", describe, run);

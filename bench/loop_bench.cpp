@@ -1,0 +1,58 @@
+// The loop's tick on the knot of 1,440 quads, 2 mm beneath its surface, 0.15 mm a tick: device,
+// tracker, guard. Back to back, and woken 1000 times a second, when its memory has gone cold.
+#include <benchmark/benchmark.h>
+
+#include "bench/setup.h"
+#include "runtime/loop.h"
+#include "runtime/realtime.h"
+#include "runtime/replay_device.h"
+
+namespace gliss::bench {
+namespace {
+
+constexpr double kDepth = 2, kStep = 0.15;  // mm
+constexpr std::size_t kTicks = 100000, kWokenTicks = 5000;
+
+void loop(benchmark::State& state, Precision precision, bool woken) {
+  const Generated knot = torus_knot();
+  const std::vector<Vec3> round = path_beneath(knot, 120, 12, kDepth, kStep);
+  std::vector<Vec3> path;
+  for (std::size_t i = 0; i < (woken ? kWokenTicks : kTicks); ++i)
+    path.push_back(round[i % round.size()] * knot.mesh.unit);
+  const SceneObject object{.cache = std::make_shared<PatchCache>(make_setup(precision, 1).cache)};
+  DurationHistogram compute, wake;
+  for (auto _ : state) {
+    ReplayDevice device(path);
+    Tracker tracker({&object, 1});
+    HapticLoop loop(device, tracker, {.wait = woken});
+    const auto run = [&] { loop.run([](const LoopTick&) { return true; }); };
+    if (woken) {
+      const Realtime realtime;
+      run();
+    } else {
+      run();
+    }
+    compute = loop.record().compute();
+    wake = loop.record().lateness();
+  }
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(path.size()));
+  const auto us = [](Nanoseconds time) { return static_cast<double>(time.count()) / 1e3; };
+  state.counters["p50_us"] = us(compute.quantile(0.5));
+  state.counters["p99_us"] = us(compute.quantile(0.99));
+  state.counters["p999_us"] = us(compute.quantile(0.999));
+  if (woken) state.counters["wake_p99_us"] = us(wake.quantile(0.99));
+}
+
+}  // namespace
+
+void register_loop() {
+  for (const Precision p : {Precision::kDouble, Precision::kFloat}) {
+    for (const bool woken : {false, true}) {
+      const std::string name =
+          "loop/exact/" + name_of(p) + "/4/" + (woken ? "woken_1kHz" : "back_to_back");
+      benchmark::RegisterBenchmark(name.c_str(), loop, p, woken)->UseRealTime();
+    }
+  }
+}
+
+}  // namespace gliss::bench
