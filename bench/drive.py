@@ -2,7 +2,8 @@
 """Drives the simulated device over the knot, and over the teeth where ../shared has them: with and without
 stress-ng on all cores, sliding at 0.15 m/s and entering at 0.5 m/s.
 
-Prints a table: success rate, missed periods, largest step of the force sent, lateness of the wakes.
+Prints a table: success rate, missed periods, the largest step of the force sent and of the force as rendered, the kick:
+what the force on touching has beyond stiffness times that tick's way, at worst, and the lateness of the wakes.
 Usage: bench/drive.py build/gliss [--seconds 60]
 """
 
@@ -103,9 +104,24 @@ def drive(gliss, name, mesh, path, seconds, folder):
     rows = len(path.read_text().splitlines()) - 1
     scene = folder / "scene.toml"
     scene.write_text(SCENE.format(name=name, mesh=mesh, path=path, rounds=max(1, math.ceil(seconds * 1000 / rows))))
-    done = subprocess.run([gliss, "run", scene, "--device", "sim", "--seconds", str(seconds), "--json", "--quiet"],
-                          check=True, stdout=subprocess.PIPE)
-    return json.loads(done.stdout)
+    record = folder / "record.csv"
+    done = subprocess.run([gliss, "run", scene, "--device", "sim", "--seconds", str(seconds), "--json", "--quiet",
+                           "--record", record], check=True, stdout=subprocess.PIPE)
+    return json.loads(done.stdout), entry_kick(record)
+
+
+def entry_kick(record):
+    """By how much the force sent on touching exceeds stiffness times the way of that tick, at worst, in N."""
+    worst, last, was_free = 0.0, None, True
+    with open(record, newline="") as file:
+        for row in csv.DictReader(file):
+            position = [float(row[k]) for k in ("x", "y", "z")]
+            force = math.hypot(*(float(row[k]) for k in ("sent_x", "sent_y", "sent_z")))
+            free = row["state"] == "free"
+            if last and was_free and not free:
+                worst = max(worst, force - STIFFNESS * math.dist(position, last))
+            last, was_free = position, free
+    return worst
 
 
 def main():
@@ -123,7 +139,7 @@ def main():
             surfaces.append(("teeth", TEETH, along_teeth()))
         else:
             print("teeth: skipped, ../shared is not here")
-        print(f"{'':24} {'success':>9} {'missed':>7} {'trips':>6} {'step sent, N':>13} {'rendered':>9} "
+        print(f"{'':24} {'success':>9} {'missed':>7} {'trips':>6} {'step sent, N':>13} {'rendered':>9} {'kick, N':>8} "
               f"{'wake p99':>9} {'p99.9, us':>10} {'compute p99, us':>16}  scheduling")
         for surface, mesh, points in surfaces:
             paths_over(gliss, mesh, points, folder)
@@ -134,14 +150,14 @@ def main():
                         load = subprocess.Popen(["stress-ng", "--quiet", "--cpu", str(os.cpu_count()), "--vm", "1",
                                                  "--vm-bytes", "256M", "--timeout", str(int(options.seconds) + 10)])
                     try:
-                        seen = drive(gliss, surface, mesh, folder / f"{way}.csv", options.seconds, folder)
+                        seen, kick = drive(gliss, surface, mesh, folder / f"{way}.csv", options.seconds, folder)
                     finally:
                         if load:
                             load.terminate()
                             load.wait()
                     label = f"{surface}, {way}{', stress-ng' if stress else ''}"
                     print(f"{label:24} {100 * seen['success_rate']:8.3f}% {seen['missed']:7} {seen['guard_trips']:6} "
-                          f"{seen['largest_sent_step']:13.4f} {seen['largest_force_step']:9.4f} "
+                          f"{seen['largest_sent_step']:13.4f} {seen['largest_force_step']:9.4f} {kick:8.4f} "
                           f"{seen['wake']['p99_us']:9.0f} {seen['wake']['p999_us']:10.0f} "
                           f"{seen['compute']['p99_us']:16.1f}  {seen['scheduling']}", flush=True)
     print(f"a tick's way at 0.15 m/s is {STEP * 1e-3 * STIFFNESS:.3f} N, at 0.5 m/s {0.5e-3 * STIFFNESS:.3f} N")
