@@ -71,25 +71,32 @@ class CacheBuilder {
 
  private:
   void set_frame() {
-    Box box{mesh_.positions[mesh_.corner_vertex[0]], mesh_.positions[mesh_.corner_vertex[0]]};
-    for (const std::uint32_t v : mesh_.corner_vertex) {
-      box.low = box.low.cwiseMin(mesh_.positions[v]);
-      box.high = box.high.cwiseMax(mesh_.positions[v]);
-    }
     cache_.unit = mesh_.unit;
-    cache_.origin = box.low + 0.5 * (box.high - box.low);
-    int exponent = 0;
-    std::frexp(0.5 * (box.high - box.low).maxCoeff(), &exponent);
-    cache_.scale = std::ldexp(1.0, -exponent);
     cache_.mesh_face_count = static_cast<std::uint32_t>(mesh_.face_count());
-    cache_.mesh_hash = hash_of(mesh_);
-    cache_.face_valence.resize(mesh_.face_count());
-    for (std::size_t f = 0; f < mesh_.face_count(); ++f) cache_.face_valence[f] = mesh_.valence(f);
     faces_ = options_.faces;
     if (faces_.empty()) {
       faces_.resize(mesh_.face_count());
       for (std::size_t f = 0; f < faces_.size(); ++f) faces_[f] = static_cast<std::uint32_t>(f);
     }
+    if (options_.like != nullptr) {
+      cache_.origin = options_.like->origin;
+      cache_.scale = options_.like->scale;
+      cache_.mesh_hash = options_.like->mesh_hash;
+      cache_.face_valence = options_.like->face_valence;
+      return;
+    }
+    Box box{mesh_.positions[mesh_.corner_vertex[0]], mesh_.positions[mesh_.corner_vertex[0]]};
+    for (const std::uint32_t v : mesh_.corner_vertex) {
+      box.low = box.low.cwiseMin(mesh_.positions[v]);
+      box.high = box.high.cwiseMax(mesh_.positions[v]);
+    }
+    cache_.origin = box.low + 0.5 * (box.high - box.low);
+    int exponent = 0;
+    std::frexp(0.5 * (box.high - box.low).maxCoeff(), &exponent);
+    cache_.scale = std::ldexp(1.0, -exponent);
+    cache_.mesh_hash = hash_of(mesh_);
+    cache_.face_valence.resize(mesh_.face_count());
+    for (std::size_t f = 0; f < mesh_.face_count(); ++f) cache_.face_valence[f] = mesh_.valence(f);
   }
 
   FaceCorners corners_of(std::uint32_t face) const {

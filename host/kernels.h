@@ -26,8 +26,8 @@ inline constexpr std::size_t kShapeLow = 0, kShapeHigh = 3, kShapeAlongLow = 6, 
                              kShapeStretch2 = 17, kShapeSag2 = 18, kShapeFinite = 19;
 inline constexpr std::uint32_t kNodeLeaf = 0x80000000u;
 
-// Bits of a contact's flags.
-inline constexpr std::uint32_t kConverged = 1, kOnBorder = 2, kOnCrease = 4;
+// Bits of a contact's flags. kNotBuilt: its patches are not there yet, it is of the base polygons.
+inline constexpr std::uint32_t kConverged = 1, kOnBorder = 2, kOnCrease = 4, kNotBuilt = 8;
 
 template <class Real>
 struct TrackOptions {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -24,6 +25,8 @@ struct CacheError : std::runtime_error {
 
 enum class Precision { kFloat, kDouble };
 
+struct PatchCache;
+
 // How the patch of a face was made.
 enum class PatchKind : std::uint8_t {
   kExact,  // the paper's, eq. 2 to 14
@@ -37,6 +40,9 @@ struct BuildOptions {
   Precision precision = Precision::kDouble;
   bool tame = true;  // false: folded patches are found and flagged, and kept as they are
   std::vector<std::uint32_t> faces{};  // only these, each once, ascending; empty: all
+  // Of the same mesh, or none: what a cache says of the whole mesh (frame, hash, valences) is taken
+  // from there, so that a few faces are built without a walk through all of them.
+  const PatchCache* like = nullptr;
 };
 
 // Axis-aligned box in the mesh's unit.
@@ -95,10 +101,15 @@ PatchCache build_cache(const Mesh& mesh, const Topology& topology, const BuildOp
 // may be evaluated.
 PatchCache build_base(const Mesh& mesh, const Topology& topology, Precision precision);
 
-// Faces that meet a box; faces within `rings` edges of a face. Ascending.
+// Faces that meet a box; faces within `rings` edges of a face, or of the nearest one of several;
+// faces that share a corner with one of these, and these. Ascending.
 std::vector<std::uint32_t> faces_in_box(const Mesh& mesh, const Box& box);
 std::vector<std::uint32_t> faces_around(const Mesh& mesh, const Topology& topology,
                                         std::uint32_t face, int rings);
+std::vector<std::uint32_t> faces_around(const Mesh& mesh, const Topology& topology,
+                                        std::span<const std::uint32_t> faces, int rings);
+std::vector<std::uint32_t> faces_touching(const Mesh& mesh, const Topology& topology,
+                                          std::span<const std::uint32_t> faces);
 
 std::uint64_t hash_of(const Mesh& mesh);
 

@@ -26,6 +26,27 @@ void join_diagonals(const PatchCache& cache, PatchLayout& l) {
   }
 }
 
+// The side of a patch that is a side of the mesh; kNone: not built. A side of a split face is found
+// among its triangles.
+std::uint32_t patch_side(const Mesh& mesh, const Topology& topology, const PatchCache& cache,
+                         const PatchLayout& l, std::uint32_t mesh_side) {
+  const std::uint32_t face = topology.side_face[mesh_side], n = mesh.valence(face),
+                      k = mesh_side - mesh.face_begin[face];
+  for (std::uint32_t p = cache.face_patch[face];
+       p < cache.patch_count() && cache.patch_face[p] == face; ++p) {
+    const std::uint32_t begin = l.side_begin[p], end = l.side_begin[p + 1];
+    const auto is_it = [&](std::uint32_t s) {
+      const std::uint32_t next = s + 1 == end ? begin : s + 1;
+      return cache.corner_of_face[s] == k && cache.corner_of_face[next] == (k + 1) % n;
+    };
+    if (begin + k < end && is_it(begin + k)) return begin + k;
+    for (std::uint32_t s = begin; s < end; ++s) {
+      if (is_it(s)) return s;
+    }
+  }
+  return kNone;
+}
+
 }  // namespace
 
 PatchLayout lay_out(const Mesh& mesh, const Topology& topology,
@@ -33,9 +54,8 @@ PatchLayout lay_out(const Mesh& mesh, const Topology& topology,
                     const std::vector<DraftedFace>& drafted, PatchCache& cache) {
   PatchLayout l;
   cache.face_patch.assign(mesh.face_count(), kNone);
-  std::vector<std::uint32_t> patch_side(mesh.corner_vertex.size(), kNone);  // [mesh side]
   for (std::size_t i = 0; i < faces.size(); ++i) {
-    const std::uint32_t face = faces[i], first = mesh.face_begin[face], n = mesh.valence(face);
+    const std::uint32_t face = faces[i], n = mesh.valence(face);
     const DraftedFace& d = drafted[i];
     cache.face_patch[face] = static_cast<std::uint32_t>(cache.patch_face.size());
     for (std::size_t t = 0; t < std::max<std::size_t>(d.tamer.size(), 1); ++t) {
@@ -46,9 +66,6 @@ PatchLayout lay_out(const Mesh& mesh, const Topology& topology,
           return draft == nullptr ? static_cast<std::uint32_t>(j % n)
                                   : draft->face_corner[j % valence];
         };
-        const auto side = static_cast<std::uint32_t>(cache.corner_of_face.size());
-        if (corner(k) < n && corner(k + 1) == (corner(k) + 1) % n)
-          patch_side[first + corner(k)] = side;
         cache.corner_of_face.push_back(corner(k));
       }
       l.side_begin.push_back(static_cast<std::uint32_t>(cache.corner_of_face.size()));
@@ -58,9 +75,13 @@ PatchLayout lay_out(const Mesh& mesh, const Topology& topology,
     }
   }
   l.side_twin.assign(cache.corner_of_face.size(), kNone);
-  for (std::size_t s = 0; s < patch_side.size(); ++s) {
-    const std::uint32_t twin = topology.side_twin[s];
-    if (patch_side[s] != kNone && twin != kNone) l.side_twin[patch_side[s]] = patch_side[twin];
+  for (const std::uint32_t face : faces) {
+    for (std::uint32_t s = mesh.face_begin[face]; s < mesh.face_begin[face + 1]; ++s) {
+      const std::uint32_t side = patch_side(mesh, topology, cache, l, s),
+                          twin = topology.side_twin[s];
+      if (side != kNone && twin != kNone)
+        l.side_twin[side] = patch_side(mesh, topology, cache, l, twin);
+    }
   }
   join_diagonals(cache, l);
   return l;

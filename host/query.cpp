@@ -92,7 +92,7 @@ void nearest(const PatchCache& cache, const Vec3& hip, std::span<const Method> m
 }
 
 ContactTracker::ContactTracker(const PatchCache& cache, const QueryOptions& options)
-    : cache_(cache), options_(options) {
+    : cache_(&cache), options_(options) {
   if (cache.surface.index() == 1) state_.emplace<1>();
 }
 
@@ -102,18 +102,18 @@ ContactTracker::ContactTracker(const PatchCache& cache, const QueryOptions& opti
 template <class Real>
 int ContactTracker::meet(const Surface<Real>& s, const Vec3& hip, RawContact<Real>& state) const {
   constexpr int kMostSteps = 32;
-  const double length = (hip - last_).norm(), on_surface = 1e-6 / cache_.scale;
+  const double length = (hip - last_).norm(), on_surface = 1e-6 / cache_->scale;
   const TrackOptions<Real> options = track_options<Real>(options_);
   int iterations = 0;
   double at = clear_;
   for (int i = 0; i < kMostSteps && at < length; ++i) {
     RawContact<Real> there;
-    const RawHip<Real> x = raw_hip<Real>(cache_, last_ + (at / length) * (hip - last_));
+    const RawHip<Real> x = raw_hip<Real>(*cache_, last_ + (at / length) * (hip - last_));
     kernels<Real>().nearest(s, &options_.method, 1, options, x, &there);
     iterations += static_cast<int>(there.uints[kContactIterations]);
-    const double distance = std::abs(contact_of(cache_, s, there).distance);
+    const double distance = std::abs(contact_of(*cache_, s, there).distance);
     if (there.uints[kContactState] != 0 || distance <= on_surface) {
-      kernels<Real>().track(s, options_.method, options, raw_hip<Real>(cache_, hip), &there);
+      kernels<Real>().track(s, options_.method, options, raw_hip<Real>(*cache_, hip), &there);
       iterations += static_cast<int>(there.uints[kContactIterations]);
       if (there.uints[kContactState] != 0) {
         state = there;
@@ -126,7 +126,7 @@ int ContactTracker::meet(const Surface<Real>& s, const Vec3& hip, RawContact<Rea
 }
 
 Contact ContactTracker::tick(const Vec3& hip) noexcept {
-  return with_surface(cache_, [&]<class Real>(const Surface<Real>& s) {
+  return with_surface(*cache_, [&]<class Real>(const Surface<Real>& s) {
     RawContact<Real>& state = *std::get_if<RawContact<Real>>(&state_);
     // Where it is clear, nothing is learnt: a caller that does not ask there gets the same
     // contacts.
@@ -136,10 +136,10 @@ Contact ContactTracker::tick(const Vec3& hip) noexcept {
     const bool met = was_free && touching();
     if (!met) {
       kernels<Real>().tick(s, options_.method, track_options<Real>(options_),
-                           raw_hip<Real>(cache_, hip), &state);
+                           raw_hip<Real>(*cache_, hip), &state);
       iterations += static_cast<int>(state.uints[kContactIterations]);
     }
-    Contact contact = contact_of(cache_, s, state);
+    Contact contact = contact_of(*cache_, s, state);
     contact.iterations = iterations;
     if (hip.allFinite() && !clear) {
       last_ = hip;
@@ -151,20 +151,38 @@ Contact ContactTracker::tick(const Vec3& hip) noexcept {
 }
 
 Contact ContactTracker::track(const Vec3& hip, const DomainPoint& start) noexcept {
-  return with_surface(cache_, [&]<class Real>(const Surface<Real>& s) {
+  return with_surface(*cache_, [&]<class Real>(const Surface<Real>& s) {
     RawContact<Real>& state = *std::get_if<RawContact<Real>>(&state_);
-    const PatchPlace place = place_of(cache_, s, start);
+    const PatchPlace place = place_of(*cache_, s, start);
     state.uints[kContactPatch] = place.patch;
     state.reals[kContactXi] = static_cast<Real>(place.xi);
     state.reals[kContactEta] = static_cast<Real>(place.eta);
     kernels<Real>().track(s, options_.method, track_options<Real>(options_),
-                          raw_hip<Real>(cache_, hip), &state);
+                          raw_hip<Real>(*cache_, hip), &state);
     if (hip.allFinite()) {
       last_ = hip;
       clear_ = 0;
     }
-    return contact_of(cache_, s, state);
+    return contact_of(*cache_, s, state);
   });
+}
+
+void ContactTracker::release(const Vec3& hip, double clear) noexcept {
+  std::visit([](auto& state) { state.uints[kContactState] = 0; }, state_);
+  last_ = hip;
+  clear_ = clear;
+}
+
+void ContactTracker::move_to(const PatchCache& cache) noexcept {
+  std::visit(
+      [&](auto& state) {
+        std::uint32_t& patch = state.uints[kContactPatch];
+        const std::uint32_t face = cache_->patch_face[patch], first = cache.face_patch[face];
+        // Free, the patch is only remembered.
+        patch = first == kNone ? 0 : first + (patch - cache_->face_patch[face]);
+      },
+      state_);
+  cache_ = &cache;
 }
 
 bool ContactTracker::touching() const {

@@ -47,7 +47,7 @@ struct Contact {
                                // zero outside. Mesh's unit
   double residual_angle = 0;   // between SCP - HIP and the normal, rad
   int iterations = 0, crossings = 0;  // iterations: over all patches that were tried
-  std::uint32_t flags = 0;            // kConverged, kOnBorder, kOnCrease
+  std::uint32_t flags = 0;            // kConverged, kOnBorder, kOnCrease, kNotBuilt
 };
 
 // Global: the nearest point of the surface.
@@ -69,6 +69,11 @@ class ContactTracker {
   // As tick, from a given contact, whatever the state: the local nearest point.
   Contact track(const Vec3& hip, const DomainPoint& start) noexcept;
   bool touching() const;
+  // Free from here on, where no surface is nearer than `clear`.
+  void release(const Vec3& hip, double clear) noexcept;
+  // Goes on with another cache of the same mesh and precision; in contact, one that has the patch
+  // that is touched.
+  void move_to(const PatchCache& cache) noexcept;
   // Free, and nearer to the last HIP than any surface: a tick would find no contact.
   bool is_clear(const Vec3& hip) const { return (hip - last_).norm() < clear_; }
 
@@ -76,7 +81,7 @@ class ContactTracker {
   template <class Real>
   int meet(const Surface<Real>& s, const Vec3& hip, RawContact<Real>& state) const;
 
-  const PatchCache& cache_;
+  const PatchCache* cache_;
   QueryOptions options_;
   std::variant<RawContact<float>, RawContact<double>> state_;
   Vec3 last_ = Vec3::Zero();  // a HIP of a tick before
