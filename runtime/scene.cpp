@@ -13,6 +13,8 @@ namespace {
 enum class Level { kExact };
 constexpr Named<Level> kLevelNames[] = {{"exact", Level::kExact}};
 
+constexpr Named<Patches> kPatchesNames[] = {{"all", Patches::kAll}, {"lazy", Patches::kLazy}};
+
 std::string beside(const std::string& scene, const std::string& path) {
   return (std::filesystem::path(scene).parent_path() / path).string();
 }
@@ -26,6 +28,16 @@ Eigen::Matrix3d read_rotation(TomlTable table) {
   table.done();
   if (!(axis.norm() > 0)) table.fail("axis", "must be three numbers that are not all zero");
   return Eigen::AngleAxisd(degrees * std::numbers::pi / 180, axis.normalized()).matrix();
+}
+
+void read_patches(TomlTable& table, ObjectDescription& object, bool from_cache) {
+  table.get("patches", object.patches, kPatchesNames);
+  const bool lazy = object.patches == Patches::kLazy;
+  if (lazy && from_cache) table.fail("patches", "a cache has its patches; lazy needs a mesh");
+  if (lazy && object.method != Method::kGregory)
+    table.fail("patches", "lazy is for the method gregory; the others need no patches");
+  if (table.has("rings") && !lazy) table.fail("rings", "goes with patches = \"lazy\"");
+  table.get("rings", object.rings, 2, 100);
 }
 
 ObjectDescription read_object(TomlTable table, const std::string& scene, std::size_t number) {
@@ -56,6 +68,7 @@ ObjectDescription read_object(TomlTable table, const std::string& scene, std::si
   table.get("level", level, kLevelNames);
   table.get("method", object.method, kMethodNames);
   table.get("solver", object.solver, kSolverNames);
+  read_patches(table, object, mesh.empty());
   Vec3 position = Vec3::Zero();
   table.get_point("position", position);
   object.pose.translation() = position;

@@ -21,6 +21,9 @@ struct SceneError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// Which patches of an object are built: all before the loop begins, or in it those near the hand.
+enum class Patches { kAll, kLazy };
+
 // An [[object]]. Numbers without a unit are SI.
 struct ObjectDescription {
   std::string place;  // "scene.toml:3: object 'knot'", for messages
@@ -32,6 +35,8 @@ struct ObjectDescription {
   Method method = Method::kGregory;
   Solver solver = Solver::kNewton;
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  // translation in m
+  Patches patches = Patches::kAll;
+  int rings = 3;  // around the contact, with kLazy
 };
 
 struct Scene {

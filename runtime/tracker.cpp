@@ -1,6 +1,7 @@
 #include "runtime/tracker.h"
 
 #include <algorithm>
+#include <stdexcept>
 
 namespace gliss {
 namespace {
@@ -19,8 +20,15 @@ Tracker::Tracker(std::span<const SceneObject> objects, std::span<const Vec3> hip
   if (hips.empty()) hips = {&at_the_device, 1};
   for (const Vec3& hip : hips) {
     for (const SceneObject& object : objects) {
-      tracked_.push_back(
-          {object, hip, object.pose.inverse(), ContactTracker(*object.cache, query_of(object))});
+      tracked_.push_back({object, hip, object.pose.inverse(), object.unit(), {}, {}});
+      Tracked& tracked = tracked_.back();
+      if (object.cache != nullptr) {
+        tracked.whole.emplace(*object.cache, query_of(object));
+      } else {
+        if (object.method != Method::kGregory)
+          throw std::invalid_argument("patches that are built near the HIP are for gregory");
+        tracked.lazy = std::make_unique<LazyContact>(object.lazy, query_of(object), object.worker);
+      }
     }
   }
   steps_.resize(tracked_.size());
@@ -31,14 +39,15 @@ Vec3 Tracker::step(const Vec3& position) noexcept {
   for (std::size_t i = 0; i < tracked_.size(); ++i) {
     Tracked& tracked = tracked_[i];
     ObjectStep& step = steps_[i];
-    const Vec3 at = tracked.to_object * (position + tracked.hip) / tracked.object.cache->unit;
-    step.searched = !tracked.contact.is_clear(at);
+    const Vec3 at = tracked.to_object * (position + tracked.hip) / tracked.unit;
+    if (tracked.lazy) tracked.lazy->post(at);
+    step.searched = !tracked.is_clear(at);
     step.force.setZero();
     if (!step.searched) continue;
-    step.contact = tracked.contact.tick(at);
+    step.contact = tracked.tick(at);
     if (!step.contact.touching) continue;
-    step.force = tracked.object.pose.linear() *
-                 force(*tracked.object.cache, step.contact, tracked.object.stiffness);
+    const Vec3 force = tracked.object.stiffness * tracked.unit * step.contact.push;
+    step.force = tracked.object.pose.linear() * force;
     sum += step.force;
   }
   return sum;
@@ -46,7 +55,7 @@ Vec3 Tracker::step(const Vec3& position) noexcept {
 
 bool Tracker::touching() const {
   return std::any_of(tracked_.begin(), tracked_.end(),
-                     [](const Tracked& t) { return t.contact.touching(); });
+                     [](const Tracked& t) { return t.touching(); });
 }
 
 }  // namespace gliss

@@ -5,20 +5,27 @@
 
 #include <Eigen/Geometry>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "host/query.h"
+#include "runtime/lazy_contact.h"
 
 namespace gliss {
 
 struct SceneObject {
-  std::shared_ptr<const PatchCache> cache;
-  double stiffness = 500;  // N/m
+  std::shared_ptr<const PatchCache> cache;  // null: its patches are built near the HIP, of `lazy`
+  double stiffness = 500;                   // N/m
   Method method = Method::kGregory;
   Solver solver = Solver::kNewton;
   // From the object's frame to the world's; its translation in m.
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  // Where there is no cache: a mesh, for kGregory alone. Each HIP has a thread that builds for it.
+  std::shared_ptr<const LazyMesh> lazy = nullptr;
+  LazyWorkerOptions worker = {};
+
+  double unit() const { return cache != nullptr ? cache->unit : lazy->base().unit; }  // m
 };
 
 // What a step found of one object.
@@ -39,7 +46,7 @@ class Tracker {
   Vec3 step(const Vec3& position) noexcept;
   // Of the last step: the first HIP's objects, then the next one's.
   std::span<const ObjectStep> objects() const { return steps_; }
-  double unit(std::size_t i) const { return tracked_[i].object.cache->unit; }  // m, of objects()[i]
+  double unit(std::size_t i) const { return tracked_[i].unit; }  // m, of objects()[i]
   bool touching() const;
 
  private:
@@ -47,7 +54,14 @@ class Tracker {
     SceneObject object;
     Vec3 hip;                     // from the device's position, m
     Eigen::Isometry3d to_object;  // of points in m
-    ContactTracker contact;
+    double unit;                  // m, of the object's mesh
+    // One of them.
+    std::optional<ContactTracker> whole;
+    std::unique_ptr<LazyContact> lazy;
+
+    bool is_clear(const Vec3& at) const { return whole ? whole->is_clear(at) : lazy->is_clear(at); }
+    Contact tick(const Vec3& at) noexcept { return whole ? whole->tick(at) : lazy->tick(at); }
+    bool touching() const { return whole ? whole->touching() : lazy->touching(); }
   };
   std::vector<Tracked> tracked_;
   std::vector<ObjectStep> steps_;  // [tracked_]

@@ -9,7 +9,7 @@ thread_local std::uint64_t counted = 0;
 
 }  // namespace
 
-#ifndef __SANITIZE_ADDRESS__
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 // glibc lets a program have its own, and keeps these names for what they were.
 extern "C" {
 void* __libc_malloc(size_t size);

@@ -64,8 +64,19 @@ std::vector<SceneObject> open_objects(const Scene& scene, const RunOptions& opti
     surface.surface = described.surface;
     surface.unit = described.unit;
     surface.precision = described.precision;
-    objects.push_back({std::make_shared<const PatchCache>(open_surface(surface, *engine)),
-                       described.stiffness, described.method, described.solver, described.pose});
+    SceneObject object;
+    object.stiffness = described.stiffness;
+    object.method = described.method;
+    object.solver = described.solver;
+    object.pose = described.pose;
+    if (described.patches == Patches::kLazy) {
+      const Precision precision = described.precision.value_or(Precision::kDouble);
+      object.lazy = std::make_shared<const LazyMesh>(read_mesh(surface),
+                                                     LazyOptions{described.rings, precision});
+    } else {
+      object.cache = std::make_shared<const PatchCache>(open_surface(surface, *engine));
+    }
+    objects.push_back(std::move(object));
   }
   return objects;
 }
