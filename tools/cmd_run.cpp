@@ -218,6 +218,7 @@ void run(const RunOptions& options) {
 
   Tracker tracker(objects, scene.hips);
   LoopOptions loop_options = scene.loop;
+  loop_options.guard.max_force = std::min(scene.loop.guard.max_force, scene.max_force);
   loop_options.wait = !options.no_wait;
   loop_options.cpu_time = options.cpu_time;
   HapticLoop loop(*device, tracker, loop_options);
