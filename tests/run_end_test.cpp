@@ -118,20 +118,26 @@ TEST_F(RunEnd, refuses_to_render_what_is_too_stiff_for_the_device) {
 
 TEST_F(RunEnd, ends_with_a_disk_that_is_full) {
   // A limit on the size of files fails the same calls.
-  const auto full = [] {
-    const rlimit limit{100'000, 100'000};
-    return signal(SIGXFSZ, SIG_IGN) != SIG_ERR && setrlimit(RLIMIT_FSIZE, &limit) == 0;
+  const auto full_at = [](rlim_t bytes) {
+    return [bytes] {
+      const rlimit limit{bytes, bytes};
+      return signal(SIGXFSZ, SIG_IGN) != SIG_ERR && setrlimit(RLIMIT_FSIZE, &limit) == 0;
+    };
   };
   // Ticks come faster than they can be written where nothing is to be felt.
   folder_.write("empty.toml",
                 "[sim]\nwaypoints = [[0, 0, 0], [1, 0, 0]]\nspeed = 1e-3\nresolution = 0\n");
-  for (const auto& [name, words] :
-       {std::pair("run.csv", "scene.toml"), std::pair("run.csv", "scene.toml --no-wait"),
-        std::pair("run.csv", "empty.toml --no-wait"),
-        std::pair("run.h5", "scene.toml --no-wait")}) {
+  struct Case {
+    const char *name, *words;
+    rlim_t bytes;
+  };
+  for (const auto& [name, words, bytes] :
+       {Case{"run.csv", "scene.toml", 100'000}, Case{"run.csv", "scene.toml --no-wait", 100'000},
+        Case{"run.csv", "empty.toml --no-wait", 10'000'000},
+        Case{"run.h5", "scene.toml --no-wait", 100'000}}) {
     folder_.write(name, "old");
     const std::size_t files = folder_.file_count();
-    const Outcome outcome = run(fmt::format("{} --quiet -o {}", words, name), full);
+    const Outcome outcome = run(fmt::format("{} --quiet -o {}", words, name), full_at(bytes));
     expect_error(outcome, 1, name);
     EXPECT_THAT(outcome.err, HasSubstr("File too large"));
     EXPECT_EQ(folder_.read(name), "old");
