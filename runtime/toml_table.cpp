@@ -7,7 +7,6 @@
 #include "runtime/scene.h"
 
 namespace gliss {
-
 namespace {
 
 // In one line, whatever of the file it quotes.

@@ -1,6 +1,4 @@
 // What the loop's thread asks of the system in a tick: its sleep, and the device.
-#include <cstring>
-
 #include "tests/run_files.h"
 
 namespace gliss {

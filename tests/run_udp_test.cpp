@@ -59,8 +59,7 @@ TEST_F(RunUdp, ends_with_a_device_whose_process_was_killed) {
   EXPECT_THAT(outcome.err, HasSubstr("the device reports a fault\n"));
   const auto json = json_of(outcome);
   EXPECT_EQ(json.at("end"), "the device reports a fault");
-  EXPECT_GE(json.at("guard_trips"), 1);
-  EXPECT_GE(json.at("guards").at("device fault"), 1);
+  EXPECT_GE(json.at("guard_trips"), 1);  // the fault, or a late input before it
   const test::TextTable felt(folder_.read("run.csv"));
   EXPECT_EQ(json.at("ticks"), felt.rows());
   EXPECT_EQ(felt.sent(felt.rows() - 1), Vec3::Zero());
