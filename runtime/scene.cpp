@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <numbers>
 
+#include "host/csv_reader.h"
 #include "host/point_table.h"
 #include "host/units.h"
 #include "runtime/toml_table.h"
@@ -50,7 +51,8 @@ ObjectDescription read_object(TomlTable table, const std::string& scene, std::si
   table.get("cache", cache);
   if (mesh.empty() == cache.empty()) table.fail("", "needs a mesh or a cache, one of them");
   object.surface = beside(scene, mesh.empty() ? cache : mesh);
-  if (!std::filesystem::exists(object.surface))
+  std::error_code unknown;  // a name too long for the system throws without
+  if (!std::filesystem::exists(object.surface, unknown))
     table.fail(mesh.empty() ? "cache" : "mesh", fmt::format("there is no '{}'", object.surface));
   std::string unit;
   table.get("unit", unit);
@@ -109,11 +111,7 @@ void read_guards(TomlTable table, Scene& scene) {
   table.get("engage_ramp", limits.engage_ramp);
   table.get("reengage", scene.loop.reengage);
   table.done();
-  try {
-    Guard{limits};
-  } catch (const std::invalid_argument& error) {
-    table.fail("", error.what());  // which begins with the key
-  }
+  table.checked([&] { Guard{limits}; });
 }
 
 void read_loop(TomlTable table, Scene& scene) {
@@ -138,7 +136,15 @@ HandPath read_hand_path(TomlTable& table, const std::string& scene) {
   if (path.empty() == waypoints.empty())
     table.fail("", "needs a path (a file) or waypoints, one of them");
   if (path.empty()) return HandPath::along(waypoints, speed, rounds);
-  const std::vector<Vec3> once = points_in_metres(read_points(beside(scene, path), 1));
+  std::vector<Vec3> once;
+  try {
+    once = points_in_metres(read_points(beside(scene, path), 1));
+  } catch (const CsvError&) {
+    throw;  // which names its own file and line
+  } catch (const std::runtime_error& error) {
+    table.fail("path", error.what());
+  }
+  if (once.empty()) table.fail("path", fmt::format("there is no point in '{}'", path));
   std::vector<Vec3> points;
   for (int round = 0; round < rounds; ++round)
     points.insert(points.end(), once.begin(), once.end());
@@ -146,7 +152,7 @@ HandPath read_hand_path(TomlTable& table, const std::string& scene) {
 }
 
 void read_sim(TomlTable table, const std::string& path, Scene& scene) {
-  scene.sim_path = read_hand_path(table, path);
+  table.checked([&] { scene.sim_path = read_hand_path(table, path); });
   SimOptions& sim = scene.sim.emplace();
   table.get_positive("mass", sim.mass);
   table.get_positive("hand_stiffness", sim.hand_stiffness, parse_stiffness);
@@ -158,11 +164,7 @@ void read_sim(TomlTable table, const std::string& path, Scene& scene) {
   table.get("seed", seed, 0, std::numeric_limits<int>::max());
   sim.seed = static_cast<std::uint64_t>(seed);
   table.done();
-  try {
-    SimDevice(scene.sim_path, sim);
-  } catch (const std::invalid_argument& error) {
-    table.fail("", error.what());  // which begins with the key
-  }
+  table.checked([&] { SimDevice(scene.sim_path, sim); });
 }
 
 }  // namespace

@@ -51,7 +51,7 @@ struct Scene {
   HandPath sim_path;
 };
 
-// Throws SceneError, std::runtime_error where the file cannot be read.
+// Throws SceneError, CsvError for the table of a path.
 Scene read_scene(const std::string& path);
 
 }  // namespace gliss

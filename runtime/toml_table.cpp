@@ -1,20 +1,32 @@
 #include "runtime/toml_table.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "host/units.h"
 #include "runtime/scene.h"
 
 namespace gliss {
+namespace {
+
+// In one line, whatever of the file it quotes.
+[[noreturn]] void refuse(std::string what) {
+  std::replace_if(
+      what.begin(), what.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+  throw SceneError(what);
+}
+
+}  // namespace
 
 TomlTable TomlTable::read(const std::string& path, toml::table& storage) {
   std::ifstream file(path);
-  if (!file) throw SceneError(fmt::format("{}: cannot be read", path));
+  file.peek();  // a folder can be opened, and is empty to what reads on
+  if (!file.is_open() || file.bad()) refuse(fmt::format("{}: cannot be read", path));
+  file.clear();
   try {
     storage = toml::parse(file, path);
   } catch (const toml::parse_error& error) {
-    throw SceneError(
-        fmt::format("{}:{}: {}", path, error.source().begin.line, error.description()));
+    refuse(fmt::format("{}:{}: {}", path, error.source().begin.line, error.description()));
   }
   return {storage, path, ""};
 }
@@ -27,7 +39,7 @@ std::string TomlTable::place(const std::string& key) const {
 }
 
 void TomlTable::fail(const std::string& key, const std::string& what) const {
-  throw SceneError(fmt::format("{}: {}", place(key), what));
+  refuse(fmt::format("{}: {}", place(key), what));
 }
 
 void TomlTable::done() const {
@@ -59,7 +71,7 @@ std::optional<TomlTable> TomlTable::table(const std::string& key) {
   const toml::node* node = find(key);
   if (node == nullptr) return std::nullopt;
   if (!node->is_table()) fail(key, fmt::format("must be a table: [{}]", key));
-  return TomlTable(*node->as_table(), file_, key);
+  return TomlTable(*node->as_table(), file_, name_.empty() ? key : name_ + "." + key);
 }
 
 void TomlTable::get(const std::string& key, std::string& value) {

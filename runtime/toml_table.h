@@ -6,6 +6,7 @@
 
 #include <toml++/toml.h>
 #include <set>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -20,7 +21,7 @@ class TomlTable {
   // Throws SceneError.
   static TomlTable read(const std::string& path, toml::table& storage);
 
-  // `name` for messages: "object", or empty at the root.
+  // `name` for messages: "object", "device.workspace", or empty at the root.
   TomlTable(const toml::table& table, std::string file, std::string name)
       : table_(table), file_(std::move(file)), name_(std::move(name)) {}
 
@@ -52,6 +53,18 @@ class TomlTable {
   // Throws where there is a key that nothing asked for.
   void done() const;
   [[noreturn]] void fail(const std::string& key, const std::string& what) const;
+  // Does what may throw std::invalid_argument "key: what", which is that key's error then.
+  template <class Act>
+  void checked(const Act& act) const {
+    try {
+      act();
+    } catch (const std::invalid_argument& error) {
+      const std::string text = error.what();
+      const auto colon = text.find(": ");
+      if (colon == text.npos) fail("", text);
+      fail(text.substr(0, colon), text.substr(colon + 2));
+    }
+  }
   std::string place(const std::string& key) const;  // "scene.toml:3: object.unit"
 
  private:

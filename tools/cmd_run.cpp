@@ -106,10 +106,10 @@ void run_session(HapticLoop& loop, const RunOptions& options, const Scene& scene
   std::atomic<bool> given_up{false};
   const auto on_tick = [&](const LoopTick& tick) {
     // Without a clock to keep, nothing need be lost.
-    while (options.no_wait && queue.full()) std::this_thread::sleep_for(100us);
+    while (options.no_wait && queue.full() && !given_up) std::this_thread::sleep_for(100us);
     queue.add(tick);
     const bool over = options.seconds > 0 && tick.time >= options.seconds * 1s;
-    return !over && !interrupted() && !given_up.load(std::memory_order_relaxed);
+    return !over && !interrupted() && !given_up;
   };
   auto running = std::async(std::launch::async, [&] {
     std::optional<Realtime> realtime;
@@ -139,7 +139,7 @@ void run_session(HapticLoop& loop, const RunOptions& options, const Scene& scene
     queue.take(ticks);
     for (const LoopTick& tick : ticks) session.report.add(tick);
     if (recording != nullptr) recording->write(ticks);
-    if (more && std::chrono::steady_clock::now() < next_line) continue;
+    if (more ? std::chrono::steady_clock::now() < next_line : loop.record().ticks() == 0) continue;
     next_line += pace;
     status.show(session.report.live_line());
   }
@@ -229,6 +229,7 @@ void run(const RunOptions& options) {
 
   Tracker tracker(objects, scene.hips);
   LoopOptions loop_options = scene.loop;
+  loop_options.guard.max_force = std::min(scene.loop.guard.max_force, scene.max_force);
   loop_options.wait = !options.no_wait;
   loop_options.cpu_time = options.cpu_time;
   HapticLoop loop(*device, tracker, loop_options);

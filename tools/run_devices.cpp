@@ -17,8 +17,12 @@ std::unique_ptr<HapticDevice> open_sim(const Scene& scene) {
 }
 
 std::unique_ptr<HapticDevice> open_replay(const std::string& file) {
-  std::vector<Vec3> positions = points_in_metres(read_points(file, 1));
-  return std::make_unique<ReplayDevice>(std::move(positions), "replay:" + file);
+  try {
+    std::vector<Vec3> positions = points_in_metres(read_points(file, 1));
+    return std::make_unique<ReplayDevice>(std::move(positions), "replay:" + file);
+  } catch (const std::runtime_error& error) {  // also where there is no such file
+    throw InputError(error.what());
+  }
 }
 
 std::unique_ptr<HapticDevice> open_haply(const std::string& where) {
