@@ -184,8 +184,8 @@ TEST(Loop, enters_at_half_a_metre_a_second_without_a_kick) {
     EXPECT_NEAR((tick.sent - tick.rendered).norm(), 0, 1e-12) << tick.number;
   }
   EXPECT_LE(largest_step(felt), 1.05 * step);
-  test::record("entry at 0.5 m/s", "largest step {:.4f} N, of the way {:.4f} N",
-               largest_step(felt), step);
+  test::record("entry at 0.5 m/s", "largest step {:.4f} N, of the way {:.4f} N", largest_step(felt),
+               step);
 }
 
 TEST(Loop, holds_fades_and_stays_safe_when_the_device_falls_silent) {

@@ -9,7 +9,8 @@
 
 namespace gliss::tools {
 
-inline constexpr char kDeviceWords[] = "sim, replay:FILE, udp:PORT, haply, haply:HOST or haply:HOST:PORT";
+inline constexpr char kDeviceWords[] =
+    "sim, replay:FILE, udp:PORT, haply, haply:HOST or haply:HOST:PORT";
 
 // Throws InputError where the words or the scene make no sense, LoopError where the device does not
 // answer.
