@@ -1,15 +1,13 @@
 // gliss judge: the verdict by its goals, and the command as outsiders see it.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
-#include <signal.h>
-#include <sys/wait.h>
 
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <thread>
 
 #include "runtime/verdict.h"
-#include "tests/scratch_folder.h"
+#include "tests/gliss_process.h"
 #include "tests/surfaces.h"
 #include "tests/unprivileged.h"
 
@@ -17,6 +15,7 @@ namespace gliss {
 namespace {
 
 using namespace std::chrono_literals;
+using test::Outcome;
 
 // 1000 ticks, the slowest two wakes of which are `late`, all computing so long.
 std::unique_ptr<TickRecord> record_of(Nanoseconds late, Nanoseconds compute, std::uint64_t missed) {
@@ -43,37 +42,17 @@ TEST(Judge, judges_by_the_goals) {
   EXPECT_EQ(judge(*floor, TickRecord()), Verdict::kUnfit);
 }
 
-struct Outcome {
-  int code = -1;
-  std::string out, err;
-};
-
 // Runs gliss judge; `in_child` first, `meanwhile` once it is under way.
 template <class InChild, class Meanwhile>
-Outcome judge_with(const std::vector<const char*>& words, InChild in_child, Meanwhile meanwhile) {
-  const test::ScratchFolder folder;
-  const pid_t child = fork();
-  if (child == 0) {
-    signal(SIGINT, SIG_DFL);
-    if (freopen((folder / "out").c_str(), "w", stdout) == nullptr ||
-        freopen((folder / "err").c_str(), "w", stderr) == nullptr || !in_child()) {
-      _exit(99);
-    }
-    std::vector<char*> all;
-    for (const char* word : {"gliss", "judge"}) all.push_back(const_cast<char*>(word));
-    for (const char* word : words) all.push_back(const_cast<char*>(word));
-    all.push_back(nullptr);
-    execv(GLISS_PROGRAM, all.data());
-    _exit(99);
-  }
-  meanwhile(child);
-  int status = 0;
-  waitpid(child, &status, 0);
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, folder.read("out"), folder.read("err")};
+Outcome judge_with(std::vector<std::string> words, InChild in_child, Meanwhile meanwhile) {
+  words.insert(words.begin(), "judge");
+  test::Process judge("/", GLISS_PROGRAM, words, in_child);
+  meanwhile(judge);
+  return judge.wait();
 }
 
 constexpr auto kAsIs = [] { return true; };
-constexpr auto kWait = [](pid_t) {};
+constexpr auto kWait = [](const test::Process&) {};
 
 TEST(Judge, reports_floor_wake_and_compute) {
   const Outcome outcome = judge_with({"--seconds", "1", "--json"}, kAsIs, kWait);
@@ -110,7 +89,7 @@ TEST(Judge, reports_floor_wake_and_compute) {
 TEST(Judge, says_what_was_refused_or_ends_with_it) {
   const auto unprivileged = [] { return test::limit_realtime(); };
   const Outcome told = judge_with({"--seconds", "0.2", "--json"}, unprivileged, kWait);
-  if (told.code == 99) GTEST_SKIP() << "capabilities cannot be dropped here";
+  if (told.code == test::kNotStarted) GTEST_SKIP() << "capabilities cannot be dropped here";
   ASSERT_EQ(told.code, 0) << told.err;
   const auto json = nlohmann::json::parse(told.out);
   EXPECT_EQ(json.at("scheduling"), "SCHED_OTHER");
@@ -128,11 +107,12 @@ TEST(Judge, says_what_was_refused_or_ends_with_it) {
 
 TEST(Judge, stops_when_interrupted) {
   const Nanoseconds start = monotonic_time();
-  const Outcome outcome = judge_with({"--seconds", "600", "--json"}, kAsIs, [](pid_t child) {
-    // Past the start of the program, where the signal is not caught yet.
-    std::this_thread::sleep_for(2s);
-    kill(child, SIGINT);
-  });
+  const Outcome outcome =
+      judge_with({"--seconds", "600", "--json"}, kAsIs, [](const test::Process& judge) {
+        // Past the start of the program, where the signal is not caught yet.
+        std::this_thread::sleep_for(2s);
+        judge.kill(SIGINT);
+      });
   EXPECT_EQ(outcome.code, 130) << outcome.err;
   EXPECT_EQ(outcome.out, "");
   EXPECT_LT(monotonic_time() - start, 60s);
