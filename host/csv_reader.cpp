@@ -24,6 +24,13 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
+template <class Column>
+const Column* find_in(const std::vector<std::string>& names, const std::vector<Column>& columns,
+                      std::string_view name) {
+  const auto found = std::find(names.begin(), names.end(), name);
+  return found == names.end() ? nullptr : &columns[static_cast<std::size_t>(found - names.begin())];
+}
+
 }  // namespace
 
 class CsvParser {
@@ -77,13 +84,20 @@ class CsvParser {
       table_.alternative = static_cast<std::size_t>(found - alternatives.begin());
       wanted.insert(wanted.end(), found->begin(), found->end());
     }
-    for (const std::string& name : header_) {
-      slots_.push_back(contains(wanted, name) ? table_.names_.size() : kIgnored);
-      if (slots_.back() == kIgnored) continue;
-      if (contains(table_.names_, name)) fail(fmt::format("two columns are named '{}'", name));
-      table_.names_.push_back(name);
-    }
+    choose(wanted, slots_, table_.names_);
+    choose(request.texts, text_slots_, table_.text_names_);
     table_.values_.resize(table_.names_.size());
+    table_.texts_.resize(table_.text_names_.size());
+  }
+
+  void choose(const std::vector<std::string>& wanted, std::vector<std::size_t>& slots,
+              std::vector<std::string>& names) const {
+    for (const std::string& name : header_) {
+      slots.push_back(contains(wanted, name) ? names.size() : kIgnored);
+      if (slots.back() == kIgnored) continue;
+      if (contains(names, name)) fail(fmt::format("two columns are named '{}'", name));
+      names.push_back(name);
+    }
   }
 
   void read_row() {
@@ -92,6 +106,9 @@ class CsvParser {
       const std::string_view field = cut_field(more);
       if (count < slots_.size() && slots_[count] != kIgnored) {
         table_.values_[slots_[count]].push_back(parse(field, count));
+      }
+      if (count < text_slots_.size() && text_slots_[count] != kIgnored) {
+        table_.texts_[text_slots_[count]].emplace_back(field);
       }
     }
     if (count != header_.size()) {
@@ -146,6 +163,7 @@ class CsvParser {
         static_cast<double>(table_.rows) / static_cast<double>(lines_.bytes_read());
     const double rows = 1.05 * static_cast<double>(lines_.file_size()) * rows_per_byte;
     for (auto& values : table_.values_) values.reserve(static_cast<std::size_t>(rows));
+    for (auto& texts : table_.texts_) texts.reserve(static_cast<std::size_t>(rows));
   }
 
   [[noreturn]] void fail(const std::string& problem) const {
@@ -154,15 +172,17 @@ class CsvParser {
 
   LineReader lines_;
   CsvTable table_;
-  std::string_view line_;            // what is left of the line at hand
-  std::vector<std::string> header_;  // [column]
-  std::vector<std::size_t> slots_;   // [column], into the table, or kIgnored
+  std::string_view line_;                        // what is left of the line at hand
+  std::vector<std::string> header_;              // [column]
+  std::vector<std::size_t> slots_, text_slots_;  // [column], into the table, or kIgnored
 };
 
 const std::vector<double>* CsvTable::find(std::string_view name) const {
-  const auto found = std::find(names_.begin(), names_.end(), name);
-  return found == names_.end() ? nullptr
-                               : &values_[static_cast<std::size_t>(found - names_.begin())];
+  return find_in(names_, values_, name);
+}
+
+const std::vector<std::string>* CsvTable::find_text(std::string_view name) const {
+  return find_in(text_names_, texts_, name);
 }
 
 std::string CsvTable::place(std::size_t row) const {

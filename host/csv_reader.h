@@ -1,5 +1,5 @@
-// Numbers out of CSV files: a header, then rows; only the columns that a caller wants are parsed
-// and kept.
+// Numbers and words out of CSV files: a header, then rows; only the columns that a caller wants are
+// parsed and kept.
 #pragma once
 
 #include <cstddef>
@@ -21,6 +21,7 @@ struct CsvRequest {
   std::vector<std::vector<std::string>>
       alternatives;                        // the first of which the file has all columns is read
   std::vector<std::string> optional = {};  // read as well where the file has them
+  std::vector<std::string> texts = {};     // likewise, as they stand there
 };
 
 class CsvTable {
@@ -30,6 +31,7 @@ class CsvTable {
 
   // Null where the column was not asked for or is an optional one that the file lacks.
   const std::vector<double>* find(std::string_view name) const;
+  const std::vector<std::string>* find_text(std::string_view name) const;
   std::string place(std::size_t row) const;  // "points.csv:17", for messages about a value
 
  private:
@@ -38,6 +40,8 @@ class CsvTable {
   std::size_t first_line_ = 0;
   std::vector<std::string> names_;
   std::vector<std::vector<double>> values_;
+  std::vector<std::string> text_names_;
+  std::vector<std::vector<std::string>> texts_;
 };
 
 // Accepts CRLF, a byte order mark, '#' lines above the header, spaces round fields, fields in

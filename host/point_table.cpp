@@ -4,31 +4,16 @@
 
 #include <cmath>
 
-#include "host/hdf5_types.h"
+#include "host/hdf5_reader.h"
 #include "host/units.h"
 
 namespace gliss {
 namespace {
 
-using hdf5::Handle;
-
-std::vector<double> read_column(const Handle& file, const std::string& name,
-                                const std::string& action) {
-  const Handle dataset(H5Dopen2(file, name.c_str(), H5P_DEFAULT), H5Dclose, action);
-  const Handle space(H5Dget_space(dataset), H5Sclose, action);
-  std::vector<double> values(
-      static_cast<std::size_t>(hdf5::check(H5Sget_simple_extent_npoints(space), action)));
-  hdf5::check(H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()),
-              action);
-  return values;
-}
-
 std::vector<Vec3> read_recording(const std::string& path) {
-  hdf5::Quiet quiet;
   const std::string action = fmt::format("cannot read '{}' as a recording", path);
-  const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose, action);
-  const auto x = read_column(file, "ticks/x", action), y = read_column(file, "ticks/y", action),
-             z = read_column(file, "ticks/z", action);
+  const Hdf5Reader file(path, "a recording");
+  const auto x = file.numbers("ticks/x"), y = file.numbers("ticks/y"), z = file.numbers("ticks/z");
   if (y.size() != x.size() || z.size() != x.size())
     throw std::runtime_error(action + ": x, y and z are not equally long");
   std::vector<Vec3> points;

@@ -37,6 +37,16 @@ TEST_F(CsvReader, FindsColumnsByName) {
   EXPECT_EQ(table.find("name"), nullptr);
 }
 
+TEST_F(CsvReader, KeepsWordsThatAreAskedFor) {
+  const CsvTable table = read("y,name,x\n2, left ,1\n4,\"r,ight\",3\n",
+                              {.alternatives = {{"x"}}, .texts = {"name", "y", "absent"}});
+  EXPECT_THAT(*table.find_text("name"), ElementsAre("left", "r,ight"));
+  EXPECT_THAT(*table.find_text("y"), ElementsAre("2", "4"));
+  EXPECT_THAT(*table.find("x"), ElementsAre(1, 3));
+  EXPECT_EQ(table.find_text("absent"), nullptr);
+  EXPECT_EQ(table.find_text("x"), nullptr);
+}
+
 TEST_F(CsvReader, TakesTheFirstCompleteAlternativeAndOptionalColumns) {
   const CsvRequest request{.alternatives = {{"x", "y", "z"}, {"x_mm", "y_mm"}},
                            .optional = {"step", "missing"}};
