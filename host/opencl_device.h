@@ -15,7 +15,7 @@
 
 namespace gliss {
 
-// The text of kernels/*.cl with all that they include; made by tools/embed_kernels.py.
+// The text of kernels/*.cl with all that they include; made by tools/embed_texts.py.
 extern const char* const kBuildProgram;
 extern const char* const kEvaluateProgram;
 extern const char* const kExamineProgram;
