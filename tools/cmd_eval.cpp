@@ -49,7 +49,7 @@ void run(const EvalOptions& options) {
   const PatchCache cache = open_surface(options, *engine);
   const std::vector<DomainPoint> points = read_domain_points(options.points, cache);
   const UnitChange length(cache.unit, options.unit);
-  const auto file = create_described_file(options.output, cache, options.unit);
+  const auto file = create_described_file(options.output, cache, options);
   ResultTable table(
       *file, "",
       Columns()

@@ -32,7 +32,7 @@ void run(const ProjectOptions& options) {
   for (Vec3& hip : hips.points) hip = inward(hip);
 
   const std::string unit = unit_name(options.unit);
-  const auto file = create_described_file(options.output, cache, options.unit);
+  const auto file = create_described_file(options.output, cache, options);
   ResultTable table(*file, "",
                     Columns()
                         .add({"patch"}, ColumnType::kUint32)

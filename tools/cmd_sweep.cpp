@@ -73,7 +73,7 @@ void run(const SweepingOptions& options) {
                    : static_cast<std::uint32_t>(options.rings);
   std::optional<SampleFile> file;
   std::optional<SweepPicture> picture;
-  if (!options.output.empty()) file.emplace(options.output, cache, grid, options.unit);
+  if (!options.output.empty()) file.emplace(options.output, cache, grid, options);
   if (!options.picture.empty()) picture.emplace(cache, grid, options.unit);
   std::optional<AtomicFile> summary;
   if (!options.summary.empty()) summary.emplace(options.summary);

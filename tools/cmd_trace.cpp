@@ -91,7 +91,7 @@ void run(const TracingOptions& options) {
   for (Vec3& hip : hips) hip /= cache.unit;
 
   const std::string unit = unit_name(options.unit);
-  const auto file = create_described_file(options.output, cache, options.unit);
+  const auto file = create_described_file(options.output, cache, options);
   file->set_attribute({"stiffness_N_per_m", options.trace.stiffness});
   ResultTable table(*file, "",
                     Columns()

@@ -49,14 +49,15 @@ PatchCache open_surface(const SurfaceOptions& options, const Engine& engine) {
 }
 
 std::unique_ptr<ResultFile> create_described_file(const std::string& path, const PatchCache& cache,
-                                                  double unit) {
+                                                  const SurfaceOptions& options) {
   auto file = create_result_file(path);
   file->set_attribute({"program", "gliss"});
   file->set_attribute({"version", GLISS_VERSION});
   file->set_attribute({"command_line", command_line()});
+  file->set_attribute({"surface", options.surface});
   file->set_attribute({"mesh_hash", hash_name(cache.mesh_hash)});
-  file->set_attribute({"unit", unit_name(unit)});
-  file->set_attribute({"unit_m", unit});
+  file->set_attribute({"unit", unit_name(options.unit)});
+  file->set_attribute({"unit_m", options.unit});
   file->set_attribute({"precision", precision_name(cache.precision())});
   return file;
 }

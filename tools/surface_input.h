@@ -24,6 +24,6 @@ PatchCache open_surface(const SurfaceOptions& options, const Engine& engine);
 // A file that says where it comes from: command line, version, mesh, unit of coordinates,
 // precision.
 std::unique_ptr<ResultFile> create_described_file(const std::string& path, const PatchCache& cache,
-                                                  double unit);
+                                                  const SurfaceOptions& options);
 
 }  // namespace gliss::tools

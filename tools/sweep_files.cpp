@@ -31,12 +31,12 @@ std::string group_name(const SweepOptions& sweep, std::size_t kind) {
 }  // namespace
 
 SampleFile::SampleFile(const std::string& path, const PatchCache& cache, const SweepOptions& sweep,
-                       double unit)
+                       const SurfaceOptions& options)
     : sweep_(sweep),
-      length_(cache.unit, unit),
-      unit_(unit),
+      length_(cache.unit, options.unit),
+      unit_(options.unit),
       single_(path == "-" || path.ends_with(".csv")),
-      file_(create_described_file(path, cache, unit)) {
+      file_(create_described_file(path, cache, options)) {
   file_->set_attribute({"stiffness_N_per_m", sweep.stiffness});
   file_->set_attribute({"rings", static_cast<std::int64_t>(sweep.rings)});
   std::string depths;
@@ -46,7 +46,7 @@ SampleFile::SampleFile(const std::string& path, const PatchCache& cache, const S
   file_->set_attribute({"depths", depths});
   const ColumnType real =
       cache.precision() == Precision::kDouble ? ColumnType::kFloat64 : ColumnType::kFloat32;
-  const Columns columns = sample_columns(single_, real, unit_name(unit));
+  const Columns columns = sample_columns(single_, real, unit_name(unit_));
   const std::uint64_t rows = sample_count(cache, sweep.rings);
   const std::size_t kinds = single_ ? 1 : sweep.depths.size() * sweep.methods.size();
   for (std::size_t kind = 0; kind < kinds; ++kind) {

@@ -18,7 +18,7 @@ namespace gliss::tools {
 class SampleFile {
  public:
   SampleFile(const std::string& path, const PatchCache& cache, const SweepOptions& sweep,
-             double unit);
+             const SurfaceOptions& options);
   void add(const SweepBlock& block);
   void close(const SweepResult& result);  // adds the statistics
 
