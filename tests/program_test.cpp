@@ -112,7 +112,7 @@ std::string header_of(const std::string& csv) { return csv.substr(0, csv.find('\
 TEST_F(Program, EveryCommandHelpsWithAnExample) {
   EXPECT_THAT(output_of("--version"), MatchesRegex("gliss [0-9]+\\.[0-9]+\\.[0-9]+\n"));
   for (const char* command : {"bake", "info", "check", "eval", "project", "sweep", "trace",
-                              "generate", "generate knot", "generate fin", "judge"}) {
+                              "generate", "generate knot", "generate fin", "judge", "report"}) {
     const std::string help = output_of(fmt::format("{} --help", command));
     EXPECT_THAT(help, HasSubstr(fmt::format("Example: gliss {}", command)));
   }

@@ -81,11 +81,15 @@ void add_output_option(Command& command, std::string& output, const std::string&
 void add_input_option(Command& command, const std::string& name, std::string& path,
                       const std::string& description) {
   command.option({name, "FILE", description, true}, [name, &path](const std::string& text) {
-    const auto status = std::filesystem::status(text);
-    if (!exists(status)) throw InputError(fmt::format("{}: there is no file '{}'", name, text));
-    if (is_directory(status)) throw InputError(fmt::format("{}: '{}' is a folder", name, text));
+    check_input(name, text);
     path = text;
   });
+}
+
+void check_input(const std::string& name, const std::string& path) {
+  const auto status = std::filesystem::status(path);
+  if (!exists(status)) throw InputError(fmt::format("{}: there is no file '{}'", name, path));
+  if (is_directory(status)) throw InputError(fmt::format("{}: '{}' is a folder", name, path));
 }
 
 void add_stiffness_option(Command& command, double& stiffness) {

@@ -21,6 +21,10 @@ using Json = nlohmann::ordered_json;
 
 struct Interrupted {};  // exit code 130
 
+struct Unavailable : std::runtime_error {  // exit code 4
+  using std::runtime_error::runtime_error;
+};
+
 struct ReportOptions {
   bool json = false, quiet = false;
 };
@@ -53,6 +57,8 @@ void add_surface_options(Command& command, SurfaceOptions& options, const std::s
 void add_output_option(Command& command, std::string& output, const std::string& description);
 void add_input_option(Command& command, const std::string& name, std::string& path,
                       const std::string& description);
+// Throws InputError where it is no file that can be read.
+void check_input(const std::string& name, const std::string& path);
 void add_stiffness_option(Command& command, double& stiffness);
 void add_solver_option(Command& command, Solver& solver);
 void add_methods_option(Command& command, std::vector<Method>& methods);
@@ -112,5 +118,6 @@ void add_devices(Command& program);
 void add_judge(Command& program);
 void add_run(Command& program);
 void add_serve(Command& program);
+void add_report(Command& program);
 
 }  // namespace gliss::tools

@@ -73,6 +73,18 @@ void Command::option(const OptionText& text, double& value, double least, double
   option(text, read_number(text, value, least, most));
 }
 
+void Command::list(const OptionText& text, const Read& read) {
+  implementation_->app
+      ->add_option_function<std::vector<std::string>>(
+          text.name,
+          [read](const std::vector<std::string>& words) {
+            for (const std::string& word : words) read(word);
+          },
+          text.description)
+      ->required(text.required)
+      ->type_name(text.type);
+}
+
 void Command::flag(const std::string& name, bool& value, const std::string& description) {
   implementation_->app->add_flag(name, value, description);
 }

@@ -43,6 +43,7 @@ class Command {
   void option(const OptionText& text, std::string& value);
   void option(const OptionText& text, int& value, int least, int most);
   void option(const OptionText& text, double& value, double least, double most);
+  void list(const OptionText& text, const Read& read);  // one word or more, each read by itself
   void flag(const std::string& name, bool& value, const std::string& description);
   void exclude(const std::string& name, const std::string& other);
 

@@ -5,11 +5,15 @@
 build_packages=(cmake ninja-build g++ libtbb-dev libeigen3-dev libhdf5-dev libfmt-dev libxxhash-dev
   ocl-icd-opencl-dev opencl-clhpp-headers nlohmann-json3-dev libcli11-dev libboost-dev
   libtomlplusplus-dev python3)
+# For gliss report. npm from elsewhere does as well, and Debian's cannot stand beside it.
+command -v npm >/dev/null || build_packages+=(nodejs npm)
 
 # What the tests and benchmarks need besides. clang reads the kernels as OpenCL C; PoCL is an OpenCL
 # device on any processor, oclgrind one that finds what others let pass.
 test_packages=(pocl-opencl-icd oclgrind libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev libembree-dev
   make clang clang-format-14 stress-ng rt-tests strace python3-h5py python3-numpy)
+# Tests that need these are skipped without them; on Ubuntu a snap holds the browser.
+optional_test_packages=(chromium)
 
 # Installs those of the packages named that are missing; asks nothing and needs no network when none is.
 install_packages() {

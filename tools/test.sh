@@ -5,6 +5,8 @@ set -euo pipefail
 cd "$(dirname -- "${BASH_SOURCE[0]}")/.."
 source tools/packages.sh
 install_packages "${build_packages[@]}" "${test_packages[@]}"
+install_packages "${optional_test_packages[@]}" ||
+  echo "Without ${optional_test_packages[*]}: tests that need it will be skipped" >&2
 
 # Another release formats in another way.
 find kernels host runtime tools tests bench -name '*.h' -o -name '*.cpp' -o -name '*.inc' | sort |

@@ -1,0 +1,116 @@
+// What gliss compare found: what smoothness costs in time and memory, and the dense mesh that would do as well.
+import {Chart} from './chart.js';
+import {el, figure, select, swatch, table} from './dom.js';
+import {bytes, count, number, percent, rate} from './format.js';
+import {methodColor, methodTitle} from './methods.js';
+import {color} from './theme.js';
+
+const across = {
+  tick: ['tick, µs', row => row.tick_us],
+  eval: ['evaluation, µs', row => row.eval_per_s && 1e6 / row.eval_per_s],
+  memory: ['memory a patch, bytes', row => row.bytes_per_patch],
+};
+const upward = {
+  error: ['largest error of force', row => row.max_force_error],
+  step: ['largest step of force, N', row => row.max_force_step],
+  distance: ['largest distance, mm', row => row.max_distance && 1e3 * row.max_distance],
+};
+
+const name = row => [`level ${row.level ?? '?'}`, row.precision, row.solver, row.backend].filter(Boolean).join(', ');
+
+const sameAs = (row, other) => ['level', 'precision', 'solver', 'backend'].every(key => row[key] === other?.[key]);
+
+// Points that no other beats in both, from left to right.
+function front(points) {
+  let least = Infinity;
+  return points.filter(({y}) => y < least && ((least = y), true));
+}
+
+function span(values) {
+  const least = Math.min(...values), most = Math.max(...values);
+  return [least / 1.4, most * 1.4];
+}
+
+function paretoChart(result, xKey, yKey) {
+  const [[xLabel, xOf], [yLabel, yOf]] = [across[xKey], upward[yKey]];
+  const points = result.rows.map(row => ({row, x: xOf(row), y: yOf(row)}))
+                     .filter(({x, y}) => x > 0 && y > 0).sort((a, b) => a.x - b.x || a.y - b.y);
+  if (!points.length) return el('p.notice', {}, 'Not measured: choose other axes.');
+  const best = new Set(front(points));
+  const column = keep => points.map(p => keep(p) ? p.y : null);
+  const dots = (size, stroke, fill) => (
+      {show: true, size, width: 2, stroke: () => color(stroke), fill: () => fill ? color(fill) : 'transparent'});
+  const chart = new Chart({
+    label: `${yLabel} over ${xLabel}`,
+    height: 380,
+    x: {label: xLabel, log: true, range: span(points.map(p => p.x)), size: 40},
+    y: {label: yLabel, log: true, range: span(points.map(p => p.y))},
+    series: [
+      {color: 'gregory', spanGaps: true},
+      {width: 0, points: dots(8, 'neutral', 'paper')},
+      {width: 0, points: dots(10, 'gregory', 'gregory')},
+      {width: 0, points: dots(19, 'accent', null)},
+    ],
+    data: [points.map(p => p.x), column(p => best.has(p)), column(p => !p.row.pareto), column(p => p.row.pareto),
+      column(p => sameAs(p.row, result.recommended))],
+    pick: 'point',
+    tell: i => [name(points[i].row), tellRow(points[i].row)],
+  });
+  return chart.element;
+}
+
+function tellRow(row) {
+  return [
+    ['tick', `${number(row.tick_us)} µs`], ['evaluations', `${rate(row.eval_per_s)} /s`],
+    ['memory a patch', bytes(row.bytes_per_patch)], ['error of force', percent(row.max_force_error)],
+    ['step of force', `${number(row.max_force_step)} N`],
+    ['distance', row.max_distance === null ? '–' : `${number(1e6 * row.max_distance)} µm`],
+    ['normals apart', row.max_normal_gap_deg === null ? '–' : `${number(row.max_normal_gap_deg)}°`],
+  ];
+}
+
+function rowTable(result) {
+  const header = [{text: 'Level'}, {text: 'Precision'}, {text: 'Solver'}, {text: 'Backend'},
+    ...['Tick, µs', 'Build /s', 'Eval /s', 'Track /s', 'Bytes a patch', 'Distance p99, µm', 'Distance, µm',
+      'Normal gap, °', 'Force step, N', 'Force error'].map(text => ({text, number: true}))];
+  const micro = v => v === null ? null : 1e6 * v;
+  const rows = result.rows.map(r => Object.assign([
+    String(r.level ?? '–'), r.precision ?? '–', r.solver ?? '–', r.backend ?? '–', number(r.tick_us), rate(r.build_per_s),
+    rate(r.eval_per_s), rate(r.track_per_s), count(r.bytes_per_patch), number(micro(r.p99_distance)),
+    number(micro(r.max_distance)), number(r.max_normal_gap_deg), number(r.max_force_step), percent(r.max_force_error),
+  ], {mark: sameAs(r, result.recommended) ? 'recommended' : r.pareto ? 'best' : ''}));
+  return table(header, rows, 'All that was compared; bold: not beaten in every figure by another; marked: recommended');
+}
+
+function denseTable(result) {
+  if (!result.dense.length) return null;
+  const header = [{text: 'Method'}, {text: 'As smooth as level'},
+    ...['Triangles', 'Memory', 'Patches’ memory', 'Memory ratio', 'Tick, µs', 'Patches’ tick, µs', 'Time ratio', 'Force step, N']
+        .map(text => ({text, number: true})), {text: 'Reached'}];
+  const times = ratio => ratio === null ? '–' : `${number(ratio)}×`;
+  const rows = result.dense.map(d => [
+    swatch(methodColor(d.method), methodTitle(d.method)), String(d.target_level ?? '–'), count(d.triangles), bytes(d.bytes),
+    bytes(d.target_bytes), times(d.memory_ratio), number(d.tick_us), number(d.target_tick_us), times(d.time_ratio),
+    number(d.max_force_step), d.reached === null ? '–' : d.reached ? 'yes' : 'no: the densest tried',
+  ]);
+  return table(header, rows, 'The dense triangle mesh that flat polygons or force shading need to be as smooth');
+}
+
+export function compareSection(result) {
+  const place = el('.charts');
+  let [x, y] = ['tick', 'error'];
+  const show = () => place.replaceChildren(paretoChart(result, x, y));
+  show();
+  const choices = list => Object.entries(list).map(([key, [label]]) => [key, label]);
+  const {recommended} = result;
+  return {
+    title: 'Levels, precisions and backends compared',
+    content: [
+      el('.controls', {}, select('Across', choices(across), x, value => ((x = value), show())),
+          select('Upward', choices(upward), y, value => ((y = value), show())),
+          recommended ? el('span.named', {}, el('span.swatch.ring'), `recommended: ${name(recommended)}`) : null),
+      figure('What accuracy costs: left is cheaper, down is better. Filled points are beaten by no other in every figure at once; the line joins those that none beats on these two axes.', place),
+      rowTable(result), denseTable(result),
+    ],
+  };
+}

@@ -1,0 +1,53 @@
+// The page: a head, and a section for each result.
+import './page.css';
+import {compareSection} from './compare.js';
+import {readResults} from './data.js';
+import {el} from './dom.js';
+import {recordingSection, runSection} from './run.js';
+import {sweepSection} from './sweep.js';
+import {startTheme, themeButton} from './theme.js';
+import {startTooltip} from './tooltip.js';
+import {traceSection} from './trace.js';
+
+const kinds = {
+  trace: traceSection,
+  sweep: sweepSection,
+  compare: compareSection,
+  run: runSection,
+  recording: recordingSection,
+};
+
+// Where a result comes from, as far as its file says.
+function provenance({origin, faces}) {
+  const known = [['Mesh', origin.surface], ['Polygons', faces], ['Scene', origin.scene], ['Device', origin.device],
+    ['Unit', origin.unit], ['Precision', origin.precision], ['Mesh hash', origin.mesh_hash]].filter(([, value]) => value);
+  const command = origin.command_line;
+  return el('.origin', {},
+      known.length ? el('dl', {}, known.map(([term, value]) => el('div', {}, el('dt', {}, term), el('dd', {}, String(value))))) : null,
+      command ? el('code', {}, command) : known.length ? null : el('p', {}, 'The file does not say which command made it.'));
+}
+
+function section(result, index) {
+  const made = kinds[result.kind](result);
+  const id = `result-${index + 1}`;
+  return {id, title: made.title, file: result.file, element: el('section', {id, 'aria-labelledby': `${id}-title`},
+      el('header', {}, el('p.kind', {}, made.title), el('h2', {id: `${id}-title`}, result.file), provenance(result)),
+      ...made.content.flat())};
+}
+
+function start() {
+  startTheme();
+  startTooltip();
+  const {version, results} = readResults();
+  document.title = `${results.map(r => r.file).join(', ')} – Gliss report`;
+  const page = document.getElementById('page');
+  const sections = results.map(section);
+  const links = sections.map(s => el('li', {}, el('a', {href: `#${s.id}`}, s.file), el('span.aside', {}, s.title.toLowerCase())));
+  page.append(
+      el('header.top', {}, el('div', {}, el('h1', {}, 'Gliss report'), el('p.aside', {}, `gliss ${version}`)), themeButton()),
+      sections.length > 1 ? el('nav', {'aria-label': 'Results'}, el('ol', {}, links)) : '',
+      ...sections.map(s => s.element));
+  document.documentElement.dataset.ready = 'true';
+}
+
+start();

@@ -1,0 +1,94 @@
+// What gliss run left: how late its ticks woke and how long they took, the force over time, the guards.
+import {Chart, steps} from './chart.js';
+import {el, figure, table} from './dom.js';
+import {count, number, percent} from './format.js';
+
+const perDecade = 12;
+
+// [[longest_us, count]] in bins of 0.8 %, together in wider ones: [upper edges, shares in %].
+function binned(list) {
+  const total = list.reduce((all, [, n]) => all + n, 0) || 1;
+  const bins = new Map();
+  for (const [longest, n] of list) {
+    const bin = Math.ceil(perDecade * Math.log10(Math.max(longest, 1e-2)) - 1e-6);
+    bins.set(bin, (bins.get(bin) || 0) + n);
+  }
+  const first = Math.min(...bins.keys()) - 1, last = Math.max(...bins.keys()) + 1;
+  const numbers = Array.from({length: last - first + 1}, (_, i) => first + i);
+  return [numbers.map(bin => 10 ** (bin / perDecade)), numbers.map(bin => 100 * (bins.get(bin) || 0) / total)];
+}
+
+function timing(name, label, list, figures) {
+  if (list.every(([longest]) => longest === 0))
+    return el('.view', {}, el('h4', {}, label), el('p.notice', {}, list.length ? 'None: the loop ran without a clock.' : 'No ticks.'));
+  const [edges, shares] = binned(list);
+  const least = 10 ** Math.floor(Math.log10(Math.min(...shares.filter(share => share > 0)))) / 2;
+  const chart = new Chart({
+    label: `Distribution: ${label}`,
+    height: 220,
+    x: {label: 'µs', log: true, range: [edges[0] / 1.2, edges.at(-1) * 1.2], size: 40},
+    y: {label: '% of ticks', log: true, range: [least, 150]},
+    series: [{color: name, fill: `${name}-wash`, paths: steps}],
+    data: [edges, shares.map(share => Math.max(share, least))],
+    tell: i => [`${number(edges[i - 1] ?? 0)} to ${number(edges[i])} µs`, [[label, `${number(shares[i])} %`, name]]],
+  });
+  const f = figures || {};
+  return el('.view', {}, el('h4', {}, label, el('span.aside', {},
+      `p50 ${number(f.p50_us)}, p99 ${number(f.p99_us)}, p99.9 ${number(f.p999_us)}, most ${number(f.max_us)} µs`)), chart.element);
+}
+
+function facts(figures) {
+  const known = [
+    ['Ticks', count(figures.ticks)], ['Missed', count(figures.missed)],
+    ['Success', percent(figures.success_rate, 5)],
+    ['In contact', count(figures.in_contact)], ['Entries', count(figures.entries)],
+    ['Largest force sent', `${number(figures.largest_sent_force)} N`],
+    ['Largest step rendered', `${number(figures.largest_force_step)} N`],
+    ['Largest step sent', `${number(figures.largest_sent_step)} N`],
+    ['Device', figures.device], ['Scheduling', figures.scheduling], ['End', figures.end],
+  ];
+  return el('dl.facts', {}, known.filter(([, value]) => value !== undefined && value !== null)
+                                .map(([name, value]) => el('.fact', {}, el('dt', {}, name), el('dd', {}, String(value)))));
+}
+
+function guards(figures) {
+  const acted = Object.entries(figures.guards || {}).filter(([, times]) => times > 0);
+  if (!figures.guards) return null;
+  if (!acted.length) return el('p.notice', {}, 'No guard acted.');
+  return table([{text: 'Guard'}, {text: 'Times', number: true}], acted.map(([name, times]) => [name, count(times)]), 'Guards that acted');
+}
+
+function timings(figures) {
+  const {wake, compute} = figures.histograms;
+  return figure('How late the ticks woke, and how long each took to compute. Both axes are logarithmic: what matters is how far the tail reaches to the right, against the period of 1 000 µs.',
+      el('.views', {}, timing('neutral', 'Lateness of the wake', wake, figures.wake),
+          timing('gregory', 'Computing', compute, figures.compute)));
+}
+
+export function runSection(result) {
+  return {title: 'A loop and its timing', content: [facts(result.figures), timings(result.figures), guards(result.figures)]};
+}
+
+export function recordingSection(result) {
+  const {time, rendered, sent, figures} = result;
+  const most = Math.max(1e-9, ...[rendered, sent].map(list => list.reduce((a, b) => b > a ? b : a, 0)));
+  const chart = new Chart({
+    label: 'Force over time',
+    height: 260,
+    x: {label: 'time, s', range: [time[0] ?? 0, Math.max(time.at(-1) ?? 1, (time[0] ?? 0) + 1e-6)], size: 40},
+    y: {label: 'N', range: [0, 1.06 * most]},
+    series: [{color: 'rendered', width: 1.5}, {color: 'sent', width: 1.5}],
+    data: [time, rendered, sent],
+    tell: i => [`${number(time[i], 6)} s`, [['rendered', `${number(rendered[i])} N`, 'rendered'], ['sent', `${number(sent[i])} N`, 'sent']]],
+  });
+  const thinned = result.shown < figures.ticks ? ` ${count(result.shown)} of ${count(figures.ticks)} ticks are drawn, the least and the largest of each stretch.` : '';
+  return {
+    title: 'A recording of the loop',
+    content: [
+      facts(figures),
+      el('.key', {}, el('span.named', {}, el('span.swatch.rendered'), 'rendered'), el('span.named', {}, el('span.swatch.sent'), 'sent')),
+      figure(`The force as rendered, and as the guards let it through to the device.${thinned} Drag to zoom, double-click to see all.`, chart.element),
+      timings(figures),
+    ],
+  };
+}

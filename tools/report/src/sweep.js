@@ -1,0 +1,123 @@
+// What gliss sweep sampled: forces over the offset surfaces, one view for each depth and method, and how they differ.
+import {Box3, BufferAttribute} from 'three';
+import {CloudView, spacings, startClouds} from './cloud.js';
+import {button, el, figure, select, swatch, table} from './dom.js';
+import {count, number, vector} from './format.js';
+import {histograms} from './histogram.js';
+import {inOrder, methodColor, methodTitle} from './methods.js';
+import {Orbit} from './orbit.js';
+import {hideTooltip, showTooltip} from './tooltip.js';
+
+const keysHint = 'Arrow keys turn, with shift they move, plus and minus zoom, 0 resets.';
+const depthText = depth => depth.name.replace('mm', ' mm');
+
+// Degrees between two forces; NaN where there is none.
+function angle(a, b, i) {
+  let [dot, aa, bb] = [0, 0, 0];
+  for (let k = 3 * i; k < 3 * i + 3; k++) [dot, aa, bb] = [dot + a[k] * b[k], aa + a[k] ** 2, bb + b[k] ** 2];
+  return Math.acos(Math.min(1, dot / Math.sqrt(aa * bb))) * 180 / Math.PI;
+}
+
+function tellPoint(depth, i, unit) {
+  const force = method => method.force.subarray(3 * i, 3 * i + 3);
+  const reference = depth.methods.find(m => m.method === 'gregory');
+  const rows = depth.methods.map(m => {
+    const turned = reference && m !== reference ? angle(m.force, reference.force, i) : NaN;
+    const size = `${number(Math.hypot(...force(m)))} N`;
+    return [methodTitle(m.method), Number.isNaN(turned) ? size : `${size}, ${number(turned, 2)}° off`, methodColor(m.method)];
+  });
+  const at = depth.hip.subarray(3 * i, 3 * i + 3);
+  return [`Patch ${depth.patch[i]}, ${depthText(depth)} deep`, [...rows, ['HIP', `${vector(at)} ${unit || ''}`]]];
+}
+
+// The views of one depth: what is pointed at in one is marked in all.
+function depthViews(depth, orbit, unit) {
+  const points = {positions: new BufferAttribute(depth.hip, 3),
+                  spacing: new BufferAttribute(spacings(depth.hip, depth.patch), 1)};
+  const views = [];
+  const point = index => {
+    for (const view of views) {
+      if (view.marked === index) continue;
+      view.marked = index;
+      view.ask();
+    }
+  };
+  const boxes = depth.methods.map(method => {
+    const canvas = el('canvas', {tabindex: '0', role: 'img', 'data-view': `${depth.name}/${method.method}`,
+      'aria-label': `Directions of force, ${methodTitle(method.method)}, ${depthText(depth)} deep. ${keysHint}`});
+    const view = new CloudView(canvas, points, method.force, orbit);
+    views.push(view);
+    orbit.listen(canvas);
+    canvas.addEventListener('pointermove', event => {
+      const index = event.buttons ? null : view.pick(event.offsetX, event.offsetY);
+      point(index);
+      if (index === null) return hideTooltip();
+      showTooltip(event.clientX, event.clientY, ...tellPoint(depth, index, unit));
+    });
+    canvas.addEventListener('pointerleave', () => (point(null), hideTooltip()));
+    return el('.view', {},
+        el('h4', {}, swatch(methodColor(method.method), methodTitle(method.method)),
+            el('span.aside', {}, `${depthText(depth)} deep, largest step across edges ${number(method.statistics.edge_step.max)} N`)),
+        canvas);
+  });
+  return {views, element: el('.views', {}, boxes)};
+}
+
+function surfaceFigure(result) {
+  const unit = result.origin.unit;
+  if (!startClouds()) return el('p.notice', {}, 'This browser has no WebGL: the surfaces are not shown.');
+  const views = [];
+  const box = new Box3().setFromArray(result.depths[0].hip);
+  const orbit = new Orbit(box, () => views.forEach(view => view.ask()));
+  const depths = result.depths.map(depth => {
+    const made = depthViews(depth, orbit, unit);
+    views.push(...made.views);
+    return made.element;
+  });
+  const {shown, samples} = result.depths[0];
+  const some = shown < samples ? `${count(shown)} of ${count(samples)} points a depth` : `${count(samples)} points a depth`;
+  return [
+    el('.controls', {},
+        select('Shading', [['lit', 'lit by a lamp'], ['direction', 'direction as colour']], 'lit', value => {
+          for (const view of views) {
+            view.material.uniforms.direction.value = value === 'direction';
+            view.ask();
+          }
+        }),
+        button('Reset view', 'All of the surface', () => orbit.reset())),
+    figure([`Points of the surface offset inward, lit as if the direction of the force were the normal: a smooth force looks smooth, an edge in the picture is an edge in the hand. ${some}; the cameras are linked. Drag turns, shift-drag moves, the wheel zooms once a view is clicked. `,
+      el('span.swatch.free'), ' no force.'], ...depths),
+  ];
+}
+
+function statistics(result) {
+  const of = (h, name) => number(h[name]);
+  const header = [{text: 'Depth'}, {text: 'Method'},
+    ...['mean', 'p99', 'largest'].map(text => ({text: `${text}`, title: 'step within patches, N', number: true})),
+    ...['mean', 'p99', 'largest'].map(text => ({text: `${text}`, title: 'step across edges, N', number: true})),
+    {text: 'p99', title: 'angle between neighbours, degrees', number: true},
+    {text: 'largest', title: 'angle between neighbours, degrees', number: true},
+    {text: 'largest', title: 'error against k d n, N', number: true},
+    {text: 'touching', title: 'share of the samples with a force', number: true}];
+  const degrees = radians => number(radians * 180 / Math.PI);
+  const rows = result.depths.flatMap(depth => depth.methods.map(({method, statistics: s}) => [
+    depthText(depth), swatch(methodColor(method), methodTitle(method)),
+    of(s.step, 'mean'), of(s.step, 'p99'), of(s.step, 'max'),
+    of(s.edge_step, 'mean'), of(s.edge_step, 'p99'), of(s.edge_step, 'max'),
+    degrees(s.angle.p99), degrees(s.angle.max), of(s.error, 'max'),
+    `${number(100 * s.touching / s.samples, 4)} %`,
+  ]));
+  const made = table(header, rows, `Neighbouring samples, ${count(result.depths[0].samples)} a depth`);
+  made.querySelector('thead').prepend(el('tr.groups', {}, el('td', {colspan: 2}),
+      ...[[3, 'Step within patches, N'], [3, 'Step across edges, N'], [2, 'Angle, degrees'], [1, 'Error, N'], [1, '']]
+          .map(([colspan, text]) => text ? el('th', {colspan, scope: 'colgroup'}, text) : el('td', {}))));
+  return made;
+}
+
+export function sweepSection(result) {
+  for (const depth of result.depths) depth.methods = inOrder(depth.methods);
+  return {
+    title: 'Force over the surface',
+    content: [surfaceFigure(result), histograms(result), statistics(result)].flat(),
+  };
+}

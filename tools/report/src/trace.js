@@ -1,0 +1,124 @@
+// A path that gliss trace followed: how much the force changes from tick to tick, a chart for each method.
+import {bars, Chart} from './chart.js';
+import {button, el, figure, select, swatch, table, uniqueId} from './dom.js';
+import {count, number, vector} from './format.js';
+import {inOrder, methodColor, methodTitle} from './methods.js';
+
+// The index of the entry nearest to a value in a sorted list.
+function nearest(values, value) {
+  let low = 0, high = values.length - 1;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (values[middle] < value) low = middle + 1;
+    else high = middle;
+  }
+  return low > 0 && value - values[low - 1] < values[low] - value ? low - 1 : low;
+}
+
+class PathCharts {
+  constructor(result) {
+    this.methods = inOrder(result.methods);
+    this.range = [result.first_step - 0.5, result.last_step + 0.5];
+    this.unit = result.origin.unit || '';
+    this.element = el('.charts');
+    this.log = false;
+    this.build();
+  }
+
+  // The scale of an axis is fixed when a chart is made.
+  build() {
+    const sync = uniqueId();
+    this.charts = this.methods.map((method, i) => new Chart({
+      label: `Change of force from tick to tick, ${methodTitle(method.method)}`,
+      height: i + 1 === this.methods.length ? 188 : 152,
+      x: {label: i + 1 === this.methods.length ? 'tick' : undefined, range: this.range,
+          size: i + 1 === this.methods.length ? 36 : 22},
+      y: {label: 'N', log: this.log, range: this.heights(...this.range)},
+      series: [{fill: methodColor(method.method), width: 0, paths: bars}],
+      data: [method.step, method.change],
+      tell: index => this.tell(method, index),
+      onRange: (from, to) => this.show(from, to),
+      sync,
+    }));
+    this.element.replaceChildren(...this.methods.map((method, i) => el('.strip', {},
+        el('h4', {}, swatch(methodColor(method.method), methodTitle(method.method)),
+            el('span.aside', {}, `mean ${number(method.mean_change)} N, largest `,
+                `${number(method.largest[0]?.change ?? 0)} N`)),
+        this.charts[i].element)));
+  }
+
+  // One axis for all: that of the largest bar in sight.
+  heights(from, to) {
+    let most = 0, least = Infinity;
+    for (const {step, change} of this.methods) {
+      for (let i = nearest(step, from); i < step.length && step[i] <= to; i++) {
+        if (step[i] < from) continue;
+        most = Math.max(most, change[i]);
+        if (change[i] > 0) least = Math.min(least, change[i]);
+      }
+    }
+    if (!(most > 0)) return this.log ? [1e-6, 1] : [0, 1];
+    if (this.log) return [10 ** Math.max(Math.floor(Math.log10(least)), Math.floor(Math.log10(most)) - 6), 10 ** Math.ceil(Math.log10(most))];
+    return [0, 1.05 * most];
+  }
+
+  show(from, to) {
+    const range = this.heights(from, to);
+    for (const chart of this.charts) {
+      chart.show(from, to);
+      chart.setHeight(range);
+    }
+  }
+
+  tell(method, index) {
+    const step = method.step[index];
+    const rows = this.methods.map(other => {
+      const i = nearest(other.step, step);
+      const value = other.step[i] === step ? `${number(other.change[i])} N` : 'not shown';
+      return [methodTitle(other.method), value, methodColor(other.method)];
+    });
+    const at = [method.x[index], method.y[index], method.z[index]];
+    return [`Tick ${count(step)}`, [...rows, [`|F| ${methodTitle(method.method).toLowerCase()}`, `${number(method.force[index])} N`],
+      ['patch', String(method.patch[index])], ['HIP', `${vector(at)} ${this.unit}`]]];
+  }
+
+  goTo(step) {
+    const half = Math.max(20, (this.range[1] - this.range[0]) / 60);
+    this.show(Math.max(this.range[0], step - half), Math.min(this.range[1], step + half));
+  }
+}
+
+function figures(methods, charts) {
+  const peak = ({step, change}) => button(`${number(change)} N`, `Show tick ${count(step)}`, () => charts.goTo(step));
+  const header = [{text: 'Method'}, {text: 'Mean step, N', number: true},
+    ...[1, 2, 3].map(i => ({text: `${['Largest', '2nd', '3rd'][i - 1]} step`, number: true})),
+    {text: 'Largest force, N', number: true}, {text: 'Ticks', number: true}, {text: 'In contact', number: true}];
+  return table(header, methods.map(m => [
+    swatch(methodColor(m.method), methodTitle(m.method)), number(m.mean_change),
+    ...[0, 1, 2].map(i => m.largest[i] ? peak(m.largest[i]) : '–'), number(m.largest_force), count(m.ticks),
+    count(m.in_contact),
+  ]), 'Steps of force along the path; a step leads to its tick');
+}
+
+export function traceSection(result) {
+  const charts = new PathCharts(result);
+  const shown = charts.methods.map(m => m.step.length), bars = Math.max(...shown);
+  const all = Math.max(...charts.methods.map(m => m.in_contact));
+  const thinned = all > 1000 && bars < 0.95 * all
+      ? `${count(bars)} of ${count(all)} ticks are drawn, the least and the largest of each stretch. ` : '';
+  return {
+    title: 'Force along a path',
+    content: [
+      el('.controls', {},
+          select('Axis', [['linear', 'linear'], ['log', 'logarithmic']], 'linear', value => {
+            charts.log = value === 'log';
+            charts.build();
+          }),
+          button('Show all', 'Show the whole path', () => charts.show(...charts.range))),
+      figure(`|F(i) − F(i−1)|, newtons: what the force changes by from one tick to the next, one axis for all methods. ${
+        thinned}A tick has a bar where it and the one before it are in contact. Drag to zoom, double-click to see all.`,
+      charts.element),
+      figures(charts.methods, charts),
+    ],
+  };
+}

@@ -1,0 +1,79 @@
+#include "tools/report_source.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <string_view>
+
+#include "tools/report_table.h"
+
+namespace gliss::tools {
+namespace {
+
+constexpr char kWhat[] = "a result of gliss trace, sweep, compare or run";
+
+[[noreturn]] void refuse(const ReportSource& source, const std::string& why) {
+  throw InputError(fmt::format("'{}' is not {}: {}", source.path, kWhat, why));
+}
+
+Json read_hdf5(const ReportSource& source) {
+  try {
+    const Hdf5Reader file(source.path, kWhat);
+    if (file.has("statistics/method")) return read_sweep(file, source);
+    const bool recording = file.has("ticks/sent_x");
+    if (!recording && !file.has("method"))
+      refuse(source, "HDF5 without 'statistics', 'ticks' or 'method'");
+    const ReportTable table =
+        read_hdf5_ticks(file, source, recording ? TickTable::kRecording : TickTable::kTrace);
+    return recording ? recording_result(table, source) : trace_result(table, source);
+  } catch (const InputError&) {
+    throw;
+  } catch (const std::runtime_error& error) {  // HDF5's: a damaged file, or a foreign one
+    throw InputError(error.what());
+  }
+}
+
+Json read_json(const ReportSource& source) {
+  std::ifstream file(source.path, std::ios::binary);
+  const Json json = Json::parse(file, nullptr, false);
+  if (json.is_discarded()) refuse(source, "JSON that is damaged");
+  const auto holds = [&](const char* key, bool (Json::*is)() const noexcept) {
+    return json.contains(key) && (json[key].*is)();
+  };
+  if (holds("rows", &Json::is_array)) return read_comparison(json, source);
+  if (holds("histograms", &Json::is_object)) return read_run_report(json, source);
+  refuse(source, "JSON without a list 'rows' (gliss compare) or 'histograms' (gliss run --report)");
+}
+
+Json read_csv(const ReportSource& source) {
+  const ReportTable table = read_csv_ticks(source);
+  return table.kind == TickTable::kTrace ? trace_result(table, source)
+                                         : recording_result(table, source);
+}
+
+}  // namespace
+
+Json provenance(const Hdf5Reader& file) {
+  Json origin = Json::object();
+  for (const char* name :
+       {"surface", "mesh_hash", "unit", "precision", "scene", "device", "command_line"}) {
+    if (const auto text = file.text_attribute(name)) origin[name] = *text;
+  }
+  return origin;
+}
+
+Json read_result(const ReportSource& source) {
+  std::ifstream file(source.path, std::ios::binary);
+  std::string start(4096, '\0');
+  file.read(start.data(), static_cast<std::streamsize>(start.size()));
+  start.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, file.gcount())));
+  if (start.empty()) refuse(source, file.bad() ? "it cannot be read" : "it is empty");
+  if (start.starts_with("\x89HDF\r\n\x1a\n")) return read_hdf5(source);
+  if (start[std::min(start.find_first_not_of(" \t\r\n"), start.size() - 1)] == '{')
+    return read_json(source);
+  if (start.find("fx") != start.npos && start.find(',') != start.npos) return read_csv(source);
+  refuse(source, "neither HDF5 nor JSON nor a table of forces in CSV");
+}
+
+}  // namespace gliss::tools
