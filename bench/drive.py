@@ -18,6 +18,8 @@ import sys
 import tempfile
 
 HERE = pathlib.Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent / "tools"))
+from slide_path import offset, resampled, surface_beneath  # noqa: E402
 TEETH = HERE.parent.parent / "shared" / "meshes" / "teeth32_ngon.obj"
 DEEP = 4.0  # mm that the hand aims beneath the surface; its grip of 300 N/m yields
 ABOVE = 5.0  # mm above it, where the hand starts
@@ -44,7 +46,6 @@ noise = "2um"
 
 def along_knot():
     """Points just above the knot, round it and back to the first."""
-    sys.path.insert(0, str(HERE.parent / "tools"))
     import knot_path
     radius = knot_path.TUBE + 0.5
     count = 20000
@@ -58,37 +59,12 @@ def along_teeth():
     return [(34 * math.sin(a), 633.0, 98 + 46 * math.cos(a)) for a in turns]
 
 
-def surface_beneath(gliss, mesh, points, folder):
-    """(nearest point, outward normal) of the mesh for each point."""
-    hips, out = folder / "hips.csv", folder / "nearest.csv"
-    hips.write_text("x,y,z\n" + "".join(f"{x},{y},{z}\n" for x, y, z in points))
-    subprocess.run([gliss, "project", mesh, "--hip", hips, "--unit", "mm", "-o", out, "--quiet"], check=True)
-    with open(out, newline="") as file:
-        return [([float(row[k]) for k in ("x", "y", "z")], [float(row[k]) for k in ("nx", "ny", "nz")])
-                for row in csv.DictReader(file)]
-
-
-def resampled(points, step):
-    """Points `step` apart along the same line."""
-    out, left = [points[0]], step
-    for a, b in zip(points, points[1:]):
-        length = math.dist(a, b)
-        at = left
-        while at <= length and length > 0:
-            out.append([p + (q - p) * at / length for p, q in zip(a, b)])
-            at += step
-        left = at - length
-    return out
-
-
 def write_path(path, points):
     path.write_text("x_mm,y_mm,z_mm\n" + "".join("{},{},{}\n".format(*p) for p in points))
 
 
 def paths_over(gliss, mesh, points, folder):
     feet = surface_beneath(gliss, mesh, points, folder)
-    def offset(foot, depth):
-        return [p - depth * n for p, n in zip(*foot)]
     aim = resampled([offset(foot, DEEP) for foot in feet], STEP)
     wait = [offset(feet[0], -ABOVE)] * 700  # the guard's ramp
     write_path(folder / "slide.csv", wait + resampled([wait[0], aim[0]], STEP) + aim + aim[::-1])

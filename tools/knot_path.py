@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Writes a path of HIPs 2 mm beneath the tube of `gliss generate knot`, one a tick, as CSV.
+"""Writes a path of HIPs 2 mm, or DEPTH mm, beneath the tube of `gliss generate knot`, one a tick, as CSV.
 
-It travels along the knot and slowly round the tube, 0.15 mm a tick. Usage: tools/knot_path.py > path.csv
+It travels along the knot and slowly round the tube, 0.15 mm a tick. Usage: tools/knot_path.py [DEPTH] > path.csv
 """
 
 import math
@@ -30,8 +30,8 @@ def point(t, radius):
     return [m + c * o + s * d for m, o, d in zip(centre, out, side)]
 
 
-def path():
-    t, radius = 0.0, TUBE - DEPTH
+def path(depth):
+    t, radius = 0.0, TUBE - depth
     for _ in range(TICKS):
         yield point(t, radius)
         t += STEP * 1e-4 / math.dist(point(t, radius), point(t + 1e-4, radius))
@@ -39,7 +39,8 @@ def path():
 
 def main():
     sys.stdout.write("step,x_mm,y_mm,z_mm\n")
-    for step, (x, y, z) in enumerate(path()):
+    depth = float(sys.argv[1]) if len(sys.argv) > 1 else DEPTH
+    for step, (x, y, z) in enumerate(path(depth)):
         sys.stdout.write(f"{step},{x:.9f},{y:.9f},{z:.9f}\n")
 
 

@@ -50,14 +50,20 @@ if (($# == 0)); then
   tools/draw_forces.py "${name}_forces.csv" "${name}_forces.svg"
 fi
 
+say "All of this as a page"
+shown=("$name.h5")
+if (($# == 0)); then shown=("${name}_forces.csv" "${shown[@]}"); fi
+gliss report "${shown[@]}" -o "$name.html" || echo "The page is left out."
+
 say "Done. In $PWD/results:"
 row() { printf '  %-18s %s\n' "$(basename -- "$name")$1" "$2"; }
 row .gliss "the patches, for every other command"
 row .json "how smooth each method is at each depth: step_N, edge_step_N, angle_rad, error_N"
 row .h5 "samples with their forces (Python: h5py)"
+if [[ -f $name.html ]]; then row .html "look at this one first, in a browser"; fi
 row .vtp "HIPs with their forces for ParaView; _mesh.vtp: the mesh with rho_min"
 if (($# == 0)); then
   row _forces.csv "force at each tick of the path"
-  row _forces.svg "look at this one first, in a browser: what the force changes by from tick to tick"
+  row _forces.svg "what the force changes by from tick to tick, as a picture"
 fi
 echo "The program is $build/gliss; $build/gliss --help lists its commands."
