@@ -97,32 +97,43 @@ ContactTracker::ContactTracker(const PatchCache& cache, const QueryOptions& opti
 }
 
 // Sphere tracing: along the line from the last HIP no surface is nearer than the last distance
-// found (Hart 1996). Leaves `state` in contact where the line enters and the HIP stays inside;
-// returns the iterations spent.
+// found (Hart 1996). Leaves `state` in contact where the line enters and the HIP stays inside. Adds
+// the iterations spent; false where they are used up before the HIP is reached: `state` is then the
+// nearest point to where the sweep has come, from where the next tick goes on.
 template <class Real>
-int ContactTracker::meet(const Surface<Real>& s, const Vec3& hip, RawContact<Real>& state) const {
+bool ContactTracker::meet(const Surface<Real>& s, const Vec3& hip, RawContact<Real>& state,
+                          int& iterations) {
   constexpr int kMostSteps = 32;
   const double length = (hip - last_).norm(), on_surface = 1e-6 / cache_->scale;
   const TrackOptions<Real> options = track_options<Real>(options_);
-  int iterations = 0;
   double at = clear_;
   for (int i = 0; i < kMostSteps && at < length; ++i) {
     RawContact<Real> there;
-    const RawHip<Real> x = raw_hip<Real>(*cache_, last_ + (at / length) * (hip - last_));
-    kernels<Real>().nearest(s, &options_.method, 1, options, x, &there);
+    const Vec3 x = last_ + (at / length) * (hip - last_);
+    kernels<Real>().nearest(s, &options_.method, 1, options, raw_hip<Real>(*cache_, x), &there);
     iterations += static_cast<int>(there.uints[kContactIterations]);
     const double distance = std::abs(contact_of(*cache_, s, there).distance);
     if (there.uints[kContactState] != 0 || distance <= on_surface) {
-      kernels<Real>().track(s, options_.method, options, raw_hip<Real>(*cache_, hip), &there);
-      iterations += static_cast<int>(there.uints[kContactIterations]);
-      if (there.uints[kContactState] != 0) {
-        state = there;
-        break;
+      RawContact<Real> inside = there;
+      kernels<Real>().track(s, options_.method, options, raw_hip<Real>(*cache_, hip), &inside);
+      iterations += static_cast<int>(inside.uints[kContactIterations]);
+      if (inside.uints[kContactState] != 0) {
+        state = inside;
+        return true;
       }
     }
-    at += std::max(distance, length / kMostSteps);  // it may glide along the surface
+    const double step = std::max(distance, length / kMostSteps);  // it may glide on the surface
+    at += step;
+    if (iterations >= kSweepIterations && hip.allFinite()) {
+      const bool clear = there.uints[kContactState] == 0 && distance == step;
+      last_ = clear ? x : at < length ? Vec3(x + (step / length) * (hip - last_)) : hip;
+      clear_ = clear ? distance : 0;
+      state = there;
+      state.uints[kContactState] = 0;
+      return false;
+    }
   }
-  return iterations;
+  return true;
 }
 
 Contact ContactTracker::tick(const Vec3& hip) noexcept {
@@ -132,16 +143,17 @@ Contact ContactTracker::tick(const Vec3& hip) noexcept {
     // contacts.
     const bool was_free = !touching(), clear = is_clear(hip);
     int iterations = 0;
-    if (was_free && !clear && clear_ >= 0) iterations = meet(s, hip, state);
+    const bool sweeps = was_free && !clear && clear_ >= 0;
+    const bool arrived = !sweeps || meet(s, hip, state, iterations);
     const bool met = was_free && touching();
-    if (!met) {
+    if (arrived && !met) {
       kernels<Real>().tick(s, options_.method, track_options<Real>(options_),
                            raw_hip<Real>(*cache_, hip), &state);
       iterations += static_cast<int>(state.uints[kContactIterations]);
     }
     Contact contact = contact_of(*cache_, s, state);
     contact.iterations = iterations;
-    if (hip.allFinite() && !clear) {
+    if (arrived && hip.allFinite() && !clear) {
       last_ = hip;
       // What local tracking leaves need not be the nearest of all.
       clear_ = was_free && !contact.touching ? contact.distance : 0;

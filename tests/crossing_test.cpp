@@ -82,6 +82,34 @@ TEST_P(Crossing, at_any_speed_ends_in_the_same_contact) {
   }
 }
 
+// What one tick may not spend, the next ones do: the contact comes later.
+TEST(Crossing, that_costs_too_much_for_a_tick_goes_on_in_the_next) {
+  const PatchCache cache = test::cache_of(fin().mesh);
+  const Vec3 middle = 0.5 * (cache.bounds().low + cache.bounds().high);
+  QueryOptions options;
+  options.solver = Solver::kPaper;
+  Rng rng(9);
+  int longest = 0;
+  for (int i = 0; i < 100; ++i) {
+    const Vec3 to = middle + 0.1 * oracle::random_unit(rng),
+               from = to + 80 * oracle::random_unit(rng);
+    ContactTracker tracker(cache, options);
+    tracker.tick(from);
+    int ticks = 0;
+    Contact contact;
+    for (; ticks < 40 && !contact.touching; ++ticks) {
+      contact = tracker.tick(to);
+      if (contact.touching) break;
+      EXPECT_GE(contact.iterations, ContactTracker::kSweepIterations);
+      EXPECT_EQ(contact.push, Vec3::Zero());
+    }
+    ASSERT_TRUE(contact.touching) << i;
+    longest = std::max(longest, ticks);
+  }
+  EXPECT_GT(longest, 0);
+  test::record("costly ways", "up to {} ticks late", longest);
+}
+
 INSTANTIATE_TEST_SUITE_P(Methods, Crossing,
                          ::testing::Values(Method::kGregory, Method::kShaded, Method::kFlat),
                          [](const auto& info) {
