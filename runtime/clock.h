@@ -9,6 +9,10 @@ namespace gliss {
 
 using Nanoseconds = std::chrono::nanoseconds;
 
+constexpr double seconds(Nanoseconds time) noexcept {
+  return std::chrono::duration<double>(time).count();
+}
+
 inline Nanoseconds read_clock(clockid_t clock) noexcept {
   timespec time{};
   clock_gettime(clock, &time);

@@ -7,6 +7,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "runtime/clock.h"
+
 namespace gliss {
 namespace {
 
@@ -16,8 +18,6 @@ constexpr nanoseconds kLeastStep{1'000'000};  // once tripped
 constexpr int kStalledSteps = 3;
 // Scaled vectors end this much inside, so that rounding leads none out.
 constexpr double kWithin = 1 - 8 * std::numeric_limits<double>::epsilon();
-
-double seconds(nanoseconds time) { return std::chrono::duration<double>(time).count(); }
 
 // From `then` to `now`, within [0, most]; any two times will do, for none is subtracted as signed.
 nanoseconds since(nanoseconds then, nanoseconds now, nanoseconds most) {
@@ -81,6 +81,11 @@ LimitedForce limit(const Vec3& wanted, const Vec3& from, double most, double cha
     force = Vec3::Zero();
   }
   return result;
+}
+
+std::optional<Vec3> motor_force(const Vec3& wanted, double most) noexcept {
+  if (!std::isfinite(wanted.norm())) return std::nullopt;
+  return limit(wanted, Vec3::Zero(), most, std::numeric_limits<double>::infinity()).force;
 }
 
 Guard::Guard(const GuardLimits& limits) : limits_(checked(limits)) {}

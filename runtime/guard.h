@@ -21,6 +21,7 @@
 #include <array>
 #include <chrono>
 #include <cstdint>
+#include <optional>
 
 #include "host/mesh.h"
 
@@ -126,5 +127,9 @@ struct LimitedForce {
 // change, finite (or else zero). All in N; from is at most `most` where that is to hold of the
 // result.
 LimitedForce limit(const Vec3& wanted, const Vec3& from, double most, double change) noexcept;
+
+// A force for motors that give `most` N: at most that. None where its size is not a finite number:
+// who asks for that has failed, and is to have no force rather than the largest.
+std::optional<Vec3> motor_force(const Vec3& wanted, double most) noexcept;
 
 }  // namespace gliss

@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include "runtime/guard.h"
 #include "runtime/haply_link.h"
 
 namespace gliss {
@@ -34,11 +35,9 @@ DeviceState HaplyDevice::read(Nanoseconds) noexcept {
 }
 
 bool HaplyDevice::write(const Vec3& force, Nanoseconds now) noexcept {
-  const bool finite = force.allFinite();
-  Vec3 out = finite ? force : Vec3::Zero();
-  if (const double size = out.norm(); size > info_.max_force) out *= info_.max_force / size;
-  link_->forces.store({HaplyVector::of(out), now});
-  return finite && !link_->failed.load(std::memory_order_relaxed);
+  const auto given = motor_force(force, info_.max_force);
+  link_->forces.store({HaplyVector::of(given.value_or(Vec3::Zero())), now});
+  return given && !link_->failed.load(std::memory_order_relaxed);
 }
 
 std::uint64_t HaplyDevice::malformed() const noexcept {

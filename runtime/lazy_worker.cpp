@@ -23,7 +23,7 @@ class Motion {
     }
     const Nanoseconds time = now - from_->time;
     if (time < kBaseline / 2) return Vec3::Zero();
-    return (hip - from_->hip) / std::chrono::duration<double>(time).count();
+    return (hip - from_->hip) / seconds(time);
   }
 
  private:
@@ -108,7 +108,7 @@ std::vector<std::uint32_t> LazyWorker::faces_ahead(const Posted& posted, const V
     if (std::find(faces.begin(), faces.end(), c.at.face) == faces.end()) faces.push_back(c.at.face);
   };
   add(posted.touching ? contact.track(hip, {posted.face}) : contact.tick(hip));
-  const Vec3 way = velocity * std::chrono::duration<double>(options_.ahead).count();
+  const Vec3 way = velocity * seconds(options_.ahead);
   for (int i = 1; i <= kSteps; ++i) add(contact.tick(hip + way * i / kSteps));
   return faces;
 }

@@ -5,7 +5,7 @@
 namespace gliss {
 namespace {
 
-double seconds(Nanoseconds time) { return std::chrono::duration<double>(time).count(); }
+constexpr std::uint64_t kFlushedTicks = 4096;  // to disk together: a full one is noticed by then
 
 Columns recorded_columns() {
   using enum ColumnType;
@@ -47,7 +47,7 @@ void TickQueue::take(std::vector<LoopTick>& ticks) {
 RecordingFile::RecordingFile(const std::string& path, const std::vector<Attribute>& attributes)
     : many_tables_(!path.ends_with(".csv")),
       file_(create_result_file(path)),
-      table_(*file_, "ticks", recorded_columns()) {
+      table_(*file_, "ticks", recorded_columns(), {}, kFlushedTicks) {
   for (const Attribute& attribute : attributes) file_->set_attribute(attribute);
 }
 

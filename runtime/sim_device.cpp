@@ -4,10 +4,12 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "runtime/guard.h"
+
 namespace gliss {
 namespace {
 
-constexpr double kStepSeconds = std::chrono::duration<double>(SimDevice::kStep).count();
+constexpr double kStepSeconds = seconds(SimDevice::kStep);
 // A reader that was away for longer finds the hand where it would have been after this.
 constexpr std::uint64_t kMostSteps = 2000;
 
@@ -36,48 +38,53 @@ SimOptions checked(const SimOptions& options) {
 
 }  // namespace
 
-HandPath::HandPath(std::vector<double> times, std::vector<Vec3> points)
-    : times_(std::move(times)), points_(std::move(points)) {
+HandPath::HandPath(std::vector<double> times, std::vector<Vec3> points, int rounds, double back)
+    : times_(std::move(times)), points_(std::move(points)), rounds_(rounds) {
   require(times_.size() == points_.size(), "path: as many times as points");
   require(std::is_sorted(times_.begin(), times_.end()), "path: times must not decrease");
   const auto finite = [](const Vec3& point) { return point.allFinite(); };
   require(std::all_of(points_.begin(), points_.end(), finite) &&
               (times_.empty() || (std::isfinite(times_.front()) && std::isfinite(times_.back()))),
           "path: not finite");
+  require(rounds > 0, "rounds: must be positive");
+  require(back >= 0 && std::isfinite(back), "path: the way back must take a time");
+  if (!times_.empty()) lap_ = times_.back() + back;
+  require(std::isfinite(duration()), "path: not finite");
+  require(rounds == 1 || times_.empty() || times_.front() >= 0, "path: rounds begin at 0 s");
 }
 
-HandPath HandPath::sampled(std::vector<Vec3> points, double interval) {
+HandPath HandPath::sampled(std::vector<Vec3> points, double interval, int rounds) {
   require(interval > 0, "interval: must be positive");
   std::vector<double> times;
   for (std::size_t i = 0; i < points.size(); ++i)
     times.push_back(static_cast<double>(i) * interval);
-  return {std::move(times), std::move(points)};
+  return {std::move(times), std::move(points), rounds, interval};
 }
 
 HandPath HandPath::along(const std::vector<Vec3>& waypoints, double speed, int rounds) {
   require(speed > 0 && std::isfinite(speed), "speed: must be a positive number");
-  require(rounds > 0, "rounds: must be positive");
   std::vector<double> times;
-  std::vector<Vec3> points;
   double time = 0;
-  for (int round = 0; round < rounds; ++round) {
-    for (const Vec3& point : waypoints) {
-      if (!points.empty()) time += (point - points.back()).norm() / speed;
-      times.push_back(time);
-      points.push_back(point);
-    }
+  for (std::size_t i = 0; i < waypoints.size(); ++i) {
+    if (i > 0) time += (waypoints[i] - waypoints[i - 1]).norm() / speed;
+    times.push_back(time);
   }
-  return {std::move(times), std::move(points)};
+  const double back = waypoints.empty() ? 0 : (waypoints.front() - waypoints.back()).norm() / speed;
+  return {std::move(times), waypoints, rounds, back};
 }
 
 Vec3 HandPath::at(double t) noexcept {
   if (points_.empty()) return Vec3::Zero();
+  const double round = lap_ > 0 ? std::clamp(std::floor(t / lap_), 0.0, rounds_ - 1.0) : 0;
+  t -= round * lap_;
   if (next_ > 0 && t < times_[next_ - 1]) next_ = 0;
   while (next_ < times_.size() && times_[next_] <= t) ++next_;
   if (next_ == 0) return points_.front();
-  if (next_ == times_.size()) return points_.back();
-  const double from = times_[next_ - 1], to = times_[next_];
-  return points_[next_ - 1] + (t - from) / (to - from) * (points_[next_] - points_[next_ - 1]);
+  const bool last = next_ == times_.size();
+  if (last && !(round + 1 < rounds_ && lap_ > times_.back())) return points_.back();
+  const double from = times_[next_ - 1], to = last ? lap_ : times_[next_];
+  const Vec3 &a = points_[next_ - 1], &b = points_[last ? 0 : next_];
+  return a + (t - from) / (to - from) * (b - a);
 }
 
 SimDevice::SimDevice(HandPath path, const SimOptions& options)
@@ -129,19 +136,15 @@ DeviceState SimDevice::read(Nanoseconds now) noexcept {
     if (options_.resolution > 0) x = options_.resolution * std::round(x / options_.resolution);
   }
   state.velocity = seen.velocity;
-  const double over = path_.duration() + std::chrono::duration<double>(options_.delay).count();
+  const double over = path_.duration() + seconds(options_.delay);
   state.ended = static_cast<double>(steps_) * kStepSeconds > over;
   return state;
 }
 
 bool SimDevice::write(const Vec3& force, Nanoseconds) noexcept {
-  const double most = options_.max_force, size = force.norm();
-  if (!std::isfinite(size)) {
-    force_.setZero();
-    return false;
-  }
-  force_ = size > most ? Vec3(most / size * force) : force;
-  return true;
+  const auto given = motor_force(force, options_.max_force);
+  force_ = given.value_or(Vec3::Zero());
+  return given.has_value();
 }
 
 }  // namespace gliss

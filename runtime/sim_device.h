@@ -10,24 +10,28 @@
 
 namespace gliss {
 
-// Where the hand wants to be: on straight lines between the points.
+// Where the hand wants to be: on straight lines between the points, and from the last to the first
+// again in a further round.
 class HandPath {
  public:
   HandPath() = default;  // stays at the origin
-  // Times in s, not decreasing; points in m. Throws std::invalid_argument otherwise.
-  HandPath(std::vector<double> times, std::vector<Vec3> points);
+  // Times in s, not decreasing; points in m; `back` s from the last point to the first. Throws
+  // std::invalid_argument otherwise.
+  HandPath(std::vector<double> times, std::vector<Vec3> points, int rounds = 1, double back = 0);
   // A point every `interval` (s).
-  static HandPath sampled(std::vector<Vec3> points, double interval);
-  // At a speed (m/s) along the waypoints, `rounds` times there.
+  static HandPath sampled(std::vector<Vec3> points, double interval, int rounds = 1);
+  // At a speed (m/s) along the waypoints.
   static HandPath along(const std::vector<Vec3>& waypoints, double speed, int rounds = 1);
 
-  double duration() const { return times_.empty() ? 0 : times_.back(); }
+  double duration() const { return times_.empty() ? 0 : (rounds_ - 1) * lap_ + times_.back(); }
   // The path's end after its duration, its beginning before. Quick where t grows from call to call.
   Vec3 at(double t) noexcept;
 
  private:
-  std::vector<double> times_;
+  std::vector<double> times_;  // of the first round
   std::vector<Vec3> points_;
+  int rounds_ = 1;
+  double lap_ = 0;  // s, from a round's beginning to the next one's
   std::size_t next_ = 0;
 };
 

@@ -27,7 +27,7 @@ UdpDevice::UdpDevice(std::uint16_t port, Nanoseconds patience) {
       throw LoopError(fmt::format(
           "udp:{0}: no haptic device answered at 127.0.0.1:{0} for {1:.1f} s; cure: start the "
           "device's program or gliss serve with this port, or end the loop that uses it already",
-          port, std::chrono::duration<double>(patience).count()));
+          port, seconds(patience)));
     }
     send(Vec3::Zero(), now, 0);
     // A refusal ends a wait at once, and is to be waited for, not to be spun on.
@@ -57,23 +57,14 @@ bool UdpDevice::write(const Vec3& force, Nanoseconds now) noexcept {
 }
 
 void UdpDevice::receive() noexcept {
-  for (int i = 0; i < kDrain; ++i) {
-    std::array<std::byte, udp::kLargest> buffer;
-    const udp::Arrival arrival = socket_.receive(buffer);
-    if (arrival.outcome == udp::Outcome::kNothing) return;
-    if (arrival.outcome == udp::Outcome::kRefused) {
-      unreachable_ = true;
-      continue;
-    }
-    const std::span<const std::byte> bytes(buffer.data(), std::min(arrival.size, buffer.size()));
-    const auto datagram =
-        arrival.size > buffer.size() ? std::nullopt : udp::decode<udp::StateDatagram>(bytes);
-    if (datagram) {
+  const auto dead = [&] { unreachable_ = true; };
+  udp::drain<udp::kLargest>(socket_, kDrain, dead, [&](auto bytes, std::uint16_t) {
+    if (const auto datagram = udp::decode<udp::StateDatagram>(bytes)) {
       take(*datagram);
     } else {
       ++rejected_;
     }
-  }
+  });
 }
 
 // The same sequence again may carry other flags.

@@ -1,7 +1,6 @@
 #include "runtime/udp_server.h"
 
 #include <algorithm>
-#include <limits>
 #include <stdexcept>
 
 #include "runtime/guard.h"
@@ -83,24 +82,18 @@ void UdpServer::publish(Nanoseconds now) noexcept {
 }
 
 void UdpServer::receive(Nanoseconds now) noexcept {
-  for (int i = 0; i < kDrain; ++i) {
-    std::array<std::byte, sizeof(udp::ForceDatagram)> buffer;
-    const udp::Arrival arrival = socket_.receive(buffer);
-    if (arrival.outcome == udp::Outcome::kNothing) return;
-    if (arrival.outcome == udp::Outcome::kRefused) {
-      if (peer_ != 0) ++counts_.lost;
-      forget();
-      continue;
-    }
-    const auto datagram = arrival.size == buffer.size() && arrival.port != 0
-                              ? udp::decode<udp::ForceDatagram>(buffer)
-                              : std::nullopt;
-    if (datagram) {
-      take(*datagram, arrival.port, now);
+  const auto dead = [&] {
+    if (peer_ != 0) ++counts_.lost;
+    forget();
+  };
+  udp::drain<udp::kLargest>(socket_, kDrain, dead, [&](auto bytes, std::uint16_t port) {
+    const auto datagram = udp::decode<udp::ForceDatagram>(bytes);
+    if (datagram && port != 0) {
+      take(*datagram, port, now);
     } else {
       ++counts_.rejected;
     }
-  }
+  });
 }
 
 // A process that stood still finds the oldest datagrams in its queue: when they were sent counts,
@@ -126,10 +119,8 @@ void UdpServer::take(const udp::ForceDatagram& datagram, std::uint16_t port,
   newest_ = datagram.sequence;
   heard_ = sent;
   counts_.answered = datagram.answers;
-  // Finite, and at most what the device can.
-  force_ = limit(udp::vector(datagram.force), Vec3::Zero(), device_.info().max_force,
-                 std::numeric_limits<double>::infinity())
-               .force;
+  force_ =
+      motor_force(udp::vector(datagram.force), device_.info().max_force).value_or(Vec3::Zero());
 }
 
 // A tick later would be too late.

@@ -2,6 +2,7 @@
 // neither allocates nor throws once it is open.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -47,5 +48,22 @@ class Socket {
   int descriptor_ = -1;
   std::uint16_t port_ = 0;
 };
+
+// What waits, up to `most` datagrams: take(bytes, port) each, without bytes where it is longer than
+// kSize; dead() where the other end is found to be.
+template <std::size_t kSize, class Dead, class Take>
+void drain(Socket& socket, int most, Dead dead, Take take) noexcept {
+  for (int i = 0; i < most; ++i) {
+    std::array<std::byte, kSize> buffer;
+    const Arrival arrival = socket.receive(buffer);
+    if (arrival.outcome == Outcome::kNothing) return;
+    if (arrival.outcome == Outcome::kRefused) {
+      dead();
+      continue;
+    }
+    const std::span<const std::byte> whole(buffer);
+    take(whole.first(arrival.size <= kSize ? arrival.size : 0), arrival.port);
+  }
+}
 
 }  // namespace gliss::udp

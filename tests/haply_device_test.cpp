@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "runtime/guard.h"
 #include "runtime/realtime.h"
 #include "tests/allocations.h"
 #include "tests/haply_mock.h"
@@ -114,7 +115,14 @@ TEST(HaplyDevice, no_force_goes_out_before_one_is_written_nor_a_larger_one_than_
   ASSERT_TRUE(eventually([&] { return mock.commands().size() > 10; }));
   for (const HaplyCommand& command : mock.commands()) EXPECT_EQ(command.force, Vec3(0, 0, 0));
   EXPECT_EQ(device.info().max_force, 3.3);
-  EXPECT_TRUE(drive(device, {0, 0, -1e9}, [&] { return got(mock, {0, 0, -3.3}); }));
+  // At most that, by a rounding of it.
+  const Vec3 most = *motor_force({0, 0, -1e9}, 3.3);
+  EXPECT_LE(most.norm(), 3.3);
+  EXPECT_NEAR(most.z(), -3.3, 1e-13);
+  EXPECT_TRUE(drive(device, {0, 0, -1e9}, [&] { return got(mock, most); }));
+  // Nobody means that: none, and said to have failed.
+  EXPECT_FALSE(device.write({0, 0, -1e200}, monotonic_time()));
+  EXPECT_TRUE(drive(device, {0, 0, -1e200}, [&] { return got(mock, {0, 0, 0}); }));
 }
 
 TEST(HaplyDevice, says_zero_last_and_then_goodbye) {

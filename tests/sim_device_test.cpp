@@ -29,11 +29,31 @@ TEST(HandPath, runs_along_its_waypoints_at_its_speed) {
   EXPECT_LT((path.at(1) - Vec3(0.05, 0, 0)).norm(), 1e-15);  // back again
 }
 
+// Rounds as if the points were there so often, with the memory of one.
+TEST(HandPath, goes_round) {
+  const Vec3 a(0, 0, 0), b(0.1, 0, 0), c(0.1, 0.2, 0);
+  const std::vector<Vec3> once{a, b, c}, thrice{a, b, c, a, b, c, a, b, c};
+  const auto expect_same = [](HandPath round, HandPath whole) {
+    EXPECT_NEAR(round.duration(), whole.duration(), 1e-12);
+    for (double t = -1; t < whole.duration() + 1; t += 0.0137)
+      EXPECT_LT((round.at(t) - whole.at(t)).norm(), 1e-12) << t;
+    EXPECT_LT((round.at(0.3) - whole.at(0.3)).norm(), 1e-12);  // back again
+  };
+  expect_same(HandPath::along(once, 0.05, 3), HandPath::along(thrice, 0.05));
+  expect_same(HandPath::along({a, b, a}, 0.05, 2), HandPath::along({a, b, a, a, b, a}, 0.05));
+  expect_same(HandPath::sampled(once, 0.25, 3), HandPath::sampled(thrice, 0.25));
+  EXPECT_EQ(HandPath::along({b}, 0.05, 3).at(1), b);
+  HandPath long_path = HandPath::sampled(std::vector<Vec3>(100'000, a), 1e-3, 1'000'000);
+  EXPECT_NEAR(long_path.duration(), 1e8 - 1e-3, 1e-6);
+  EXPECT_EQ(long_path.at(9e7), a);
+}
+
 TEST(HandPath, refuses_what_is_no_path) {
   EXPECT_THROW(HandPath({0, 1}, {Vec3::Zero()}), std::invalid_argument);
   EXPECT_THROW(HandPath({1, 0}, {Vec3::Zero(), Vec3::Zero()}), std::invalid_argument);
   EXPECT_THROW(HandPath({0}, {Vec3(0, std::nan(""), 0)}), std::invalid_argument);
   EXPECT_THROW(HandPath::along({Vec3::Zero()}, 0), std::invalid_argument);
+  EXPECT_THROW(HandPath::along({Vec3::Zero()}, 1, 0), std::invalid_argument);
 }
 
 TEST(SimDevice, oscillates_as_a_mass_on_a_spring) {
@@ -78,7 +98,16 @@ TEST(SimDevice, gives_no_more_force_than_it_has) {
     device.write(Vec3(100, 0, 0), now);
   }
   EXPECT_NEAR(device.position().x(), 3.3 / 300, 1e-9);
-  EXPECT_FALSE(device.write(Vec3(std::nan(""), 0, 0), 4s));
+  // What nobody means is no force at all.
+  Nanoseconds now = 4s;
+  for (const Vec3& absurd : {Vec3(std::nan(""), 0, 0), Vec3(0, 1e200, 0)}) {
+    EXPECT_FALSE(device.write(absurd, now));
+    for (int i = 0; i < 3000; ++i) device.read(now += 1ms);
+    EXPECT_NEAR(device.position().norm(), 0, 1e-9);
+    EXPECT_TRUE(device.write(Vec3(1, 0, 0), now));
+    device.read(now += 1s);
+    EXPECT_GT(device.position().norm(), 1e-3);
+  }
 }
 
 TEST(SimDevice, reports_late_and_rounded_positions) {

@@ -7,8 +7,6 @@
 namespace gliss::tools {
 namespace {
 
-double seconds(Nanoseconds time) { return std::chrono::duration<double>(time).count(); }
-
 Json json_of(const Vec3& v) {
   Json list = Json::array();
   for (const double x : v) list.push_back(std::isfinite(x) ? Json(x) : Json(nullptr));
