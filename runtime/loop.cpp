@@ -133,7 +133,9 @@ LoopEnd HapticLoop::run(const std::function<bool(const LoopTick&)>& on_tick) {
     record_.add({wake.deadline, tick.lateness, tick.compute, error_of(tick.reason)}, tick.missed);
     if (failed_) end = LoopEnd::kDeviceFault;
     if (!on_tick(tick)) end = end.value_or(LoopEnd::kStopped);
-    if (end && tick.state == GuardState::kSafe) return *end;
+    // A guard that was safe before a force could not be handed on has that fault still to count.
+    const bool counted = !failed_ || guard_.count(GuardReason::kDeviceFault) > 0;
+    if (end && counted && tick.state == GuardState::kSafe) return *end;
   }
 }
 

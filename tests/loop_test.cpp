@@ -65,6 +65,7 @@ class Probe final : public HapticDevice {
 struct Felt {
   LoopEnd end;
   std::vector<LoopTick> ticks;
+  std::uint64_t faults = 0;  // that the guard counted
 };
 
 Felt run(HapticDevice& device, LoopOptions options = {}, std::size_t stop_after = ~std::size_t{0},
@@ -79,6 +80,7 @@ Felt run(HapticDevice& device, LoopOptions options = {}, std::size_t stop_after 
     return result.ticks.size() < stop_after;
   });
   EXPECT_EQ(loop.record().ticks(), result.ticks.size());
+  result.faults = loop.guard().count(GuardReason::kDeviceFault);
   return result;
 }
 
@@ -232,6 +234,20 @@ TEST(Loop, ends_safe_where_the_device_fails) {
     EXPECT_EQ(felt.ticks.back().reason, GuardReason::kDeviceFault);
     EXPECT_EQ(device.written.back(), Vec3::Zero());
     EXPECT_LE(largest_step(felt), 0.3);
+  }
+}
+
+TEST(Loop, counts_a_fault_that_finds_it_safe) {
+  for (const bool by_write : {false, true}) {
+    Probe device(entering(0.1, 0.002, 10000));
+    device.silent_from = 2000;
+    device.silent_to = 2100;
+    (by_write ? device.broken_from : device.fault_at) = 3000;
+    const Felt felt = run(device);
+    EXPECT_EQ(felt.end, LoopEnd::kDeviceFault);
+    EXPECT_EQ(felt.faults, 1u);
+    EXPECT_LE(felt.ticks.size(), 3003u);
+    EXPECT_EQ(felt.ticks.back().reason, GuardReason::kLateInput);  // the first trip's
   }
 }
 
