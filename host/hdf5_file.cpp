@@ -57,7 +57,7 @@ class Hdf5File final : public ResultFile {
     for (const Attribute& attribute : attributes) hdf5::write_attribute(group, attribute, action_);
     const hsize_t chunk = expected_rows ? std::min<hsize_t>(expected_rows, kChunkRows) : kChunkRows;
     for (const Column& column : columns) add_column(group, column, chunk);
-    tables_.push_back({name.empty() ? "/" : name, columns, 0});
+    tables_.push_back({name.empty() ? "/" : name, columns, 0, chunk});
     return tables_.size() - 1;
   }
 
@@ -75,7 +75,10 @@ class Hdf5File final : public ResultFile {
       check(H5Sselect_hyperslab(space, H5S_SELECT_SET, &table.rows, nullptr, &rows, nullptr));
       write_block(datasets_[c], table.columns[c].type, memory, space, block[c]);
     }
+    // Chunks that are full go to disk, so that a full disk is noticed now.
+    const bool full = total / table.chunk > table.rows / table.chunk;
     table.rows = total;
+    if (full) check(H5Fflush(file_, H5F_SCOPE_GLOBAL));
   }
 
   void set_attribute(const Attribute& attribute) override {
@@ -97,7 +100,7 @@ class Hdf5File final : public ResultFile {
   struct Table {
     std::string name;
     std::vector<Column> columns;
-    hsize_t rows;
+    hsize_t rows, chunk;
   };
 
   template <class Result>

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
+#include <utility>
 
 #include "host/hdf5_reader.h"
 #include "host/units.h"
@@ -17,6 +17,7 @@ std::vector<Vec3> read_recording(const std::string& path) {
   if (y.size() != x.size() || z.size() != x.size())
     throw std::runtime_error(action + ": x, y and z are not equally long");
   std::vector<Vec3> points;
+  points.reserve(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) {
     points.emplace_back(x[i], y[i], z[i]);
     if (!points.back().allFinite())
@@ -45,9 +46,9 @@ PointTable read_points(const std::string& path, double unit,
   return result;
 }
 
-std::vector<Vec3> points_in_metres(const PointTable& table) {
+std::vector<Vec3> points_in_metres(PointTable table) {
   const UnitChange to_metres(table.unit, 1);
-  std::vector<Vec3> points = table.points;
+  std::vector<Vec3> points = std::move(table.points);
   for (Vec3& point : points) point = to_metres(point);
   return points;
 }

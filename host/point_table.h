@@ -20,7 +20,7 @@ struct PointTable {
 // Throws CsvError, or std::runtime_error that names the file.
 PointTable read_points(const std::string& path, double unit,
                        const std::vector<std::string>& optional = {});
-// In m.
-std::vector<Vec3> points_in_metres(const PointTable& table);
+// In m. By value, so that a table that is not needed is not copied.
+std::vector<Vec3> points_in_metres(PointTable table);
 
 }  // namespace gliss

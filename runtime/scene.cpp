@@ -50,6 +50,7 @@ ObjectDescription read_object(TomlTable table, const std::string& scene, std::si
   table.get("mesh", mesh);
   table.get("cache", cache);
   if (mesh.empty() == cache.empty()) table.fail("", "needs a mesh or a cache, one of them");
+  object.from_cache = mesh.empty();
   object.surface = beside(scene, mesh.empty() ? cache : mesh);
   std::error_code unknown;  // a name too long for the system throws without
   if (!std::filesystem::exists(object.surface, unknown))
@@ -136,19 +137,16 @@ HandPath read_hand_path(TomlTable& table, const std::string& scene) {
   if (path.empty() == waypoints.empty())
     table.fail("", "needs a path (a file) or waypoints, one of them");
   if (path.empty()) return HandPath::along(waypoints, speed, rounds);
-  std::vector<Vec3> once;
+  std::vector<Vec3> points;
   try {
-    once = points_in_metres(read_points(beside(scene, path), 1));
+    points = points_in_metres(read_points(beside(scene, path), 1));
   } catch (const CsvError&) {
     throw;  // which names its own file and line
   } catch (const std::runtime_error& error) {
     table.fail("path", error.what());
   }
-  if (once.empty()) table.fail("path", fmt::format("there is no point in '{}'", path));
-  std::vector<Vec3> points;
-  for (int round = 0; round < rounds; ++round)
-    points.insert(points.end(), once.begin(), once.end());
-  return HandPath::sampled(std::move(points), interval);
+  if (points.empty()) table.fail("path", fmt::format("there is no point in '{}'", path));
+  return HandPath::sampled(std::move(points), interval, rounds);
 }
 
 void read_sim(TomlTable table, const std::string& path, Scene& scene) {

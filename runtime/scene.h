@@ -28,7 +28,8 @@ enum class Patches { kAll, kLazy };
 struct ObjectDescription {
   std::string place;  // "scene.toml:3: object 'knot'", for messages
   std::string name;
-  std::string surface;                 // path of a mesh or a cache, from the scene's folder
+  std::string surface;  // path of a mesh or a cache, from the scene's folder
+  bool from_cache = false;
   double unit = 1;                     // m, of a mesh's coordinates
   std::optional<Precision> precision;  // as the cache has it, or double
   double stiffness = 500;              // N/m

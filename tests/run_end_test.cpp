@@ -16,10 +16,7 @@ class RunEnd : public test::RunTest {
  protected:
   // A device loop that was told to stop. True where there was a force to take away.
   bool stop_by(int signal) {
-    const auto loop = start("run", "scene.toml --device sim --json -o run.csv");
-    EXPECT_TRUE(await_recording(*loop, "run.csv")) << loop->err();
-    loop->kill(signal);
-    const Outcome outcome = loop->wait();
+    const Outcome outcome = stop_recording("scene.toml --device sim --json", "run.csv", signal);
     EXPECT_EQ(outcome.code, 130);
     EXPECT_THAT(outcome.err, EndsWith("gliss: interrupted\n"));
     const auto json = json_of(outcome);
@@ -52,10 +49,7 @@ TEST_F(RunEnd, lets_the_hand_go_when_interrupted) {
 }
 
 TEST_F(RunEnd, is_interrupted_where_there_is_no_clock_to_wait_for) {
-  const auto loop = start("run", "scene.toml --device sim --no-wait -o run.h5");
-  ASSERT_TRUE(await_recording(*loop, "run.h5")) << loop->err();
-  loop->kill(SIGINT);
-  const Outcome outcome = loop->wait();
+  const Outcome outcome = stop_recording("scene.toml --device sim --no-wait", "run.h5", SIGINT);
   EXPECT_EQ(outcome.code, 130);
   EXPECT_THAT(outcome.out, HasSubstr("end: stopped"));
   // Whole: it can be read again.
@@ -104,8 +98,10 @@ TEST_F(RunEnd, names_what_is_wrong_before_anything_runs) {
   expect_error(run("mesh.toml --device replay:hand.csv"), 2, "nan.csv");
   folder_.write("cache.toml", "[[object]]\ncache = 'ball.gliss'\n");
   folder_.write("ball.gliss", "GLISS");
-  EXPECT_NE(run("cache.toml --device replay:hand.csv").code, 0);
-  EXPECT_EQ(folder_.file_count(), files + 7);  // those above
+  expect_error(run("cache.toml --device replay:hand.csv"), 3, "ball.gliss");
+  folder_.write("none.toml", "[[object]]\ncache = 'ball.obj'\n");
+  expect_error(run("none.toml --device replay:hand.csv"), 3, "ball.obj");
+  EXPECT_EQ(folder_.file_count(), files + 8);  // those above
 }
 
 TEST_F(RunEnd, refuses_to_render_what_is_too_stiff_for_the_device) {
@@ -131,10 +127,9 @@ TEST_F(RunEnd, ends_with_a_disk_that_is_full) {
     const char *name, *words;
     rlim_t bytes;
   };
-  for (const auto& [name, words, bytes] :
-       {Case{"run.csv", "scene.toml", 100'000}, Case{"run.csv", "scene.toml --no-wait", 100'000},
-        Case{"run.csv", "empty.toml --no-wait", 10'000'000},
-        Case{"run.h5", "scene.toml --no-wait", 100'000}}) {
+  for (const auto& [name, words, bytes] : {Case{"run.csv", "scene.toml --no-wait", 100'000},
+                                           Case{"run.csv", "empty.toml --no-wait", 10'000'000},
+                                           Case{"run.h5", "scene.toml --no-wait", 100'000}}) {
     folder_.write(name, "old");
     const std::size_t files = folder_.file_count();
     const Outcome outcome = run(fmt::format("{} --quiet -o {}", words, name), full_at(bytes));
@@ -145,11 +140,41 @@ TEST_F(RunEnd, ends_with_a_disk_that_is_full) {
   }
 }
 
+// A hand is on the device: the loop is no worse for a recording that is lost.
+TEST_F(RunEnd, goes_on_where_the_disk_is_full) {
+  const auto full = [] {
+    const rlimit limit{20'000, 20'000};
+    return signal(SIGXFSZ, SIG_IGN) != SIG_ERR && setrlimit(RLIMIT_FSIZE, &limit) == 0;
+  };
+  folder_.write("fast.toml", folder_.read("scene.toml") + "[loop]\nrate = 8000\n");
+  for (const std::string name : {"run.csv", "run.h5"}) {
+    folder_.write(name, "old");
+    const std::size_t files = folder_.file_count();
+    const Outcome outcome = run("fast.toml --seconds 1.5 --json -o " + name, full);
+    EXPECT_EQ(outcome.code, 1);
+    EXPECT_THAT(outcome.err, HasSubstr("run." + name.substr(4) + "'"));
+    EXPECT_THAT(outcome.err, HasSubstr("File too large; the loop goes on\n"));
+    EXPECT_THAT(outcome.err, EndsWith("File too large\n"));
+    const auto json = json_of(outcome);
+    EXPECT_GE(json.at("ticks").get<int>() + json.at("missed").get<int>(), 12'000);
+    EXPECT_EQ(json.at("ticks_not_recorded"), json.at("ticks"));
+    EXPECT_EQ(json.at("end"), "stopped");
+    EXPECT_EQ(folder_.read(name), "old");
+    EXPECT_EQ(folder_.file_count(), files);
+  }
+}
+
+TEST_F(RunEnd, shows_how_far_it_is_where_there_is_no_clock) {
+  const Outcome outcome = run("scene.toml --no-wait --seconds 1000");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_THAT(outcome.err, ::testing::StartsWith("run: "));
+  EXPECT_THAT(outcome.err, HasSubstr("1.00 M ticks"));
+}
+
 // It is the name that it takes over at the end that counts.
 TEST_F(RunEnd, replaces_a_recording_when_it_is_whole) {
   folder_.write("run.csv", "old");
-  const auto loop = start("run", "scene.toml --device sim -o run.csv");
-  ASSERT_TRUE(await_recording(*loop, "run.csv")) << loop->err();
+  const auto loop = start_recording("scene.toml --device sim", "run.csv");
   EXPECT_EQ(folder_.read("run.csv"), "old");
   loop->kill(SIGKILL);
   EXPECT_EQ(loop->wait().code, -1);

@@ -126,6 +126,20 @@ class RunTest : public ::testing::Test {
     return await([&] { return process.over() || begun(); }) && !process.over();
   }
 
+  // A run that has begun to record.
+  std::unique_ptr<Process> start_recording(const std::string& words,
+                                           const std::string& name) const {
+    auto loop = start("run", words + " -o " + name);
+    EXPECT_TRUE(await_recording(*loop, name)) << loop->err();
+    return loop;
+  }
+  // How that ends by a signal.
+  Outcome stop_recording(const std::string& words, const std::string& name, int signal) const {
+    const auto loop = start_recording(words, name);
+    loop->kill(signal);
+    return loop->wait();
+  }
+
   const ScratchFolder folder_;
 };
 

@@ -186,8 +186,7 @@ TEST_F(Run, outlives_the_cache_it_was_read_from) {
   folder_.write("long.csv", folder_.read("mm.csv"));
   for (const char* fate : {"truncated", "deleted", "overwritten"}) {
     folder_.write("knot.gliss", cache);
-    const auto loop = start("run", "cached.toml --device replay:long.csv -o run.csv");
-    ASSERT_TRUE(await_recording(*loop, "run.csv")) << loop->err();
+    const auto loop = start_recording("cached.toml --device replay:long.csv", "run.csv");
     const std::string path = folder_ / "knot.gliss";
     if (*fate == 't') std::filesystem::resize_file(path, 0);
     if (*fate == 'd') std::filesystem::remove(path);

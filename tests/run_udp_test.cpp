@@ -51,8 +51,7 @@ TEST_F(RunUdp, drives_a_device_in_another_process) {
 TEST_F(RunUdp, ends_with_a_device_whose_process_was_killed) {
   const auto server = serve();
   const auto loop =
-      start("run", fmt::format("scene.toml --json -o run.csv --device udp:{}", port_of(*server)));
-  ASSERT_TRUE(await_recording(*loop, "run.csv")) << loop->err();
+      start_recording("scene.toml --json --device udp:" + port_of(*server), "run.csv");
   server->kill(SIGKILL);
   const Outcome outcome = loop->wait();
   EXPECT_EQ(outcome.code, 4);
@@ -68,10 +67,7 @@ TEST_F(RunUdp, ends_with_a_device_whose_process_was_killed) {
 TEST_F(RunUdp, takes_the_force_of_a_killed_loop_and_serves_the_next) {
   const auto server = serve();
   const std::string device = " --device udp:" + port_of(*server);
-  const auto loop = start("run", "scene.toml -o run.csv" + device);
-  ASSERT_TRUE(await_recording(*loop, "run.csv")) << loop->err();
-  loop->kill(SIGKILL);
-  EXPECT_EQ(loop->wait().code, -1);
+  EXPECT_EQ(stop_recording("scene.toml" + device, "run.csv", SIGKILL).code, -1);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "run.csv"));
   const auto json = json_of_run("scene.toml --seconds 1" + device);
   EXPECT_GE(json.at("ticks").get<int>() + json.at("missed").get<int>(), 1000);
@@ -83,8 +79,7 @@ TEST_F(RunUdp, takes_the_force_of_a_killed_loop_and_serves_the_next) {
 TEST_F(RunUdp, ends_with_a_server_that_was_told_to) {
   const auto server = serve();
   const auto loop =
-      start("run", fmt::format("scene.toml --json -o run.csv --device udp:{}", port_of(*server)));
-  ASSERT_TRUE(await_recording(*loop, "run.csv")) << loop->err();
+      start_recording("scene.toml --json --device udp:" + port_of(*server), "run.csv");
   counts_of(*server);
   const Outcome outcome = loop->wait();
   EXPECT_EQ(outcome.code, 0) << outcome.err;

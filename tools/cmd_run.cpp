@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 
 #include <atomic>
+#include <cmath>
+#include <exception>
 #include <future>
 #include <optional>
 #include <thread>
@@ -11,8 +13,7 @@
 #include "runtime/recorder.h"
 #include "tools/interrupt.h"
 #include "tools/run_devices.h"
-#include "tools/run_report.h"
-#include "tools/status_line.h"
+#include "tools/run_progress.h"
 #include "tools/surface_input.h"
 #include "tools/timing_text.h"
 
@@ -62,6 +63,7 @@ std::vector<SceneObject> open_objects(const Scene& scene, const RunOptions& opti
     surface.threads = options.threads;
     surface.quiet = options.quiet;
     surface.surface = described.surface;
+    surface.from_cache = described.from_cache;
     surface.unit = described.unit;
     surface.precision = described.precision;
     SceneObject object;
@@ -96,12 +98,32 @@ struct Session {
   std::string scheduling = "SCHED_OTHER";
   bool memory_locked = false;
   std::vector<std::string> refusals;
-  std::uint64_t lost = 0;  // ticks that the queue had no room for
+  std::uint64_t lost = 0;           // ticks that the queue had no room for
+  std::exception_ptr not_recorded;  // why
 };
+
+// Of a loop that ends after so many seconds; 0: unknown.
+std::uint64_t ticks_of(const RunOptions& options, const Scene& scene) {
+  return static_cast<std::uint64_t>(std::ceil(options.seconds / seconds(scene.loop.period)));
+}
+
+// What cannot be recorded any more is no reason to let the hand go; where there is none, it is.
+void record(const std::vector<LoopTick>& ticks, const RunOptions& options, RunProgress& progress,
+            std::optional<RecordingFile>& recording, Session& session) {
+  if (!recording) return;
+  try {
+    recording->write(ticks);
+  } catch (const std::exception& error) {
+    if (options.no_wait) throw;
+    recording.reset();
+    session.not_recorded = std::current_exception();
+    progress.say(fmt::format("{}; the loop goes on", error.what()));
+  }
+}
 
 // The loop in a thread of its own; this one records and tells.
 void run_session(HapticLoop& loop, const RunOptions& options, const Scene& scene,
-                 RecordingFile* recording, Session& session) {
+                 std::optional<RecordingFile>& recording, Session& session) {
   TickQueue queue;
   std::atomic<bool> given_up{false};
   const auto on_tick = [&](const LoopTick& tick) {
@@ -125,26 +147,25 @@ void run_session(HapticLoop& loop, const RunOptions& options, const Scene& scene
     }
     session.end = loop.run(on_tick);
   });
-  // A recording that cannot be written ends the loop, and its end is waited for.
+  // However this thread ends, so does the loop, and its end is waited for.
   struct GiveUp {
     std::atomic<bool>& given_up;
     ~GiveUp() { given_up = true; }
   } give_up{given_up};
-  StatusLine status(options.quiet || options.no_wait);
-  const auto pace = status.place() == StatusLine::Place::kTerminal ? 250ms : 5000ms;
-  auto next_line = std::chrono::steady_clock::now() + pace;
+  RunProgress progress(options.quiet, options.no_wait, ticks_of(options, scene));
+  std::uint64_t taken = 0;
   std::vector<LoopTick> ticks;
   for (bool more = true; more;) {
     more = running.wait_for(options.no_wait ? 1ms : 50ms) != std::future_status::ready;
     queue.take(ticks);
+    taken += ticks.size();
     for (const LoopTick& tick : ticks) session.report.add(tick);
-    if (recording != nullptr) recording->write(ticks);
-    if (more ? std::chrono::steady_clock::now() < next_line : loop.record().ticks() == 0) continue;
-    next_line += pace;
-    status.show(session.report.live_line());
+    record(ticks, options, progress, recording, session);
+    if (more) progress.update(session.report, taken);
   }
+  progress.finish(session.report, taken);
   running.get();
-  session.lost = queue.lost();
+  session.lost = session.not_recorded ? loop.record().ticks() : queue.lost();
 }
 
 Json figures_of(const HapticLoop& loop, const Session& session, const std::string& device) {
@@ -234,7 +255,7 @@ void run(const RunOptions& options) {
   loop_options.cpu_time = options.cpu_time;
   HapticLoop loop(*device, tracker, loop_options);
   Session session;
-  run_session(loop, options, scene, recording ? &*recording : nullptr, session);
+  run_session(loop, options, scene, recording, session);
 
   const Json json = figures_of(loop, session, device->info().name);
   if (recording) {
@@ -251,6 +272,7 @@ void run(const RunOptions& options) {
     report_file->commit();
   }
   report(options, text_of(loop, session, json), json);
+  if (session.not_recorded) std::rethrow_exception(session.not_recorded);
   if (interrupted()) throw Interrupted();
   if (session.end == LoopEnd::kDeviceFault)
     throw LoopError(fmt::format("{}: {}", device->info().name, text(session.end)));

@@ -40,6 +40,7 @@ struct CommonOptions : ReportOptions {
 // Of commands that read a mesh or a cache.
 struct SurfaceOptions : CommonOptions {
   std::string surface;                 // path
+  bool from_cache = false;             // it must be a cache
   double unit = 1;                     // m, of coordinates read and written
   std::optional<Precision> precision;  // as the cache has it, or double
   bool split_non_manifold = false;

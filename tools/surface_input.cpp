@@ -37,7 +37,8 @@ PatchCache build(const Mesh& mesh, const SurfaceOptions& options, const Engine& 
 }
 
 PatchCache open_surface(const SurfaceOptions& options, const Engine& engine) {
-  if (!is_cache_file(options.surface)) return build(read_mesh(options), options, engine);
+  if (!options.from_cache && !is_cache_file(options.surface))
+    return build(read_mesh(options), options, engine);
   PatchCache cache = load_cache(options.surface);
   if (options.precision && *options.precision != cache.precision()) {
     throw CacheError(
