@@ -3,22 +3,18 @@
 // whose last datagram is more than 20 ms old has no force, nor has one of the loop whose last
 // state is more than 10 ms old.
 #include <gtest/gtest.h>
-#include <signal.h>
 #include <sys/mman.h>
-#include <sys/prctl.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <cmath>
 #include <stdexcept>
-#include <thread>
 #include <vector>
 
 #include "runtime/guard.h"
 #include "runtime/periodic.h"
 #include "runtime/udp_device.h"
 #include "runtime/udp_server.h"
+#include "tests/gliss_process.h"
 #include "tests/surfaces.h"
 #include "tests/udp_fakes.h"
 
@@ -135,11 +131,7 @@ class UdpKill : public ::testing::Test {
 
   template <class Condition>
   static void await(Condition condition) {
-    const Nanoseconds start = monotonic_time();
-    while (!condition()) {
-      if (monotonic_time() - start > kLong) throw std::runtime_error("nothing came");
-      std::this_thread::sleep_for(200us);
-    }
+    if (!test::await(condition)) throw std::runtime_error("nothing came");
   }
   void await_force(std::uint64_t since) {
     await([&] { return shared_.device.size() > since && shared_.device.last().force.x() == 2; });
