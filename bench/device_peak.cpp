@@ -66,14 +66,14 @@ DevicePeak measure_peak(const std::string& name) {
   const std::size_t items = gpu ? 1 << 20 : 1 << 12;
   const cl_uint rounds = 4096;
   const cl::Buffer out = device.buffer(items * sizeof(float), CL_MEM_READ_WRITE, "a benchmark");
-  cl::Kernel operations = device.kernel(kPeakProgram, "operations", Precision::kFloat, lanes);
+  cl::Kernel operations = device.kernel(kPeakProgram, "operations", {Precision::kFloat, lanes});
   operations.setArg(0, rounds);
   operations.setArg(1, out);
 
   const std::size_t bytes = std::size_t{1} << (gpu ? 30 : 27), quads = bytes / 16;
   const cl::Buffer from = device.buffer(bytes, CL_MEM_READ_WRITE, "a benchmark"),
                    to = device.buffer(bytes, CL_MEM_READ_WRITE, "a benchmark");
-  cl::Kernel copy = device.kernel(kPeakProgram, "copy", Precision::kFloat, lanes);
+  cl::Kernel copy = device.kernel(kPeakProgram, "copy", {Precision::kFloat, lanes});
   copy.setArg(0, from);
   copy.setArg(1, to);
 

@@ -1,11 +1,17 @@
 // Rates of the hot paths on generated meshes. Names: path/level/precision/n/backend/threads.
 #include <benchmark/benchmark.h>
+#include <fmt/format.h>
 
 #include <algorithm>
+#include <ctime>
+#include <map>
+#include <optional>
 #include <string>
 
 #include "bench/setup.h"
+#include "host/names.h"
 #include "host/sweep.h"
+#include "host/tessellate.h"
 
 namespace {
 
@@ -27,24 +33,61 @@ void build(benchmark::State& state, Precision precision, int threads) {
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(mesh.face_count()));
 }
 
+Mesh triangle_knot() {
+  const Mesh quads = torus_knot(60, 6).mesh;
+  return tessellate(quads, build_cache(quads), 1);
+}
+
+// A mesh of faces of n sides, but for a few.
+Mesh mesh_of_valence(std::uint32_t n) {
+  if (n == 4) return torus_knot().mesh;
+  if (n == 3) return triangle_knot();
+  return goldberg(12).mesh;
+}
+
+// Of the same benchmark with exact patches, earlier in the run; none: it was left out.
+double exact_rate(bool is_float, std::uint32_t n, std::optional<double> rate = std::nullopt) {
+  static std::map<std::pair<bool, std::uint32_t>, double> rates;
+  if (rate) rates[{is_float, n}] = *rate;
+  return rates[{is_float, n}];
+}
+
 // Positions and normals, 256 points of a patch at a time.
 template <class Real>
-void evaluate_points(benchmark::State& state, Precision precision) {
-  const Surface<Real>& s = std::get<Surface<Real>>(setup(precision).cache.surface);
+void evaluate_points(benchmark::State& state, Level level, std::uint32_t n) {
+  BuildOptions options;
+  options.precision = sizeof(Real) == 4 ? Precision::kFloat : Precision::kDouble;
+  options.level = level;
+  const PatchCache cache = build_cache(mesh_of_valence(n), options);
+  const Surface<Real>& s = std::get<Surface<Real>>(cache.surface);
+  std::vector<std::uint32_t> patches;
+  for (std::uint32_t p = 0; p < s.patch_count(); ++p) {
+    if (s.valence(p) == n) patches.push_back(p);
+  }
   std::vector<Real> xi(256), eta(256), out(9 * 256);
   for (std::size_t i = 0; i < 256; ++i) {
-    xi[i] = static_cast<Real>(i % 16) / Real(16) - Real(0.5);
-    eta[i] = static_cast<Real>(i / 16) / Real(16) - Real(0.5);
+    xi[i] = static_cast<Real>(i % 16) / Real(24) - Real(0.3);
+    eta[i] = static_cast<Real>(i / 16) / Real(24) - Real(0.3);
   }
-  std::uint32_t patch = 0;
+  std::size_t next = 0;
+  const std::clock_t start = std::clock();
   for (auto _ : state) {
-    kernels<Real>().evaluate(&s.domain[s.domain_begin[4]],
-                             &s.control[s.side_begin[patch] * kSideReals], 4, xi.data(), eta.data(),
-                             256, 256, out.data());
+    const std::uint32_t patch = patches[next];
+    kernels<Real>().evaluate(&s.domain[s.domain_begin[n]],
+                             &s.control[3 * std::size_t{s.control_begin[patch]}], s.form[patch], n,
+                             xi.data(), eta.data(), 256, 256, out.data());
     benchmark::DoNotOptimize(out.data());
-    patch = (patch + 1) % s.patch_count();
+    next = next + 1 < patches.size() ? next + 1 : 0;
   }
   state.SetItemsProcessed(state.iterations() * 256);
+  const double rate = static_cast<double>(state.iterations()) /
+                      static_cast<double>(std::max<std::clock_t>(std::clock() - start, 1));
+  const bool is_float = sizeof(Real) == 4;
+  if (level == Level{}) {
+    exact_rate(is_float, n, rate);
+  } else if (const double exact = exact_rate(is_float, n); exact > 0) {
+    state.counters["times_exact"] = rate / exact;
+  }
 }
 
 void project(benchmark::State& state, Precision precision, Method method, Solver solver,
@@ -91,12 +134,17 @@ void sweep_knot(benchmark::State& state, Precision precision, int threads) {
 void register_all() {
   for (const Precision p : {Precision::kFloat, Precision::kDouble}) {
     const std::string precision = bench::name_of(p);
+    for (const char* level : {"exact", "ribbon", "bezier", "table"}) {
+      for (const std::uint32_t n : {4u, 3u, 5u, 6u}) {
+        benchmark::RegisterBenchmark(
+            fmt::format("evaluate/{}/{}/{}/tbb/1", level, precision, n).c_str(),
+            p == Precision::kFloat ? evaluate_points<float> : evaluate_points<double>,
+            find_level(level).value(), n);
+      }
+    }
     const auto name = [&](const std::string& path, const std::string& level, int threads) {
       return path + "/" + level + "/" + precision + "/4/tbb/" + std::to_string(threads);
     };
-    benchmark::RegisterBenchmark(
-        name("evaluate", "exact", 1).c_str(),
-        p == Precision::kFloat ? evaluate_points<float> : evaluate_points<double>, p);
     benchmark::RegisterBenchmark(name("tick", "exact", 1).c_str(), tick, p);
     for (const int threads : {1, 2}) {
       benchmark::RegisterBenchmark(name("build", "exact", threads).c_str(), build, p, threads)

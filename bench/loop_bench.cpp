@@ -19,7 +19,8 @@ void loop(benchmark::State& state, Precision precision, bool woken) {
   std::vector<Vec3> path;
   for (std::size_t i = 0; i < (woken ? kWokenTicks : kTicks); ++i)
     path.push_back(round[i % round.size()] * knot.mesh.unit);
-  const SceneObject object{.cache = std::make_shared<PatchCache>(make_setup(precision, 1).cache)};
+  SceneObject object;
+  object.cache = std::make_shared<PatchCache>(make_setup(precision, 1).cache);
   DurationHistogram compute, wake;
   for (auto _ : state) {
     ReplayDevice device(path);

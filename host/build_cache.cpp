@@ -25,17 +25,32 @@ struct Chunk {
 // A patch as it goes into the cache.
 struct FinishedPatch {
   std::uint32_t valence;
-  const PatchFrame& frame;
-  const PatchShape& shape;
-  const double *corner, *control;
+  PatchKind kind;
+  const PatchFrame* frame;
+  PatchShape shape;
+  const double *corner, *exact;
   const std::uint32_t* triangle;
+  std::uint32_t form = kFormExact;
+  std::vector<double> control{};  // in another form
+
+  const double* reals() const { return form == kFormExact ? exact : control.data(); }
+  std::size_t real_count() const { return kernels<double>().control_reals(form, valence); }
 };
+
+// What a patch may be at a level: the first that does not fold. The exact one is always at hand.
+std::vector<std::uint32_t> forms_of(const Level& level, PatchKind kind, std::uint32_t valence) {
+  if (level.kind == Level::kTable) return {kFormTable | level.cells << 8};
+  // Bent patches do not have the cross tangents that the other forms are made from.
+  if (level.kind == Level::kExact || kind == PatchKind::kBent) return {};
+  if (level.kind == Level::kBezier && valence <= 4) return {kFormBezier, kFormRibbon};
+  return {kFormRibbon};
+}
 
 PatchShape base_shape(const PatchBatch& b, std::size_t p) {
   double reals[kShapeReals];
-  kernels<double>().examine(nullptr, nullptr, 0, nullptr, &b.corner[b.side_begin[p] * 6],
-                            &b.triangle[3 * b.first_triangle(p)], &b.frame[p * kFrameReals],
-                            b.valence(p), reals);
+  kernels<double>().examine(nullptr, nullptr, 0, nullptr, kFormExact,
+                            &b.corner[b.side_begin[p] * 6], &b.triangle[3 * b.first_triangle(p)],
+                            &b.frame[p * kFrameReals], b.valence(p), reals);
   return shape_from(reals, b.valence(p));
 }
 
@@ -72,6 +87,7 @@ class CacheBuilder {
  private:
   void set_frame() {
     cache_.unit = mesh_.unit;
+    cache_.level = options_.level;
     cache_.mesh_face_count = static_cast<std::uint32_t>(mesh_.face_count());
     faces_ = options_.faces;
     if (faces_.empty()) {
@@ -199,18 +215,17 @@ class CacheBuilder {
       for (std::uint32_t side = s.side_begin[p]; side < s.side_begin[p + 1]; ++side)
         s.side_patch[side] = p;
     }
-    if (!base_only_) s.control.resize(sides * kSideReals);
+    s.control_begin.resize(patches);
+    s.form.resize(patches);
+    if (!base_only_ && options_.level.kind == Level::kExact) s.control.reserve(sides * kSideReals);
     s.corner.resize(sides * 6);
     s.patch.resize(patches * kPatchReals);
     s.triangle.resize(3 * (sides - 2 * patches));
     cache_.rho_min.resize(patches);
     fill_domain(s);
     std::vector<Box> boxes(patches);
-    for_chunks(BatchStep::kControl, [&](const Chunk& c) {
-      backend_.parallel(c.batch.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t p = begin; p < end; ++p) store_face(c, p, s, boxes);
-      });
-    });
+    for_chunks(BatchStep::kControl, [&](const Chunk& c) { store_chunk(c, s, boxes); });
+    s.control.shrink_to_fit();
     build_hierarchy(boxes, s.node, s.child, backend_.parallel);
   }
 
@@ -228,20 +243,71 @@ class CacheBuilder {
   }
 
   template <class Real>
-  void store_face(const Chunk& c, std::size_t p, Surface<Real>& s, std::vector<Box>& boxes) {
+  void store_chunk(const Chunk& c, Surface<Real>& s, std::vector<Box>& boxes) {
+    const std::uint32_t first = cache_.face_patch[faces_[c.first]];
+    const std::size_t next = c.first + c.batch.size();
+    const std::uint32_t last =
+        next < faces_.size() ? cache_.face_patch[faces_[next]] : cache_.patch_count();
+    std::vector<FinishedPatch> finished(last - first);
+    backend_.parallel(c.batch.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t p = begin; p < end; ++p)
+        finish_face(c, p, &finished[cache_.face_patch[faces_[c.first + p]] - first]);
+    });
+    if (!base_only_) {
+      std::size_t end = s.control.size();
+      for (std::size_t i = 0; i < finished.size(); ++i) {
+        s.control_begin[first + i] = static_cast<std::uint32_t>(end / 3);
+        end += finished[i].real_count();
+      }
+      if (end / 3 >= kNone) throw MeshError(mesh_.source + ": too many sides for one cache");
+      s.control.resize(end);
+    }
+    backend_.parallel(finished.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i)
+        store(finished[i], first + static_cast<std::uint32_t>(i), s, boxes);
+    });
+  }
+
+  // Its patches, one after the other.
+  void finish_face(const Chunk& c, std::size_t p, FinishedPatch* out) const {
     const PatchBatch& b = c.batch;
     const DraftedFace& drafted = drafted_[c.first + p];
-    std::uint32_t patch = cache_.face_patch[faces_[c.first + p]];
     if (drafted.tamer.empty()) {
-      const PatchShape shape = base_only_ ? base_shape(b, p) : drafted.shape;
-      store({b.valence(p), c.frame[p], shape, &b.corner[b.side_begin[p] * 6],
-             &b.control[b.side_begin[p] * kSideReals], &b.triangle[3 * b.first_triangle(p)]},
-            patch, s, boxes);
+      *out = {b.valence(p),
+              PatchKind::kExact,
+              &c.frame[p],
+              base_only_ ? base_shape(b, p) : drafted.shape,
+              &b.corner[b.side_begin[p] * 6],
+              &b.control[b.side_begin[p] * kSideReals],
+              &b.triangle[3 * b.first_triangle(p)]};
+      choose_form(*out);
     }
     for (const PatchDraft& d : drafted.tamer) {
-      store({d.valence(), d.frame, d.shape, d.corner.data(), d.control.data(), d.triangle.data()},
-            patch++, s, boxes);
+      *out = {d.valence(),     d.kind,           &d.frame,         d.shape,
+              d.corner.data(), d.control.data(), d.triangle.data()};
+      choose_form(*out++);
     }
+  }
+
+  void choose_form(FinishedPatch& d) const {
+    if (base_only_) return;
+    const Kernels<double>& k = kernels<double>();
+    const double* domain = options_.level == Level{} ? nullptr : tables_.domain_of(d.valence);
+    for (const std::uint32_t form : forms_of(options_.level, d.kind, d.valence)) {
+      d.control.resize(k.control_reals(form, d.valence));
+      k.bake(domain, d.corner, d.exact, form, d.valence, d.control.data());
+      double frame[kFrameReals], reals[kShapeReals];
+      d.frame->store(frame);
+      k.examine(domain, tables_.probes_of(d.valence), tables_.probe_count[d.valence],
+                d.control.data(), form, d.corner, d.triangle, frame, d.valence, reals);
+      PatchShape shape = shape_from(reals, d.valence);
+      // A patch that folds whatever is done about it may as well fold in the form asked for.
+      if (is_folded(shape) && !is_folded(d.shape)) continue;
+      d.form = form;
+      d.shape = shape;
+      return;
+    }
+    d.control.clear();
   }
 
   template <class Real>
@@ -251,25 +317,27 @@ class CacheBuilder {
     const auto narrow = [](const double* from, std::size_t count, Real* to) {
       for (std::size_t i = 0; i < count; ++i) to[i] = static_cast<Real>(from[i]);
     };
-    if (!base_only_) narrow(d.control, n * kSideReals, &s.control[first * kSideReals]);
+    s.form[patch] = d.form;
+    if (!base_only_)
+      narrow(d.reals(), d.real_count(), &s.control[3 * std::size_t{s.control_begin[patch]}]);
     narrow(d.corner, n * 6, &s.corner[first * 6]);
     std::copy(d.triangle, d.triangle + 3 * (n - 2), &s.triangle[3 * (first - 2 * patch)]);
     Real* numbers = &s.patch[patch * kPatchReals];
     const auto put = [&](std::size_t at, const Vec3& v) { narrow(v.data(), 3, numbers + at); };
-    put(kPatchOrigin, d.frame.origin);
-    put(kPatchNormal, d.frame.normal);
-    put(kPatchTangent, d.frame.tangent);
+    put(kPatchOrigin, d.frame->origin);
+    put(kPatchNormal, d.frame->normal);
+    put(kPatchTangent, d.frame->tangent);
     put(kPatchLow, d.shape.low);
     put(kPatchHigh, d.shape.high);
     put(kPatchBend, d.shape.bend);
-    numbers[kPatchScale] = static_cast<Real>(d.frame.scale);
-    numbers[kPatchUnscale] = static_cast<Real>(1 / d.frame.scale);
+    numbers[kPatchScale] = static_cast<Real>(d.frame->scale);
+    numbers[kPatchUnscale] = static_cast<Real>(1 / d.frame->scale);
     numbers[kPatchSag] = static_cast<Real>(d.shape.sag);
     // Flat patches have no end of it; what matters is how it compares with distances.
     numbers[kPatchRho] = static_cast<Real>(std::min(d.shape.rho_min, 1e30));
-    boxes[patch] = {d.frame.origin + d.shape.box.low / d.frame.scale,
-                    d.frame.origin + d.shape.box.high / d.frame.scale};
-    cache_.rho_min[patch] = std::min(d.shape.rho_min / (d.frame.scale * cache_.scale),
+    boxes[patch] = {d.frame->origin + d.shape.box.low / d.frame->scale,
+                    d.frame->origin + d.shape.box.high / d.frame->scale};
+    cache_.rho_min[patch] = std::min(d.shape.rho_min / (d.frame->scale * cache_.scale),
                                      std::numeric_limits<double>::max());
   }
 

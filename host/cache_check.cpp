@@ -49,6 +49,7 @@ class Check {
     check_sides();
     check_faces();
     check_domain();
+    check_forms();
     check_patches();
     check_hierarchy();
     check_numbers();
@@ -87,7 +88,8 @@ class Check {
     require_size(s_.side_begin.size(), patches_ + 1, "side_begin");
     require_size(s_.side_patch.size(), sides_, "side_patch");
     require_size(s_.side_twin.size(), sides_, "side_twin");
-    require_size(s_.control.size(), sides_ * kSideReals, "control");
+    require_size(s_.control_begin.size(), patches_, "control_begin");
+    require_size(s_.form.size(), patches_, "form");
     require_size(s_.corner.size(), sides_ * 6, "corner");
     require_size(s_.patch.size(), patches_ * kPatchReals, "patch");
     require_size(s_.triangle.size(), 3 * (sides_ - 2 * patches_), "triangle");
@@ -156,6 +158,21 @@ class Check {
       require(s_.domain_begin[n] + kernels<Real>().domain_reals(n) <= s_.domain.size(),
               "domain_begin", n, "out of range");
     }
+  }
+
+  // Of the cache's level, or what stands in for it; each patch's control data after the last one's.
+  void check_forms() const {
+    std::uint64_t begin = 0;
+    for (std::uint32_t p = 0; p < patches_; ++p) {
+      const std::uint32_t form = s_.form[p], kind = form & kFormMask;
+      const bool table = kind == kFormTable && c_.level.kind == Level::kTable;
+      require(kind <= c_.level.kind && form >> 8 == (table ? c_.level.cells : 0) &&
+                  (kind != kFormTable || table) && (kind != kFormBezier || s_.valence(p) <= 4),
+              "form", p, "not of the cache's level");
+      require(s_.control_begin[p] == begin, "control_begin", p, "not after the last patch");
+      begin += kernels<Real>().control_reals(form, s_.valence(p)) / 3;
+    }
+    require_size(s_.control.size(), 3 * begin, "control");
   }
 
   void check_patches() const {

@@ -29,7 +29,7 @@ using namespace cache_format;
 // Stays in a core's own cache from read to checksum to copy.
 constexpr std::size_t kBlockBytes = 1 << 18;
 
-static_assert(sizeof(Surface<float>) == 11 * sizeof(std::vector<float>),
+static_assert(sizeof(Surface<float>) == 13 * sizeof(std::vector<float>),
               "an array was added: list it in for_each_section and check_cache, and raise kFormat");
 
 // The header of a cache of this program, with sizes and checksum still to come.
@@ -42,6 +42,8 @@ Header header_of(const PatchCache& cache) {
   h.side_reals = kSideReals;
   h.patch_reals = kPatchReals;
   h.precision = static_cast<std::uint32_t>(cache.precision());
+  h.level = static_cast<std::uint32_t>(cache.level.kind);
+  h.table_cells = cache.level.cells;
   h.mesh_hash = cache.mesh_hash;
   h.mesh_face_count = cache.mesh_face_count;
   h.unit = cache.unit;
@@ -77,6 +79,7 @@ class Reader {
   PatchCache read() {
     const std::array<Section, kSections> table = read_header();
     PatchCache cache;
+    cache.level = {static_cast<Level::Kind>(header_.level), header_.table_cells};
     cache.unit = header_.unit;
     cache.origin = Vec3(header_.origin[0], header_.origin[1], header_.origin[2]);
     cache.scale = header_.scale;
@@ -169,6 +172,11 @@ class Reader {
     }
     if (header_.precision > static_cast<std::uint32_t>(Precision::kDouble)) {
       fail("header", "an unknown precision");
+    }
+    const bool table = header_.level == Level::kTable;
+    if (header_.level > Level::kTable || header_.table_cells > kMostTableCells ||
+        table != (header_.table_cells > 0)) {
+      fail("header", "an unknown level");
     }
   }
 

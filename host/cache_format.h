@@ -16,7 +16,7 @@ namespace gliss::cache_format {
 inline constexpr std::string_view kMagic = "\x89GLS\r\n\x1a\n";  // no transfer as text keeps it
 inline constexpr std::size_t kNameBytes = 4;  // of it; a damaged cache is still known by these
 inline constexpr std::uint32_t kByteOrder = 0x01020304, kSwappedByteOrder = 0x04030201;
-inline constexpr std::uint32_t kFormat = 1;  // of Header, Section, and which sections there are
+inline constexpr std::uint32_t kFormat = 2;  // of Header, Section, and which sections there are
 inline constexpr std::uint32_t kMaxHeaderBytes = 1 << 16;
 
 // Up to header_bytes it stays as it is in every later format, so that their files are told from
@@ -32,13 +32,13 @@ struct Header {
   std::uint32_t section_count;
   char gliss_version[16];  // of the program that built it: the meaning of the numbers is its own
   std::uint32_t side_reals, patch_reals;  // numbers of a side and of a patch
-  std::uint32_t precision, mesh_face_count;
+  std::uint32_t precision, level, table_cells, mesh_face_count;
   std::uint64_t mesh_hash;
   double unit, origin[3], scale;
 };
 inline constexpr std::size_t kChecksumBegin = offsetof(Header, file_bytes);
 inline constexpr std::size_t kFixedBytes = offsetof(Header, section_count);
-static_assert(sizeof(Header) == 120, "no padding");
+static_assert(sizeof(Header) == 128, "no padding");
 
 enum class Element : std::uint32_t { kUint8 = 1, kUint32, kFloat32, kFloat64 };
 
@@ -52,7 +52,7 @@ struct Section {
 };
 static_assert(sizeof(Section) == 48, "no padding");
 
-inline constexpr std::size_t kSections = 18;
+inline constexpr std::size_t kSections = 20;
 inline constexpr std::size_t kHeaderBytes = sizeof(Header) + kSections * sizeof(Section);
 
 // Calls f(name, vector) for each section, in the order of the file.
@@ -66,6 +66,8 @@ void for_each_section(Cache& cache, const F& f) {
         f("side_patch", s.side_patch);
         f("side_twin", s.side_twin);
         f("control", s.control);
+        f("control_begin", s.control_begin);
+        f("form", s.form);
         f("corner", s.corner);
         f("patch", s.patch);
         f("triangle", s.triangle);

@@ -16,6 +16,8 @@ enum class Solver { kNewton, kGaussNewton, kPaper };
 
 // Layout of the arrays that kernels/ defines, for the host.
 inline constexpr std::size_t kSideReals = 51, kPatchReals = 22, kNodeReals = 12;
+inline constexpr std::uint32_t kFormExact = 0, kFormRibbon = 1, kFormBezier = 2, kFormTable = 3;
+inline constexpr std::uint32_t kFormMask = 255;  // above it, the r of a table
 inline constexpr std::size_t kSideLength = 48, kSideEase = 50;
 inline constexpr std::size_t kPatchOrigin = 0, kPatchNormal = 3, kPatchScale = 6, kPatchUnscale = 7,
                              kPatchSag = 8, kPatchTangent = 9, kPatchLow = 12, kPatchHigh = 15,
@@ -80,15 +82,21 @@ struct Kernels {
   void (*ease_patch)(Real* control, std::uint32_t n, Real ease);
   // Turns the cross tangents into the plane across `normal` (unit, 3 numbers).
   void (*bend_patch)(Real* control, std::uint32_t n, const Real* normal);
+  // Numbers of a patch's control data in a form, and these from the exact ones. FORM_BEZIER is for
+  // 3 and 4 sides.
+  std::size_t (*control_reals)(std::uint32_t form, std::uint32_t n);
+  void (*bake)(const Real* domain, const Real* corners, const Real* exact, std::uint32_t form,
+               std::uint32_t n, Real* control);
   // G, G_xi, G_eta as nine rows of `stride` numbers, at `count` points of one patch.
-  void (*evaluate)(const Real* domain, const Real* control, std::uint32_t n, const Real* xi,
-                   const Real* eta, std::size_t count, std::size_t stride, Real* out);
+  void (*evaluate)(const Real* domain, const Real* control, std::uint32_t form, std::uint32_t n,
+                   const Real* xi, const Real* eta, std::size_t count, std::size_t stride,
+                   Real* out);
   // What sampling finds of a patch (kShapeReals numbers) from its base polygon's corners and
   // triangles, its frame (unit normal and tangent) and its control data; `count` probes, or none
   // for the base polygon alone.
   void (*examine)(const Real* domain, const Real* probes, std::uint32_t count, const Real* control,
-                  const Real* corners, const std::uint32_t* triangles, const Real* frame,
-                  std::uint32_t n, Real* shape);
+                  std::uint32_t form, const Real* corners, const std::uint32_t* triangles,
+                  const Real* frame, std::uint32_t n, Real* shape);
   // Surface normal (not unit) along side data at t: n_c of eq. 10.
   void (*side_normal)(const Real* side, Real t, Real* out);
   // Global: the nearest point for each of `count` methods, which share the search of the base

@@ -57,7 +57,8 @@ namespace gliss::GLISS_ISA {
         SPACE::probe_rings,      SPACE::probes_of,                                    \
         SPACE::probe_reals,      SPACE::fill_probes,                                  \
         SPACE::build_patch,      SPACE::ease_patch,                                   \
-        SPACE::bend_patch,       SPACE::wide::evaluate_points,                        \
+        SPACE::bend_patch,       SPACE::control_reals_of,                             \
+        SPACE::bake_patch,       SPACE::wide::evaluate_points,                        \
         SPACE::wide::shape_of,   SPACE::side_normal_at,                               \
         SPACE::nearest,          SPACE::track,                                        \
         SPACE::tick_state};                                                           \

@@ -35,6 +35,7 @@ LazyRegion LazyMesh::build(std::span<const std::uint32_t> faces) const {
   const std::vector<std::uint32_t> used = faces_around(mesh_, topology_, faces, options_.rings);
   BuildOptions build;
   build.precision = options_.precision;
+  build.level = options_.level;
   build.like = &base_;
   build.faces = faces_touching(mesh_, topology_, used);
   LazyRegion region{build_cache(mesh_, topology_, build), {}};

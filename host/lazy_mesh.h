@@ -12,6 +12,7 @@ namespace gliss {
 struct LazyOptions {
   int rings = 3;  // faces within so many edges of the contact are built; at least 2
   Precision precision = Precision::kDouble;
+  Level level{};
 };
 
 // Patches of a part of a mesh, with the bytes that they have in the cache of all. `used` are those

@@ -48,6 +48,20 @@ const char* name_of(const Named<Value> (&names)[count], Value wanted) {
   return "?";
 }
 
+inline constexpr Named<Level::Kind> kLevelNames[] = {{"exact", Level::kExact},
+                                                     {"ribbon", Level::kRibbon},
+                                                     {"bezier", Level::kBezier},
+                                                     {"table", Level::kTable}};
+
+// "table:8" is a table of other than the usual number of cells.
+inline std::string level_name(const Level& level) {
+  const std::string name = name_of(kLevelNames, level.kind);
+  return level.kind == Level::kTable && level.cells != kTableCells
+             ? name + ":" + std::to_string(level.cells)
+             : name;
+}
+std::optional<Level> find_level(std::string_view name);
+
 inline const char* method_name(Method method) { return name_of(kMethodNames, method); }
 inline const char* precision_name(Precision precision) {
   return name_of(kPrecisionNames, precision);

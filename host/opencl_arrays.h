@@ -1,6 +1,7 @@
 // The arrays of a surface in a device's memory.
 #pragma once
 
+#include "host/kernels.h"
 #include "host/opencl_queue.h"
 #include "host/surface.h"
 
@@ -12,12 +13,14 @@ constexpr Precision kPrecision = sizeof(Real) == 4 ? Precision::kFloat : Precisi
 // Throws where they do not fit.
 template <class Real>
 struct DeviceSurface {
-  cl::Buffer domain, domain_begin, side_begin, side_patch, side_twin, control, corner, patch,
-      triangle, node, child;
+  cl::Buffer domain, domain_begin, side_begin, side_patch, side_twin, control, control_begin, form,
+      corner, patch, triangle, node, child;
   cl_uint patch_count;
+  std::uint32_t forms = 0;  // bits: those of its patches
   std::uint64_t bytes = 0;
 
   DeviceSurface(const Device& device, const Surface<Real>& s) : patch_count(s.patch_count()) {
+    for (const std::uint32_t form : s.form) forms |= 1u << (form & kFormMask);
     for_each_array(
         s, [&](cl::Buffer&, const auto& array) { bytes += array.size() * sizeof(array[0]); });
     device.require_room(bytes, "the patches need");
@@ -37,6 +40,8 @@ struct DeviceSurface {
     f(side_patch, s.side_patch);
     f(side_twin, s.side_twin);
     f(control, s.control);
+    f(control_begin, s.control_begin);
+    f(form, s.form);
     f(corner, s.corner);
     f(patch, s.patch);
     f(triangle, s.triangle);
@@ -45,9 +50,11 @@ struct DeviceSurface {
   }
 
   Launch launch(const Device& device, const char* program, const char* name, int lanes) const {
-    return {device,     program,    name,       kPrecision<Real>, lanes,  domain, domain_begin,
-            side_begin, side_patch, side_twin,  control,          corner, patch,  triangle,
-            node,       child,      patch_count};
+    return {device,    program,      name,          ProgramVariant{kPrecision<Real>, lanes, forms},
+            domain,    domain_begin, side_begin,    side_patch,
+            side_twin, control,      control_begin, form,
+            corner,    patch,        triangle,      node,
+            child,     patch_count};
   }
 };
 

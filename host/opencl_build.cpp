@@ -22,9 +22,9 @@ class OpenClBuilder {
   explicit OpenClBuilder(const OpenClShared& shared)
       : shared_(shared),
         queue_(shared.device.context(), shared.device.id(), CL_QUEUE_PROFILING_ENABLE),
-        build_(shared.device, kBuildProgram, "build_sides", Precision::kDouble, 1),
-        examine_(shared.device, kExamineProgram, "examine_patches", Precision::kDouble,
-                 shared.lanes(Precision::kDouble)),
+        build_(shared.device, kBuildProgram, "build_sides", {Precision::kDouble, 1}),
+        examine_(shared.device, kExamineProgram, "examine_patches",
+                 {Precision::kDouble, shared.lanes(Precision::kDouble)}),
         begins_(shared.device, queue_, "the polygons"),
         side_patch_(shared.device, queue_, "the polygons"),
         triangle_(shared.device, queue_, "the polygons"),

@@ -193,13 +193,12 @@ void Device::require_room(std::uint64_t bytes, const std::string& who) const {
     throw error(fmt::format("{} {}, to be used are {}", who, size_text(bytes), size_text(memory_)));
 }
 
-cl::Kernel Device::kernel(const char* program, const char* name, Precision precision,
-                          int lanes) const {
+cl::Kernel Device::kernel(const char* program, const char* name,
+                          const ProgramVariant& variant) const {
   const std::lock_guard lock(mutex_);
-  const auto key = std::make_tuple(program, precision, lanes);
+  const auto key = std::make_pair(program, variant);
   auto found = programs_.find(key);
-  if (found == programs_.end())
-    found = programs_.emplace(key, compile(program, precision, lanes)).first;
+  if (found == programs_.end()) found = programs_.emplace(key, compile(program, variant)).first;
   return cl::Kernel(found->second, name);
 }
 
@@ -215,11 +214,13 @@ void Device::patiently(const std::function<void()>& work) const {
   work();
 }
 
-cl::Program Device::compile(const char* text, Precision precision, int lanes) const {
-  const std::string options =
-      fmt::format("-w -cl-std=CL1.2 {}-DGLISS_SCALAR={} -DGLISS_LANES={} -DGLISS_GROUP={}",
-                  info_.exact ? "-cl-fp32-correctly-rounded-divide-sqrt " : "",
-                  precision == Precision::kFloat ? "float" : "double", lanes, kGroup);
+cl::Program Device::compile(const char* text, const ProgramVariant& variant) const {
+  const std::string options = fmt::format(
+      "-w -cl-std=CL1.2 {}-DGLISS_SCALAR={} -DGLISS_LANES={} -DGLISS_FORMS={}u "
+      "-DGLISS_GROUP={}",
+      info_.exact ? "-cl-fp32-correctly-rounded-divide-sqrt " : "",
+      variant.precision == Precision::kFloat ? "float" : "double", variant.lanes, variant.forms,
+      kGroup);
   const cl::Program program(context_, std::string(text));
   const cl_device_id device = id_();
   cl_int code = CL_SUCCESS;

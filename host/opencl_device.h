@@ -24,6 +24,15 @@ extern const char* const kQueryProgram;
 // Work-items of a group: fixed, because PoCL compiles for each size anew and wants whole groups.
 inline constexpr std::size_t kGroup = 64;
 
+// How a program is compiled.
+struct ProgramVariant {
+  Precision precision;
+  int lanes;
+  std::uint32_t forms = 1 << kFormExact;  // bits: those that its surface has
+
+  auto operator<=>(const ProgramVariant&) const = default;
+};
+
 class Device {
  public:
   explicit Device(const OpenClOptions& options);
@@ -38,7 +47,7 @@ class Device {
   // Throws where `bytes` are more than may be used; `who` starts the line: "the patches need".
   void require_room(std::uint64_t bytes, const std::string& who) const;
   // A kernel object of its own for the caller; its program is compiled when first asked for.
-  cl::Kernel kernel(const char* program, const char* name, Precision precision, int lanes) const;
+  cl::Kernel kernel(const char* program, const char* name, const ProgramVariant& variant) const;
   // A buffer for `bytes` of `what`.
   cl::Buffer buffer(std::size_t bytes, cl_mem_flags flags, const std::string& what) const;
   // Does what may compile kernels, and says so when it takes long: drivers keep what they compiled,
@@ -49,7 +58,7 @@ class Device {
   DeviceError error(const std::string& problem) const;
 
  private:
-  cl::Program compile(const char* text, Precision precision, int lanes) const;
+  cl::Program compile(const char* text, const ProgramVariant& variant) const;
 
   OpenClDevice info_;
   cl::Device id_;
@@ -58,7 +67,7 @@ class Device {
   std::function<void(const std::string&)> notice_;
   mutable std::atomic<bool> noticed_ = false;
   mutable std::mutex mutex_;
-  mutable std::map<std::tuple<const char*, Precision, int>, cl::Program> programs_;
+  mutable std::map<std::pair<const char*, ProgramVariant>, cl::Program> programs_;
 };
 
 }  // namespace gliss

@@ -71,9 +71,9 @@ class Staging {
 class Launch {
  public:
   template <class... Leading>
-  Launch(const Device& device, const char* program, const char* name, Precision precision,
-         int lanes, const Leading&... leading)
-      : device_(device), kernel_(device.kernel(program, name, precision, lanes)) {
+  Launch(const Device& device, const char* program, const char* name, const ProgramVariant& variant,
+         const Leading&... leading)
+      : device_(device), kernel_(device.kernel(program, name, variant)) {
     set(0, leading...);
     leading_ = sizeof...(leading);
   }

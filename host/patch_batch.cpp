@@ -48,8 +48,8 @@ void build_patches(PatchBatch& b, BatchStep step, const ParallelFor& parallel) {
       b.soundness[p] = k.build_patch(corner, n, control);
       if (step == BatchStep::kControl) continue;
       k.examine(b.tables->domain_of(n), b.tables->probes_of(n), b.tables->probe_count[n], control,
-                corner, &b.triangle[3 * b.first_triangle(p)], &b.frame[p * kFrameReals], n,
-                &b.shape[p * kShapeReals]);
+                kFormExact, corner, &b.triangle[3 * b.first_triangle(p)], &b.frame[p * kFrameReals],
+                n, &b.shape[p * kShapeReals]);
     }
   });
 }

@@ -121,10 +121,10 @@ std::size_t PatchCache::bytes() const {
   return std::visit(
       [&](const auto& s) {
         return size(s.domain) + size(s.domain_begin) + size(s.side_begin) + size(s.side_patch) +
-               size(s.side_twin) + size(s.control) + size(s.corner) + size(s.patch) +
-               size(s.triangle) + size(s.node) + size(s.child) + size(patch_face) +
-               size(face_patch) + size(kind) + size(folded) + size(rho_min) + size(corner_of_face) +
-               size(face_valence);
+               size(s.side_twin) + size(s.control) + size(s.control_begin) + size(s.form) +
+               size(s.corner) + size(s.patch) + size(s.triangle) + size(s.node) + size(s.child) +
+               size(patch_face) + size(face_patch) + size(kind) + size(folded) + size(rho_min) +
+               size(corner_of_face) + size(face_valence);
       },
       surface);
 }

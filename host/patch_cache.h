@@ -25,6 +25,22 @@ struct CacheError : std::runtime_error {
 
 enum class Precision { kFloat, kDouble };
 
+// Which surface stands for the paper's: a trade of accuracy for speed and memory. All but tables
+// keep G1, with the boundary curves and boundary normals of the exact patch.
+struct Level {
+  enum Kind : std::uint32_t {
+    kExact,   // the paper's equations
+    kRibbon,  // cross tangents as polynomials that have the exact ones' ends, slopes and middles
+    kBezier,  // Gregory quads and triangles; ribbons for faces of more sides
+    kTable    // samples with bicubic interpolation: G1 but for a gap
+  };
+  Kind kind = kExact;
+  std::uint32_t cells = 0;  // of a table, along half a side; else 0
+
+  bool operator==(const Level&) const = default;
+};
+inline constexpr std::uint32_t kTableCells = 4, kMostTableCells = 64;  // usual, at most
+
 struct PatchCache;
 
 // How the patch of a face was made.
@@ -38,6 +54,7 @@ enum class PatchKind : std::uint8_t {
 
 struct BuildOptions {
   Precision precision = Precision::kDouble;
+  Level level{};
   bool tame = true;  // false: folded patches are found and flagged, and kept as they are
   std::vector<std::uint32_t> faces{};  // only these, each once, ascending; empty: all
   // Of the same mesh, or none: what a cache says of the whole mesh (frame, hash, valences) is taken
@@ -66,6 +83,7 @@ struct PatchCache {
   double unit = 1.0;           // metres per unit of the mesh
   Vec3 origin = Vec3::Zero();  // of the mesh frame, in the mesh's unit
   double scale = 1.0;          // mesh-frame length of one unit: a power of two
+  Level level{};
   std::uint32_t mesh_face_count = 0;
   std::uint64_t mesh_hash = 0;  // XXH3 of the mesh's arrays and unit
   std::variant<Surface<float>, Surface<double>> surface;

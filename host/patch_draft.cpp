@@ -95,7 +95,8 @@ PatchShape examine(const PatchDraft& d, const ValenceTables& tables) {
   double frame[kFrameReals], reals[kShapeReals];
   d.frame.store(frame);
   kernels<double>().examine(tables.domain_of(n), tables.probes_of(n), tables.probe_count[n],
-                            d.control.data(), d.corner.data(), d.triangle.data(), frame, n, reals);
+                            d.control.data(), kFormExact, d.corner.data(), d.triangle.data(), frame,
+                            n, reals);
   return shape_from(reals, n);
 }
 

@@ -97,7 +97,8 @@ std::vector<FaceCorners> with_centres(const FaceCorners& face, const PatchDraft&
   double at[9];
   const double zero = 0;
   const auto n = static_cast<std::uint32_t>(face.position.size());
-  kernels<double>().evaluate(tables.domain_of(n), exact.control.data(), n, &zero, &zero, 1, 1, at);
+  kernels<double>().evaluate(tables.domain_of(n), exact.control.data(), kFormExact, n, &zero, &zero,
+                             1, 1, at);
   const Vec3 middle = exact.frame.origin + Vec3(at[0], at[1], at[2]) / exact.frame.scale;
   std::vector<FaceCorners> all;
   for (const Vec3& p : {middle, Vec3(0.5 * (middle + centroid)), centroid}) {
@@ -128,8 +129,8 @@ bool keeps_normals(const PatchDraft& d, const ValenceTables& tables) {
   }
   const std::size_t count = xi.size();
   std::vector<double> rows(9 * count);
-  kernels<double>().evaluate(tables.domain_of(n), d.control.data(), n, xi.data(), eta.data(), count,
-                             count, rows.data());
+  kernels<double>().evaluate(tables.domain_of(n), d.control.data(), kFormExact, n, xi.data(),
+                             eta.data(), count, count, rows.data());
   for (std::size_t i = 0; i < count; ++i) {
     double normal[3];
     kernels<double>().side_normal(&d.control[i / steps * kSideReals],

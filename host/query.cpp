@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
 #include "host/frames.h"
@@ -13,7 +14,7 @@ namespace {
 
 template <class Real>
 const Real* control_of(const Surface<Real>& s, std::uint32_t patch) {
-  return &s.control[s.side_begin[patch] * kSideReals];
+  return &s.control[3 * std::size_t{s.control_begin[patch]}];
 }
 
 template <class Real>
@@ -23,8 +24,8 @@ SurfacePoint evaluate_point(const PatchCache& cache, const Surface<Real>& s,
   const auto xi = static_cast<Real>(place.xi), eta = static_cast<Real>(place.eta);
   const std::uint32_t n = s.valence(place.patch);
   Real rows[9];
-  kernels<Real>().evaluate(&s.domain[s.domain_begin[n]], control_of(s, place.patch), n, &xi, &eta,
-                           1, 1, rows);
+  kernels<Real>().evaluate(&s.domain[s.domain_begin[n]], control_of(s, place.patch),
+                           s.form[place.patch], n, &xi, &eta, 1, 1, rows);
   const std::uint32_t slot = 0;
   SurfacePoint point;
   surface_points(cache, s, {&place.patch, 1}, {&slot, 1}, rows, 1, {&point, 1});
@@ -44,13 +45,19 @@ void evaluate_points(const PatchCache& cache, const Surface<Real>& s,
     const std::uint32_t patch = blocks.patch[first], n = s.valence(patch);
     for (end = first + 1; end < count && blocks.patch[end] == patch;) ++end;
     const std::size_t at = first * lanes;
-    kernels<Real>().evaluate(&s.domain[s.domain_begin[n]], control_of(s, patch), n, &blocks.xi[at],
-                             &blocks.eta[at], (end - first) * lanes, stride, &rows[at]);
+    kernels<Real>().evaluate(&s.domain[s.domain_begin[n]], control_of(s, patch), s.form[patch], n,
+                             &blocks.xi[at], &blocks.eta[at], (end - first) * lanes, stride,
+                             &rows[at]);
   }
   surface_points<Real>(cache, s, blocks.patch_of, blocks.slot, rows.data(), stride, out);
 }
 
 }  // namespace
+
+DomainPoint on_side(std::uint32_t face, std::uint32_t n, std::uint32_t k, double t) {
+  const double a = 2 * std::numbers::pi * k / n, b = 2 * std::numbers::pi * ((k + 1) % n) / n;
+  return {face, (1 - t) * std::cos(a) + t * std::cos(b), (1 - t) * std::sin(a) + t * std::sin(b)};
+}
 
 bool in_domain(const PatchCache& cache, const DomainPoint& point) {
   if (point.face >= cache.mesh_face_count || cache.face_patch[point.face] == kNone) return false;

@@ -23,6 +23,8 @@ struct SurfacePoint {
   Vec3 normal;                 // outward, unit
 };
 
+// At t, 0 to 1, along side k, from corner k to the next, of a face of n sides.
+DomainPoint on_side(std::uint32_t face, std::uint32_t n, std::uint32_t k, double t);
 // Whether a point lies in the domain of a face that has a patch.
 bool in_domain(const PatchCache& cache, const DomainPoint& point);
 SurfacePoint evaluate(const PatchCache& cache, const DomainPoint& point);
@@ -30,11 +32,16 @@ SurfacePoint evaluate(const PatchCache& cache, const DomainPoint& point);
 void evaluate(const PatchCache& cache, std::span<const DomainPoint> points,
               std::span<SurfacePoint> out);
 
-struct QueryOptions {
-  Method method = Method::kGregory;
+// How far a solver goes on: until its step is shorter than `tolerance`, relative to the size of the
+// patch, or as often as is allowed.
+struct SolverOptions {
   Solver solver = Solver::kNewton;
   int max_iterations = 64;
-  double tolerance = 0;  // 0: as exact as the precision allows
+  double tolerance = 0;  // 0: as exact as the precision allows; of kPaper a residual angle, rad
+};
+
+struct QueryOptions : SolverOptions {
+  Method method = Method::kGregory;
 };
 
 struct Contact {

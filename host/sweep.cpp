@@ -97,8 +97,7 @@ class Sweeper {
       for (const SurfacePoint& p : window.surface)
         window.hips.push_back(p.position - depth / cache_.unit * p.normal);
     }
-    QueryOptions query;
-    query.solver = options_.solver;
+    const QueryOptions query{options_};
     window.contacts.resize(options_.methods.size() * depths * points);
     surface_->nearest(window.hips, options_.methods, query, window.contacts);
   }

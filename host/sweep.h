@@ -13,12 +13,11 @@
 
 namespace gliss {
 
-struct SweepOptions {
+struct SweepOptions : SolverOptions {
   std::vector<double> depths;  // m, below the patches' surface
   std::vector<Method> methods{Method::kGregory, Method::kShaded, Method::kFlat};
   std::uint32_t rings = 8;  // of the grid: n rings (rings + 1) / 2 points on an n-sided patch
   double stiffness = 500;   // N/m
-  Solver solver = Solver::kNewton;
 };
 
 // Rings that give at least `samples` points over all faces of the cache.

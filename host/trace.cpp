@@ -7,10 +7,7 @@ std::vector<TraceStatistics> trace(const PatchCache& cache, std::span<const Vec3
   std::vector<ContactTracker> trackers;
   std::vector<TraceStatistics> statistics;
   for (const Method method : options.methods) {
-    QueryOptions query;
-    query.method = method;
-    query.solver = options.solver;
-    trackers.emplace_back(cache, query);
+    trackers.emplace_back(cache, QueryOptions{options, method});
     statistics.emplace_back();
     statistics.back().method = method;
   }

@@ -11,10 +11,9 @@
 
 namespace gliss {
 
-struct TraceOptions {
+struct TraceOptions : SolverOptions {
   std::vector<Method> methods{Method::kGregory, Method::kShaded, Method::kFlat};
   double stiffness = 500;  // N/m
-  Solver solver = Solver::kNewton;
 };
 
 struct TraceStep {

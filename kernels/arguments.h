@@ -4,13 +4,14 @@
   __global const scalar *domain, __global const uint *domain_begin,                               \
       __global const uint *side_begin, __global const uint *side_patch,                           \
       __global const uint *side_twin, __global const scalar *control,                             \
+      __global const uint *control_begin, __global const uint *form,                              \
       __global const scalar *corner, __global const scalar *patch, __global const uint *triangle, \
       __global const scalar *node, __global const uint *child, uint patch_count
 
-#define SURFACE_VIEW                                                                           \
-  {                                                                                            \
-    domain, domain_begin, side_begin, side_patch, side_twin, control, corner, patch, triangle, \
-        node, child, patch_count                                                               \
+#define SURFACE_VIEW                                                                               \
+  {                                                                                                \
+    domain, domain_begin, side_begin, side_patch, side_twin, control, control_begin, form, corner, \
+        patch, triangle, node, child, patch_count                                                  \
   }
 
 // Work-groups have this size; what is over does nothing.

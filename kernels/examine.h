@@ -75,8 +75,8 @@ FN real zero_if_finite(real3 a) { return (a.x - a.x) + (a.y - a.y) + (a.z - a.z)
 
 // `count` 0: of the base polygon alone.
 FN_LARGE patch_shape examine(GLOBAL scalar* domain, GLOBAL scalar* probe, int count,
-                             GLOBAL scalar* control, GLOBAL scalar* corner, GLOBAL uint* triangle,
-                             GLOBAL scalar* frame, int n) {
+                             GLOBAL scalar* control, uint form, GLOBAL scalar* corner,
+                             GLOBAL uint* triangle, GLOBAL scalar* frame, int n) {
   const real zero = splat(K(0)), one = splat(K(1)), far = splat(K(INFINITY));
   const real3 nothing = make3(zero, zero, zero), most = make3(far, far, far);
   const real3 along = load3(frame, FRAME_NORMAL), tangent = load3(frame, FRAME_TANGENT);
@@ -89,7 +89,7 @@ FN_LARGE patch_shape examine(GLOBAL scalar* domain, GLOBAL scalar* probe, int co
     real3 normal[3];  // unit: here, a step along xi, a step along eta
     for (int i = 2; i >= 0; --i) {
       const scalar dxi = i == 1 ? PROBE_STEP : K(0), deta = i == 2 ? PROBE_STEP : K(0);
-      p = evaluate_valence(domain, control, n, xi + dxi, eta + deta);
+      p = evaluate_form(domain, control, form, n, xi + dxi, eta + deta);
       normal[i] = unit3(patch_normal(p));
     }
     const real over = splat(K(1) / PROBE_STEP);

@@ -5,6 +5,13 @@ typedef struct {
   real3 g, g_xi, g_eta;
 } patch_point;
 
+// What the control data of a patch is. Whatever their forms, neighbours have one normal along their
+// edge, that of eq. 10; but for tables, which come near to it.
+#define FORM_EXACT 0u   // the paper's patch
+#define FORM_RIBBON 1u  // the same blend of sides whose cross tangents are polynomials (ribbon.h)
+#define FORM_BEZIER 2u  // a Gregory quad or triangle (bezier.h)
+#define FORM_TABLE 3u   // samples (table.h)
+
 // G and its derivatives from sums of jets: G += f x with x constant (a point or a tangent of the
 // corner).
 FN patch_point add_constant(patch_point p, jet f, real3 x) {
@@ -40,7 +47,9 @@ FN patch_point add_twist(patch_point p, jet w, jet u, jet v, real3 a, real3 b) {
 //   G = sum_k (w_k + w_(k+1)) C_k(u_k) + (w_k v_k + w_(k+1) u_(k+1)) T_k(u_k)
 //     - sum_k w_k (V_k + v_k T_k(0) + u_k T_(k-1)(1) + twist_k):  n side evaluations a point, not
 //     2n.
-FN patch_point evaluate(GLOBAL scalar* domain, GLOBAL scalar* control, int n, real xi, real eta) {
+FN patch_point evaluate(GLOBAL scalar* domain, GLOBAL scalar* control, uint form, int n, real xi,
+                        real eta) {
+  const int reals = form == FORM_RIBBON ? RIBBON_REALS : SIDE_REALS;
   const real3 zero = make3(splat(K(0)), splat(K(0)), splat(K(0)));
   patch_point sum = {zero, zero, zero};
   jet total = make_jet(zero.x, zero.x, zero.x);
@@ -51,11 +60,11 @@ FN patch_point evaluate(GLOBAL scalar* domain, GLOBAL scalar* control, int n, re
   UNROLL
   for (int k = 0; k < n; ++k) {
     const int after = wrap(k + 1, n);
-    GLOBAL scalar* side = control + k * SIDE_REALS;
-    GLOBAL scalar* before = control + wrap(k - 1, n) * SIDE_REALS;
+    GLOBAL scalar* side = control + k * reals;
+    GLOBAL scalar* before = control + wrap(k - 1, n) * reals;
     const jet u_next = corner_u(domain, n, after, xi, eta);
     const jet w_next = corner_weight(domain, n, after, near, xi, eta);
-    const side_point at = side_at(side, u.f);
+    const side_point at = form == FORM_RIBBON ? ribbon_at(side, u.f) : side_at(side, u.f);
     const jet on_curve = add_jet(w, w_next);
     const jet on_tangent = add_jet(mul_jet(w, v), mul_jet(w_next, u_next));
     sum = add_moving(sum, on_curve, u, at.c, at.dc);

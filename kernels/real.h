@@ -1,7 +1,8 @@
 // The bridge: what each language calls its numbers. Included first, inside the namespace of its
 // instance. The includer defines GLISS_SCALAR (float or double) and GLISS_LANES (1, or the number
 // of samples a `real` holds: load_lanes and store_lanes move that many neighbours of an array,
-// `lane` reads one; a `mask` holds what a comparison of two says, and masks meet in &). Only
+// `lane` reads one, `gather` each one's own number of an array; a `mask` holds what a comparison of
+// two says, and masks meet in &). Only
 // + - * / sqrt fma and comparisons are used: IEEE gives them the same bits in every language.
 
 typedef GLISS_SCALAR scalar;
@@ -27,6 +28,7 @@ typedef GLISS_JOIN(GLISS_JOIN(GLISS_MASK_, GLISS_SCALAR), GLISS_LANES) mask;
 #define load_lanes(at) (*(at))
 #define store_lanes(at, value) (*(at) = (value))
 #define lane(value, i) (value)
+#define gather(at, index) ((at)[(int)(index)])
 #else
 #define load_lanes(at) GLISS_JOIN(vload, GLISS_LANES)(0, at)
 #define store_lanes(at, value) GLISS_JOIN(vstore, GLISS_LANES)(value, 0, at)
@@ -41,6 +43,13 @@ typedef GLISS_JOIN(GLISS_JOIN(GLISS_MASK_, GLISS_SCALAR), GLISS_LANES) mask;
 #define GLISS_INLINE __attribute__((always_inline))
 #endif
 #define FN static inline GLISS_INLINE
+#if GLISS_LANES > 1
+FN real gather(GLOBAL scalar* at, real index) {
+  real r;
+  for (int i = 0; i < GLISS_LANES; ++i) ((scalar*)&r)[i] = at[(int)lane(index, i)];
+  return r;
+}
+#endif
 
 #else  // C++
 
@@ -65,6 +74,7 @@ FN real splat(scalar s) { return s; }
 FN real load_lanes(const scalar* at) { return *at; }
 FN void store_lanes(scalar* at, real value) { *at = value; }
 FN scalar lane(real value, int) { return value; }
+FN real gather(const scalar* at, real index) { return at[(int)index]; }
 #else
 typedef scalar real __attribute__((vector_size(GLISS_LANES * sizeof(GLISS_SCALAR))));
 typedef decltype(real{} < real{}) mask;
@@ -78,6 +88,11 @@ FN real load_lanes(const scalar* at) {
 }
 FN void store_lanes(scalar* at, real value) { __builtin_memcpy(at, &value, sizeof value); }
 FN scalar lane(real value, int i) { return value[i]; }
+FN real gather(const scalar* at, real index) {
+  real r = {};
+  for (int i = 0; i < GLISS_LANES; ++i) r[i] = at[(int)index[i]];
+  return r;
+}
 #endif
 #define pick(condition, a, b) ((condition) ? (a) : (b))
 

@@ -131,10 +131,36 @@ FN uint prev_in_patch(surface_view view, uint side) {
   return side == view.side_begin[patch] ? view.side_begin[patch + 1] - 1 : side - 1;
 }
 
+// Tangents at the corner where a side starts: along it, and along the side that ends there,
+// backwards. Lengths do not matter.
+typedef struct {
+  real3 p, q;
+} corner_tangents;
+
+FN corner_tangents tangents_at(surface_view view, uint side) {
+  const uint patch = view.side_patch[side], form = view.form[patch];
+  const int n = valence_of(view, patch), k = (int)(side - view.side_begin[patch]);
+  corner_tangents r;
+  if (IS_FORM(form, FORM_EXACT) || IS_FORM(form, FORM_RIBBON)) {
+    const int reals = IS_FORM(form, FORM_RIBBON) ? RIBBON_REALS : SIDE_REALS;
+    GLOBAL scalar* control = control_of(view, patch) + k * reals;
+    r.p = load3(control, SIDE_C + 1);
+    r.q = load3(control, SIDE_T_0);
+    return r;
+  }
+  GLOBAL scalar* domain = domain_of(view, n);
+  const domain_vector at = domain_corner(domain, k), a = domain_corner(domain, wrap(k + 1, n)),
+                      b = domain_corner(domain, wrap(k - 1, n));
+  const patch_point g = evaluate_patch(view, patch, at.xi, at.eta);
+  r.p = fma3(a.xi - at.xi, g.g_xi, mul3(a.eta - at.eta, g.g_eta));
+  r.q = fma3(b.xi - at.xi, g.g_xi, mul3(b.eta - at.eta, g.g_eta));
+  return r;
+}
+
 // Whether the direction w, seen from the corner where `side` starts, points into the side's patch.
 FN int in_sector(surface_view view, uint side, real3 w) {
-  const real3 p = load3(control_of(view, side), SIDE_C + 1),
-              q = load3(control_of(view, side), SIDE_T_0);
+  const corner_tangents t = tangents_at(view, side);
+  const real3 p = t.p, q = t.q;
   const real pp = dot3(p, p), pq = dot3(p, q), qq = dot3(q, q), wp = dot3(w, p), wq = dot3(w, q);
   const real a = wp * qq - wq * pq, b = wq * pp - wp * pq;
   return a >= K(0) && b >= K(0) && a + b > K(0);

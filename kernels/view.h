@@ -27,14 +27,16 @@
 #define HIERARCHY_DEPTH 64
 
 typedef struct {
-  GLOBAL scalar* domain;      // tables of the valences in use (domain.h)
-  GLOBAL uint* domain_begin;  // [valence], where its table begins
-  GLOBAL uint* side_begin;    // [patch + 1]
-  GLOBAL uint* side_patch;    // [side]
-  GLOBAL uint* side_twin;     // [side], NONE: border
-  GLOBAL scalar* control;     // [side][SIDE_REALS]
-  GLOBAL scalar* corner;      // [side][2][3], base polygon: position (local frame) and unit normal
-  GLOBAL scalar* patch;       // [patch][PATCH_REALS]
+  GLOBAL scalar* domain;       // tables of the valences in use (domain.h)
+  GLOBAL uint* domain_begin;   // [valence], where its table begins
+  GLOBAL uint* side_begin;     // [patch + 1]
+  GLOBAL uint* side_patch;     // [side]
+  GLOBAL uint* side_twin;      // [side], NONE: border
+  GLOBAL scalar* control;      // of all patches, by their forms
+  GLOBAL uint* control_begin;  // [patch], where its own begins, in triples
+  GLOBAL uint* form;           // [patch], FORM_*; of a table with r << 8
+  GLOBAL scalar* corner;       // [side][2][3], base polygon: position (local frame) and unit normal
+  GLOBAL scalar* patch;        // [patch][PATCH_REALS]
   GLOBAL uint*
       triangle;  // [side_begin[p] - 2 p][3], local corners: fixed triangulation of p's base polygon
   GLOBAL scalar* node;  // [node][NODE_REALS]
@@ -46,8 +48,8 @@ FN int valence_of(surface_view view, uint patch) {
   return (int)(view.side_begin[patch + 1] - view.side_begin[patch]);
 }
 FN GLOBAL scalar* domain_of(surface_view view, int n) { return view.domain + view.domain_begin[n]; }
-FN GLOBAL scalar* control_of(surface_view view, uint side) {
-  return view.control + (ulong)side * SIDE_REALS;
+FN GLOBAL scalar* control_of(surface_view view, uint patch) {
+  return view.control + 3 * (ulong)view.control_begin[patch];
 }
 FN GLOBAL scalar* numbers_of(surface_view view, uint patch) {
   return view.patch + (ulong)patch * PATCH_REALS;
@@ -75,16 +77,32 @@ FN real3 local_hip(surface_view view, hip_point h, uint patch) {
 }
 
 // The common valences with their loops unrolled.
-FN patch_point evaluate_valence(GLOBAL scalar* domain, GLOBAL scalar* control, int n, real xi,
-                                real eta) {
-  if (n == 4) return evaluate(domain, control, 4, xi, eta);
-  if (n == 3) return evaluate(domain, control, 3, xi, eta);
-  if (n == 5) return evaluate(domain, control, 5, xi, eta);
-  if (n == 6) return evaluate(domain, control, 6, xi, eta);
-  return evaluate(domain, control, n, xi, eta);
+FN patch_point evaluate_valence(GLOBAL scalar* domain, GLOBAL scalar* control, uint form, int n,
+                                real xi, real eta) {
+  if (n == 4) return evaluate(domain, control, form, 4, xi, eta);
+  if (n == 3) return evaluate(domain, control, form, 3, xi, eta);
+  if (n == 5) return evaluate(domain, control, form, 5, xi, eta);
+  if (n == 6) return evaluate(domain, control, form, 6, xi, eta);
+  return evaluate(domain, control, form, n, xi, eta);
 }
 
-FN_LARGE patch_point evaluate_patch(surface_view view, uint patch, real xi, real eta) {
+// Which forms there are code for: those that a device's surface has, else all.
+#ifndef GLISS_FORMS
+#define GLISS_FORMS 15u
+#endif
+#define IS_FORM(form, which) ((GLISS_FORMS >> (which)&1u) && ((form)&255u) == (which))
+
+FN_LARGE patch_point evaluate_form(GLOBAL scalar* domain, GLOBAL scalar* control, uint form, int n,
+                                   real xi, real eta) {
+  if (IS_FORM(form, FORM_BEZIER))
+    return n == 4 ? gregory_quad(control, xi, eta) : gregory_triangle(domain, control, xi, eta);
+  if (IS_FORM(form, FORM_TABLE))
+    return evaluate_table(domain, control, (int)(form >> 8), n, xi, eta);
+  if (IS_FORM(form, FORM_RIBBON)) return evaluate_valence(domain, control, FORM_RIBBON, n, xi, eta);
+  return evaluate_valence(domain, control, FORM_EXACT, n, xi, eta);
+}
+
+FN patch_point evaluate_patch(surface_view view, uint patch, real xi, real eta) {
   const int n = valence_of(view, patch);
-  return evaluate_valence(domain_of(view, n), control_of(view, view.side_begin[patch]), n, xi, eta);
+  return evaluate_form(domain_of(view, n), control_of(view, patch), view.form[patch], n, xi, eta);
 }

@@ -11,9 +11,6 @@
 namespace gliss {
 namespace {
 
-enum class Level { kExact };
-constexpr Named<Level> kLevelNames[] = {{"exact", Level::kExact}};
-
 constexpr Named<Patches> kPatchesNames[] = {{"all", Patches::kAll}, {"lazy", Patches::kLazy}};
 
 std::string beside(const std::string& scene, const std::string& path) {
@@ -67,10 +64,16 @@ ObjectDescription read_object(TomlTable table, const std::string& scene, std::si
   }
   if (table.has("precision")) table.get("precision", object.precision.emplace(), kPrecisionNames);
   table.get_positive("stiffness", object.stiffness, parse_stiffness);
-  Level level = Level::kExact;
-  table.get("level", level, kLevelNames);
+  std::string level;
+  table.get("level", level);
+  if (!level.empty() && !(object.level = find_level(level)))
+    table.fail("level", fmt::format("'{}' is none of {}", level, listed(kLevelNames)));
   table.get("method", object.method, kMethodNames);
   table.get("solver", object.solver, kSolverNames);
+  table.get("iterations", object.max_iterations, 1, 10000);
+  table.get("tolerance", object.tolerance);
+  if (!(object.tolerance >= 0 && object.tolerance < 1))
+    table.fail("tolerance", "must be 0 or more and less than 1");
   read_patches(table, object, mesh.empty());
   Vec3 position = Vec3::Zero();
   table.get_point("position", position);

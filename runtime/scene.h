@@ -25,16 +25,16 @@ struct SceneError : std::runtime_error {
 enum class Patches { kAll, kLazy };
 
 // An [[object]]. Numbers without a unit are SI.
-struct ObjectDescription {
+struct ObjectDescription : SolverOptions {
   std::string place;  // "scene.toml:3: object 'knot'", for messages
   std::string name;
   std::string surface;  // path of a mesh or a cache, from the scene's folder
   bool from_cache = false;
   double unit = 1;                     // m, of a mesh's coordinates
   std::optional<Precision> precision;  // as the cache has it, or double
+  std::optional<Level> level;          // as the cache has it, or exact
   double stiffness = 500;              // N/m
   Method method = Method::kGregory;
-  Solver solver = Solver::kNewton;
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  // translation in m
   Patches patches = Patches::kAll;
   int rings = 3;  // around the contact, with kLazy

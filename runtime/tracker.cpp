@@ -7,10 +7,7 @@ namespace gliss {
 namespace {
 
 QueryOptions query_of(const SceneObject& object) {
-  QueryOptions query;
-  query.method = object.method;
-  query.solver = object.solver;
-  return query;
+  return {{object.solver, object.max_iterations, object.tolerance}, object.method};
 }
 
 }  // namespace

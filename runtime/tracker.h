@@ -24,6 +24,8 @@ struct SceneObject {
   // Where there is no cache: a mesh, for kGregory alone. Each HIP has a thread that builds for it.
   std::shared_ptr<const LazyMesh> lazy = nullptr;
   LazyWorkerOptions worker = {};
+  int max_iterations = 64;  // these two as SolverOptions has them
+  double tolerance = 0;
 
   double unit() const { return cache != nullptr ? cache->unit : lazy->base().unit; }  // m
 };

@@ -1,4 +1,5 @@
 // The cache file: what is loaded is what was saved, bit by bit; everything else is refused.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -37,7 +38,7 @@ Mesh polygon(std::vector<Vec3> corners) {
 }
 
 BuildOptions in(Precision precision, bool tame = true, std::vector<std::uint32_t> faces = {}) {
-  return {precision, tame, std::move(faces)};
+  return {.precision = precision, .tame = tame, .faces = std::move(faces)};
 }
 
 PatchCache triangle_cache(Precision precision = Precision::kFloat) {
@@ -52,7 +53,7 @@ PatchCache dart_cache(Precision precision = Precision::kDouble) {
 template <class Real>
 auto arrays_of(const Surface<Real>& s) {
   return std::tie(s.domain, s.domain_begin, s.side_begin, s.side_patch, s.side_twin, s.control,
-                  s.corner, s.patch, s.triangle, s.node, s.child);
+                  s.control_begin, s.form, s.corner, s.patch, s.triangle, s.node, s.child);
 }
 auto fields_of(const PatchCache& c) {
   return std::tie(c.unit, c.origin, c.scale, c.mesh_face_count, c.mesh_hash, c.patch_face,
@@ -285,7 +286,7 @@ TEST(CacheFile, OtherVersionsAreStaleAndNotDamaged) {
     return std::string(error.what());
   };
   EXPECT_THAT(stale([](Header& h) { h.format = kFormat + 1; }),
-              HasSubstr("of format 2, this program reads 1"));
+              HasSubstr(fmt::format("of format {}, this program reads {}", kFormat + 1, kFormat)));
   EXPECT_THAT(stale([](Header& h) { h.gliss_version[0] = '9'; }), HasSubstr("built by gliss 9."));
   EXPECT_THAT(stale([](Header& h) { ++h.side_reals; }), HasSubstr("another build"));
   EXPECT_THAT(stale([](Header& h) { ++h.patch_reals; }), HasSubstr("another build"));
@@ -317,6 +318,9 @@ TEST(CacheFile, HeadersThatLieAreRefused) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   EXPECT_THAT(header([](Header& h) { h.precision = 2; }), HasSubstr("unknown precision"));
+  EXPECT_THAT(header([](Header& h) { h.level = 4; }), HasSubstr("unknown level"));
+  EXPECT_THAT(header([](Header& h) { h.table_cells = 4; }), HasSubstr("unknown level"));
+  EXPECT_THAT(header([](Header& h) { h.level = Level::kTable; }), HasSubstr("unknown level"));
   EXPECT_THAT(header([](Header& h) { h.precision = 1; }), HasSubstr("'domain': its entry"));
   EXPECT_THAT(header([](Header& h) { --h.section_count; }), HasSubstr("its size is wrong"));
   EXPECT_THAT(header([](Header& h) { h.section_count = 0xFFFFFFFF; }), HasSubstr("its size"));
@@ -383,6 +387,10 @@ TEST(CacheFile, ForgedContentIsRefused) {
   EXPECT_THAT(forged("side_twin", 3, sides), section("side_twin"));
   EXPECT_THAT(forged("side_twin", 3, 3u), section("side_twin"));
   EXPECT_THAT(forged("side_twin", 3, kNone), section("side_twin"));
+  EXPECT_THAT(forged("control_begin", 2, 1u), section("control_begin"));
+  EXPECT_THAT(forged("form", 0, kFormRibbon), section("form"));  // of an exact cache
+  EXPECT_THAT(forged("form", 0, ~0u), section("form"));
+  EXPECT_THAT(forged("form", 0, kFormExact | 4u << 8), section("form"));
   EXPECT_THAT(forged("triangle", 7, 4u), section("triangle"));
   EXPECT_THAT(forged("patch_face", 2, patches), section("patch_face"));
   EXPECT_THAT(forged("patch_face", 2, 1u), section("side_begin"));  // parts are triangles

@@ -31,6 +31,11 @@ for precision in double float; do
       continue
     fi
     cmp "$scratch/$precision.baseline.csv" "$out"
+    for level in ribbon bezier table; do
+      GLISS_ISA=$isa "$gliss" eval "$scratch/knot.obj" --at "$scratch/at.csv" --unit mm --level $level \
+        --precision $precision -o "$scratch/$level.$precision.$isa.csv" >/dev/null
+      cmp "$scratch/$level.$precision.baseline.csv" "$scratch/$level.$precision.$isa.csv"
+    done
     # Caches, of 4 to 11 sides and with faces that fold (the fin).
     for mesh in knot fin goldberg banana; do
       GLISS_ISA=$isa "$gliss" bake "$scratch/$mesh.obj" --unit mm --precision $precision --quiet \
@@ -41,4 +46,4 @@ for precision in double float; do
   done
 done
 lines=$(wc -l <"$scratch/double.baseline.csv")
-echo "the same $lines lines and 4 caches:$compared"
+echo "the same $lines lines at 4 levels and 4 caches:$compared"

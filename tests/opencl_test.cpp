@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "host/generate.h"
+#include "host/names.h"
 #include "tests/bytes.h"
 #include "tests/opencl_fault.h"
 #include "tests/surfaces.h"
@@ -73,7 +74,13 @@ struct Case {
   bool shared;
   Mesh (*mesh)();
   std::vector<std::uint32_t> (*faces)() = [] { return std::vector<std::uint32_t>(); };
+  const char* level = "exact";
 };
+
+Mesh many_valences() { return lantern({24, 24, 8, 4}); }
+
+std::vector<std::uint32_t> all_faces() { return {}; }
+
 const Case kCases[] = {{"knot", false, [] { return torus_knot(60, 8).mesh; }},
                        {"goldberg", false, [] { return goldberg(3).mesh; }},
                        {"lantern", false,
@@ -81,6 +88,9 @@ const Case kCases[] = {{"knot", false, [] { return torus_knot(60, 8).mesh; }},
                           return lantern({40, 40, 8, 8, 4});
                         }},
                        {"region", false, [] { return torus_knot(24, 6).mesh; }, faces_of_region},
+                       {"ribbon", false, many_valences, all_faces, "ribbon"},
+                       {"bezier", false, many_valences, all_faces, "bezier"},
+                       {"table", false, many_valences, all_faces, "table:2"},
                        {"teeth", true, [] { return test::load_shared("meshes/teeth32_ngon"); }},
                        {"spot", true, [] { return test::load_shared("meshes/spot_control"); }}};
 
@@ -88,6 +98,7 @@ BuildOptions options_of(const Case& c, Precision precision) {
   BuildOptions options;
   options.precision = precision;
   options.faces = c.faces();
+  options.level = find_level(c.level).value();
   return options;
 }
 
@@ -423,16 +434,22 @@ class OpenClSmall : public OpenClTest, public ::testing::WithParamInterface<Prec
 
 TEST_P(OpenClSmall, evaluates_with_any_number_of_lanes) {
   Judge judge = this->judge();
-  const Answers want = evaluated(*host_, questions_);
   const bool single = GetParam() == Precision::kFloat;
-  for (const int lanes : {1, 4, 8, 16}) {
-    test::pretend(
-        single ? CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT : CL_DEVICE_NATIVE_VECTOR_WIDTH_DOUBLE,
-        static_cast<cl_ulong>(lanes));
-    ASSERT_EQ(single ? device().lanes_float : device().lanes_double, lanes);
-    const auto opencl = engine();
-    judge.compare(want, evaluated(*opencl->reside(cache_), questions_));
-    EXPECT_GT(opencl->device_seconds(), 0);
+  for (const char* level : {"exact", "ribbon", "bezier", "table:2"}) {
+    BuildOptions options;
+    options.precision = GetParam();
+    options.level = find_level(level).value();
+    const PatchCache cache = build_cache(lantern({24, 8, 4, 4}), options);
+    const Answers want = evaluated(*serial_->reside(cache), questions_);
+    for (const int lanes : {1, 4, 8, 16}) {
+      test::pretend(
+          single ? CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT : CL_DEVICE_NATIVE_VECTOR_WIDTH_DOUBLE,
+          static_cast<cl_ulong>(lanes));
+      ASSERT_EQ(single ? device().lanes_float : device().lanes_double, lanes);
+      const auto opencl = engine();
+      judge.compare(want, evaluated(*opencl->reside(cache), questions_));
+      EXPECT_GT(opencl->device_seconds(), 0);
+    }
   }
   judge.conclude("evaluate");
 }

@@ -80,17 +80,18 @@ void run(const BakeOptions& options) {
   const std::string unit = unit_name(cache.unit);
   const double seconds = clock.seconds();
   report(options,
-         fmt::format("{}: {} of {} faces, {} patches in {}, unit {}\n"
+         fmt::format("{}: {} of {} faces, {} patches of level {} in {}, unit {}\n"
                      "folded {}, degenerate {}; eased {}, split {}, bent {}\n"
                      "rho_min {} {}, {} bytes, {:.2f} s\n",
                      options.output, faces, mesh.face_count(), cache.patch_count(),
-                     precision_name(cache.precision()), unit, found.folded, found.degenerate,
-                     found.eased, found.split, found.bent, radius_text(cache.smallest_rho()), unit,
-                     cache.bytes(), seconds),
+                     level_name(cache.level), precision_name(cache.precision()), unit, found.folded,
+                     found.degenerate, found.eased, found.split, found.bent,
+                     radius_text(cache.smallest_rho()), unit, cache.bytes(), seconds),
          {{"output", options.output},
           {"mesh_faces", mesh.face_count()},
           {"faces", faces},
           {"patches", cache.patch_count()},
+          {"level", level_name(cache.level)},
           {"precision", precision_name(cache.precision())},
           {"unit", unit},
           {"folded", found.folded},

@@ -65,6 +65,18 @@ std::map<std::string, std::uint32_t> count_kinds(const PatchCache& cache) {
   return kinds;
 }
 
+// What patches are kept as: of the cache's level, or of another that stands in.
+std::map<std::string, std::uint32_t> count_forms(const PatchCache& cache) {
+  std::map<std::string, std::uint32_t> forms;
+  std::visit(
+      [&](const auto& surface) {
+        for (const std::uint32_t form : surface.form)
+          ++forms[name_of(kLevelNames, static_cast<Level::Kind>(form & kFormMask))];
+      },
+      cache.surface);
+  return forms;
+}
+
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
@@ -98,6 +110,12 @@ void run(const SurfaceOptions& options) {
         fmt::format("{}{} x {} sides", valence_text.empty() ? "" : ", ", count, valence);
   }
   const auto kinds = count_kinds(cache);
+  Json forms;
+  std::string form_text;
+  for (const auto& [name, count] : count_forms(cache)) {
+    forms[name] = count;
+    form_text += fmt::format("{}{} {}", form_text.empty() ? "" : ", ", count, name);
+  }
   report(options,
          fmt::format("faces         {} of {}: {}\n"
                      "vertices      {}, edges {}, border sides {}, parts {}\n"
@@ -106,6 +124,7 @@ void run(const SurfaceOptions& options) {
                      "unit          {} (coordinates here in {})\n"
                      "bounds        {:.6g} {:.6g} {:.6g} to {:.6g} {:.6g} {:.6g}\n"
                      "rho_min       {}, median {}\n"
+                     "level         {}: {}\n"
                      "precision     {}, {:.2f} MiB\n"
                      "mesh hash     {}\n",
                      faces, cache.mesh_face_count, valence_text, shape.vertices, shape.edges,
@@ -113,7 +132,7 @@ void run(const SurfaceOptions& options) {
                      kinds.at("eased"), kinds.at("split"), kinds.at("bent"), folded,
                      unit_name(cache.unit), unit, low.x(), low.y(), low.z(), high.x(), high.y(),
                      high.z(), radius_text(rho_min), radius_text(rho_median),
-                     precision_name(cache.precision()),
+                     level_name(cache.level), form_text, precision_name(cache.precision()),
                      static_cast<double>(cache.bytes()) / (1 << 20), hash_name(cache.mesh_hash)),
          {{"surface", options.surface},
           {"mesh_faces", cache.mesh_face_count},
@@ -131,6 +150,8 @@ void run(const SurfaceOptions& options) {
           {"bounds", {{low.x(), low.y(), low.z()}, {high.x(), high.y(), high.z()}}},
           {"rho_min", radius_json(rho_min)},
           {"rho_median", radius_json(rho_median)},
+          {"level", level_name(cache.level)},
+          {"forms", forms},
           {"precision", precision_name(cache.precision())},
           {"bytes", cache.bytes()},
           {"mesh_hash", hash_name(cache.mesh_hash)}});

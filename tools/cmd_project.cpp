@@ -18,10 +18,11 @@ void describe(Command& command, ProjectOptions& options) {
   add_input_option(command, "--hip", options.hips,
                    "HIPs: columns x,y,z in the unit of --unit, or x_mm,y_mm,z_mm");
   add_output_option(command, options.output, "table to write; CSV on standard output without it");
-  add_solver_option(command, options.query.solver);
-  command.option(
-      {"--method", "NAME", "gregory (default), shaded or flat"},
-      [&options](const std::string& name) { options.query.method = parse_method(name); });
+  add_solver_options(command, options.query);
+  command.option({"--method", "NAME", "gregory (default), shaded or flat"},
+                 [&options](const std::string& name) {
+                   options.query.method = parse_name("--method", name, kMethodNames);
+                 });
 }
 
 void run(const ProjectOptions& options) {

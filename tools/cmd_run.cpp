@@ -66,15 +66,19 @@ std::vector<SceneObject> open_objects(const Scene& scene, const RunOptions& opti
     surface.from_cache = described.from_cache;
     surface.unit = described.unit;
     surface.precision = described.precision;
+    surface.level = described.level;
     SceneObject object;
     object.stiffness = described.stiffness;
     object.method = described.method;
     object.solver = described.solver;
+    object.max_iterations = described.max_iterations;
+    object.tolerance = described.tolerance;
     object.pose = described.pose;
     if (described.patches == Patches::kLazy) {
       const Precision precision = described.precision.value_or(Precision::kDouble);
-      object.lazy = std::make_shared<const LazyMesh>(read_mesh(surface),
-                                                     LazyOptions{described.rings, precision});
+      object.lazy = std::make_shared<const LazyMesh>(
+          read_mesh(surface),
+          LazyOptions{described.rings, precision, described.level.value_or(Level{})});
     } else {
       object.cache = std::make_shared<const PatchCache>(open_surface(surface, *engine));
     }

@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <optional>
-#include <set>
 
 #include "host/atomic_file.h"
 #include "host/units.h"
@@ -22,19 +21,6 @@ struct SweepingOptions : SurfaceOptions {
   std::string output, picture, summary;
 };
 
-std::vector<double> parse_depths(const std::string& text) {
-  std::vector<double> depths;
-  std::set<std::string> names;
-  for (const std::string& word : split(text, ',')) {
-    depths.push_back(parse_length(word));
-    if (!(depths.back() > 0)) throw InputError(fmt::format("--depth: '{}' is not positive", word));
-    if (!names.insert(depth_name(depths.back())).second) {
-      throw InputError(fmt::format("--depth: '{}' is there twice", word));
-    }
-  }
-  return depths;
-}
-
 void describe(Command& command, SweepingOptions& options) {
   add_surface_options(command, options, "MESH_OR_CACHE");
   command.option(
@@ -42,7 +28,7 @@ void describe(Command& command, SweepingOptions& options) {
       [&options](const std::string& text) { options.sweep.depths = parse_depths(text); });
   add_methods_option(command, options.sweep.methods);
   add_stiffness_option(command, options.sweep.stiffness);
-  add_solver_option(command, options.sweep.solver);
+  add_solver_options(command, options.sweep);
   command.option({"--samples", "COUNT", "points per depth over all faces, at least"},
                  options.samples, 1, 1e12);
   command.option({"--rings", "N", "of the grid on each patch; default 8"}, options.rings, 1, 10000);

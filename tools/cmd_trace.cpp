@@ -27,7 +27,7 @@ void describe(Command& command, TracingOptions& options) {
   add_output_option(command, options.output, "table to write; CSV on standard output without it");
   add_stiffness_option(command, options.trace.stiffness);
   add_methods_option(command, options.trace.methods);
-  add_solver_option(command, options.trace.solver);
+  add_solver_options(command, options.trace);
 }
 
 // Whole steps are written as such: 100000, where the shortest double would be 1e+05.

@@ -15,16 +15,6 @@ namespace {
 // Patches without curvature have the largest double as radius, in the unit of their mesh.
 constexpr double kFlat = 1e290;
 
-constexpr Named<const char*> kBackendNames[] = {
-    {"tbb", "tbb"}, {"serial", "serial"}, {"opencl", "opencl"}, {"auto", "auto"}};
-
-template <class Value, std::size_t count>
-Value find(const Named<Value> (&names)[count], const std::string& option,
-           const std::string& wanted) {
-  if (const auto value = find_named(names, wanted)) return *value;
-  throw InputError(fmt::format("{}: '{}' is none of {}", option, wanted, listed(names)));
-}
-
 std::string& kept_command_line() {
   static std::string line;
   return line;
@@ -43,7 +33,7 @@ void add_common_options(Command& command, CommonOptions& options) {
   command.option({"--backend", "NAME",
                   "tbb (default), serial, opencl, or auto: opencl on a GPU, tbb where that fails"},
                  [&options](const std::string& text) {
-                   options.backend = find(kBackendNames, "--backend", text);
+                   options.backend = parse_name("--backend", text, kBackendNames);
                  });
   command.option(
       {"--device", "NAME", "OpenCL device: part of its name, or its number in gliss devices"},
@@ -53,7 +43,7 @@ void add_common_options(Command& command, CommonOptions& options) {
   add_common_options(command, static_cast<ReportOptions&>(options));
 }
 
-void add_surface_options(Command& command, SurfaceOptions& options, const std::string& name) {
+void add_mesh_options(Command& command, SurfaceOptions& options, const std::string& name) {
   command.option({name, "FILE",
                   name == "MESH" ? "mesh file: .obj, .off or .ply"
                                  : "mesh file (.obj, .off, .ply) or cache made by gliss bake",
@@ -61,12 +51,20 @@ void add_surface_options(Command& command, SurfaceOptions& options, const std::s
                  options.surface);
   command.option({"--unit", "UNIT", "unit of the coordinates: m (default), cm, mm, um, nm, in"},
                  [&options](const std::string& text) { options.unit = parse_unit(text); });
-  command.option({"--precision", "NAME", "float or double (default)"},
-                 [&options](const std::string& text) {
-                   options.precision = find(kPrecisionNames, "--precision", text);
-                 });
   command.flag("--split-non-manifold", options.split_non_manifold,
                "cut non-manifold edges and vertices open instead of refusing them");
+}
+
+void add_surface_options(Command& command, SurfaceOptions& options, const std::string& name) {
+  add_mesh_options(command, options, name);
+  command.option({"--precision", "NAME", "float or double (default)"},
+                 [&options](const std::string& text) {
+                   options.precision = parse_name("--precision", text, kPrecisionNames);
+                 });
+  command.option(
+      {"--level", "NAME",
+       "exact (default), ribbon, bezier or table; table:N has N cells along half a side"},
+      [&options](const std::string& text) { options.level = parse_level("--level", text); });
 }
 
 void add_output_option(Command& command, std::string& output, const std::string& description) {
@@ -100,27 +98,44 @@ void add_stiffness_option(Command& command, double& stiffness) {
                  });
 }
 
-void add_solver_option(Command& command, Solver& solver) {
-  command.option(
-      {"--solver", "NAME", "newton (default), gauss-newton or paper"},
-      [&solver](const std::string& text) { solver = find(kSolverNames, "--solver", text); });
+void add_solver_options(Command& command, SolverOptions& options) {
+  command.option({"--solver", "NAME", "newton (default), gauss-newton or paper"},
+                 [&options](const std::string& text) {
+                   options.solver = parse_name("--solver", text, kSolverNames);
+                 });
+  add_step_options(command, options);
+}
+
+void add_step_options(Command& command, SolverOptions& options) {
+  command.option({"--tolerance", "RATIO",
+                  "a solver's last step, of the patch's size; default: as the precision allows"},
+                 options.tolerance, 0, 1);
+  command.option({"--iterations", "N", "of a solver at most; default 64"}, options.max_iterations,
+                 1, 10000);
 }
 
 void add_methods_option(Command& command, std::vector<Method>& methods) {
   command.option({"--method", "LIST", "of gregory, shaded and flat; all by default"},
                  [&methods](const std::string& text) {
-                   methods.clear();
-                   for (const std::string& name : split(text, ',')) {
-                     const Method method = parse_method(name);
-                     if (std::find(methods.begin(), methods.end(), method) != methods.end()) {
-                       throw InputError(fmt::format("--method: '{}' is there twice", name));
-                     }
-                     methods.push_back(method);
-                   }
+                   methods = parse_list("--method", text, [](const std::string& name) {
+                     return parse_name("--method", name, kMethodNames);
+                   });
                  });
 }
 
-Method parse_method(const std::string& name) { return find(kMethodNames, "--method", name); }
+std::vector<double> parse_depths(const std::string& text) {
+  return parse_list("--depth", text, [](const std::string& word) {
+    const double depth = parse_length(word);
+    if (!(depth > 0)) throw InputError(fmt::format("--depth: '{}' is not positive", word));
+    return depth;
+  });
+}
+
+Level parse_level(const std::string& option, const std::string& name) {
+  if (const auto level = find_level(name)) return *level;
+  throw InputError(fmt::format("{}: '{}' is none of {}, table:1 to table:{}", option, name,
+                               listed(kLevelNames), kMostTableCells));
+}
 
 std::unique_ptr<Engine> make_engine(const CommonOptions& options) {
   const bool device = options.backend == "opencl" || options.backend == "auto";

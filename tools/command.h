@@ -1,6 +1,7 @@
 // What the commands share: their options, their errors, and how they speak.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <functional>
 #include <memory>
@@ -43,6 +44,7 @@ struct SurfaceOptions : CommonOptions {
   bool from_cache = false;             // it must be a cache
   double unit = 1;                     // m, of coordinates read and written
   std::optional<Precision> precision;  // as the cache has it, or double
+  std::optional<Level> level;          // as the cache has it, or exact
   bool split_non_manifold = false;
 };
 
@@ -54,6 +56,7 @@ struct TableOptions : SurfaceOptions {
 void add_common_options(Command& command, ReportOptions& options);
 void add_common_options(Command& command, CommonOptions& options);
 // `name` of the positional argument: "MESH" or "MESH_OR_CACHE".
+void add_mesh_options(Command& command, SurfaceOptions& options, const std::string& name);
 void add_surface_options(Command& command, SurfaceOptions& options, const std::string& name);
 void add_output_option(Command& command, std::string& output, const std::string& description);
 void add_input_option(Command& command, const std::string& name, std::string& path,
@@ -61,9 +64,36 @@ void add_input_option(Command& command, const std::string& name, std::string& pa
 // Throws InputError where it is no file that can be read.
 void check_input(const std::string& name, const std::string& path);
 void add_stiffness_option(Command& command, double& stiffness);
-void add_solver_option(Command& command, Solver& solver);
+// Of one solver; of all.
+void add_solver_options(Command& command, SolverOptions& options);
+void add_step_options(Command& command, SolverOptions& options);
 void add_methods_option(Command& command, std::vector<Method>& methods);
-Method parse_method(const std::string& name);
+
+inline constexpr Named<const char*> kBackendNames[] = {
+    {"tbb", "tbb"}, {"serial", "serial"}, {"opencl", "opencl"}, {"auto", "auto"}};
+
+template <class Value, std::size_t count>
+Value parse_name(const std::string& option, const std::string& wanted,
+                 const Named<Value> (&names)[count]) {
+  if (const auto value = find_named(names, wanted)) return *value;
+  throw InputError(option + ": '" + wanted + "' is none of " + listed(names));
+}
+
+// Words between commas, each once.
+template <class Parse>
+auto parse_list(const std::string& option, const std::string& text, Parse parse) {
+  std::vector<decltype(parse(text))> values;
+  for (const std::string& word : split(text, ',')) {
+    const auto value = parse(word);
+    if (std::find(values.begin(), values.end(), value) != values.end())
+      throw InputError(option + ": '" + word + "' is there twice");
+    values.push_back(value);
+  }
+  return values;
+}
+
+std::vector<double> parse_depths(const std::string& text);  // m, of --depth
+Level parse_level(const std::string& option, const std::string& name);
 
 // Registers a command: its options are described, filled in from the command line, and run.
 template <class Options>
@@ -108,6 +138,7 @@ class Stopwatch {
 };
 
 void add_bake(Command& program);
+void add_compare(Command& program);
 void add_info(Command& program);
 void add_check(Command& program);
 void add_eval(Command& program);

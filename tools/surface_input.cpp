@@ -22,6 +22,7 @@ Mesh read_mesh(const SurfaceOptions& options) {
 PatchCache build(const Mesh& mesh, const SurfaceOptions& options, const Engine& engine,
                  BuildOptions build_options, BuildReport* report) {
   build_options.precision = options.precision.value_or(Precision::kDouble);
+  build_options.level = options.level.value_or(Level{});
   Watch watch(options, "build",
               build_options.faces.empty() ? mesh.face_count() : build_options.faces.size(),
               "faces");
@@ -46,6 +47,12 @@ PatchCache open_surface(const SurfaceOptions& options, const Engine& engine) {
                     precision_name(cache.precision()), precision_name(*options.precision)),
         true);
   }
+  if (options.level && *options.level != cache.level) {
+    throw CacheError(
+        fmt::format("{}: a cache of level {}; for --level {} bake the mesh again", options.surface,
+                    level_name(cache.level), level_name(*options.level)),
+        true);
+  }
   return cache;
 }
 
@@ -59,6 +66,7 @@ std::unique_ptr<ResultFile> create_described_file(const std::string& path, const
   file->set_attribute({"mesh_hash", hash_name(cache.mesh_hash)});
   file->set_attribute({"unit", unit_name(options.unit)});
   file->set_attribute({"unit_m", options.unit});
+  file->set_attribute({"level", level_name(cache.level)});
   file->set_attribute({"precision", precision_name(cache.precision())});
   return file;
 }

@@ -1,0 +1,283 @@
+// From a patch's exact control data to that of another form. On the host only, in scalars.
+
+// The in-plane vector r as k c + h m.
+typedef struct {
+  real k, h;
+} ribbon_part;
+
+FN ribbon_part ribbon_part_of(real3 r, real3 c, real3 m) {
+  const real3 across = cross3(c, m);
+  const real inverse = K(1) / larger(dot3(across, across), TINY);
+  const ribbon_part p = {dot3(cross3(r, m), across) * inverse,
+                         dot3(cross3(c, r), across) * inverse};
+  return p;
+}
+
+// m(t) = m0 + t m1 of a side, eq. 10.
+typedef struct {
+  real3 m0, m1;
+} side_lerp;
+
+FN side_lerp lerp_of(GLOBAL scalar* corners, int n, int k) {
+  const corner a = load_corner(corners, k), b = load_corner(corners, wrap(k + 1, n));
+  const real3 e = unit3(sub3(b.p, a.p));
+  const real3 m0 = cross3(a.n, e);
+  const side_lerp r = {m0, sub3(cross3(b.n, e), m0)};
+  return r;
+}
+
+// C''(t).
+FN real3 second_at(GLOBAL scalar* side, real t) {
+  return fma3(K(6) * t, load3(side, SIDE_C + 3), mul3(K(2), load3(side, SIDE_C + 2)));
+}
+
+// k, h and their derivatives at one end of a side, so that T and T' are those of the paper.
+typedef struct {
+  ribbon_part f, d;
+} ribbon_end;
+
+FN ribbon_end ribbon_end_of(GLOBAL scalar* side, side_lerp m, real t, real3 tangent, real3 twist) {
+  const real3 c = cubic_at(side, SIDE_C, t).d, cc = second_at(side, t), mt = fma3(t, m.m1, m.m0);
+  ribbon_end r;
+  r.f = ribbon_part_of(tangent, c, mt);
+  r.d = ribbon_part_of(fma3(-r.f.k, cc, fma3(-r.f.h, m.m1, twist)), c, mt);
+  return r;
+}
+
+FN void bake_ribbon(GLOBAL scalar* corners, GLOBAL scalar* exact, int n, GLOBAL_OUT scalar* out) {
+  for (int k = 0; k < n; ++k) {
+    GLOBAL scalar* from = exact + k * SIDE_REALS;
+    GLOBAL_OUT scalar* to = out + k * RIBBON_REALS;
+    for (int i = 0; i < 3 * (SIDE_TWIST_1 + 1); ++i) to[i] = from[i];
+    const side_lerp m = lerp_of(corners, n, k);
+    const ribbon_end a =
+        ribbon_end_of(from, m, K(0), load3(from, SIDE_T_0), load3(from, SIDE_TWIST_0));
+    const ribbon_end b =
+        ribbon_end_of(from, m, K(1), load3(from, SIDE_T_1), load3(from, SIDE_TWIST_1));
+    // k and h are the cubics of their ends plus a multiple of t^2 (1-t)^2.
+    const real half = K(0.5f), eighth = K(0.125f);
+    const ribbon_part middle = ribbon_part_of(side_at(from, half).t, cubic_at(from, SIDE_C, half).d,
+                                              fma3(half, m.m1, m.m0));
+    const real k4 = K(16) * (middle.k - half * (a.f.k + b.f.k) - eighth * (a.d.k - b.d.k));
+    const real h4 = K(16) * (middle.h - half * (a.f.h + b.f.h) - eighth * (a.d.h - b.d.h));
+    // The cubics' coefficients, and those of t^4 and t^5 in their part of T.
+    const real k2 = K(3) * (b.f.k - a.f.k) - K(2) * a.d.k - b.d.k;
+    const real k3 = K(2) * (a.f.k - b.f.k) + a.d.k + b.d.k;
+    const real h3 = K(2) * (a.f.h - b.f.h) + a.d.h + b.d.h;
+    const real3 c0 = load3(from, SIDE_C + 1), c1 = mul3(K(2), load3(from, SIDE_C + 2)),
+                c2 = mul3(K(3), load3(from, SIDE_C + 3));
+    const real3 t4 = fma3(h3, m.m1, fma3(k3, c1, mul3(k2, c2))), t5 = mul3(k3, c2);
+    store3(to + 3 * RIBBON_REST, 1, fma3(k4, c0, fma3(h4, m.m0, fma3(K(2), t5, t4))));
+    store3(to + 3 * RIBBON_REST + 3, 1, fma3(k4, c1, fma3(h4, m.m1, t5)));
+    store3(to + 3 * RIBBON_REST + 6, 1, mul3(k4, c2));
+  }
+}
+
+// Bezier points of a side's curve and of its cubic cross tangent.
+typedef struct {
+  real3 c[4], t[4];
+} bezier_side;
+
+FN void to_bezier(real3 p[4]) {  // from powers of t
+  const real third = K(1) / K(3);
+  const real3 a = p[0], b = mul3(third, p[1]), c = mul3(third, p[2]), d = p[3];
+  p[1] = add3(a, b);
+  p[2] = add3(p[1], add3(b, c));
+  p[3] = add3(add3(a, mul3(K(3), b)), add3(mul3(K(3), c), d));
+}
+
+FN bezier_side bezier_side_of(GLOBAL scalar* corners, GLOBAL scalar* exact, int n, int side) {
+  GLOBAL scalar* from = exact + side * SIDE_REALS;
+  const side_lerp m = lerp_of(corners, n, side);
+  const real half = K(0.5f);
+  const ribbon_part a = ribbon_part_of(load3(from, SIDE_T_0), load3(from, SIDE_C + 1), m.m0),
+                    b = ribbon_part_of(load3(from, SIDE_T_1), cubic_at(from, SIDE_C, K(1)).d,
+                                       add3(m.m0, m.m1)),
+                    middle = ribbon_part_of(side_at(from, half).t, cubic_at(from, SIDE_C, half).d,
+                                            fma3(half, m.m1, m.m0));
+  const real k1 = b.k - a.k;
+  const real h1 = K(4) * middle.h - K(3) * a.h - b.h, h2 = K(2) * (a.h + b.h) - K(4) * middle.h;
+  bezier_side r;
+  for (int i = 0; i < 4; ++i) r.c[i] = load3(from, SIDE_C + i);
+  const real3 c0 = r.c[1], c1 = mul3(K(2), r.c[2]), c2 = mul3(K(3), r.c[3]);
+  r.t[0] = fma3(a.k, c0, mul3(a.h, m.m0));
+  r.t[1] = fma3(a.k, c1, fma3(k1, c0, fma3(a.h, m.m1, mul3(h1, m.m0))));
+  r.t[2] = fma3(a.k, c2, fma3(k1, c1, fma3(h1, m.m1, mul3(h2, m.m0))));
+  r.t[3] = fma3(k1, c2, mul3(h2, m.m1));
+  to_bezier(r.c);
+  to_bezier(r.t);
+  return r;
+}
+
+FN void bake_quad(GLOBAL scalar* corners, GLOBAL scalar* exact, GLOBAL_OUT scalar* out) {
+  const real third = K(1) / K(3), half = K(0.5f);
+  bezier_side s[4];
+  for (int k = 0; k < 4; ++k) s[k] = bezier_side_of(corners, exact, 4, k);
+  real3 p[4][4];  // [j][i]
+  for (int i = 0; i < 4; ++i) {
+    p[0][i] = s[0].c[i];
+    p[i][3] = s[1].c[i];
+    p[3][i] = s[2].c[3 - i];
+    p[i][0] = s[3].c[3 - i];
+  }
+  // At each corner: of the side along u, and of that along v.
+  const real3 a[4] = {fma3(third, s[0].t[1], p[0][1]), fma3(third, s[0].t[2], p[0][2]),
+                      fma3(third, s[2].t[1], p[3][2]), fma3(third, s[2].t[2], p[3][1])};
+  const real3 b[4] = {fma3(third, s[3].t[2], p[1][0]), fma3(third, s[1].t[1], p[1][3]),
+                      fma3(third, s[1].t[2], p[2][3]), fma3(third, s[3].t[1], p[2][0])};
+  p[1][1] = mul3(half, add3(a[0], b[0]));
+  p[1][2] = mul3(half, add3(a[1], b[1]));
+  p[2][2] = mul3(half, add3(a[2], b[2]));
+  p[2][1] = mul3(half, add3(a[3], b[3]));
+  // Powers along u, then along v.
+  const real binomial[4][4] = {
+      {K(1)}, {K(-3), K(3)}, {K(3), K(-6), K(3)}, {K(-1), K(3), K(-3), K(1)}};
+  for (int j = 0; j < 4; ++j) {
+    for (int i = 0; i < 4; ++i) {
+      real3 sum = {K(0), K(0), K(0)};
+      for (int y = 0; y <= j; ++y) {
+        for (int x = 0; x <= i; ++x) sum = fma3(binomial[j][y] * binomial[i][x], p[y][x], sum);
+      }
+      store3(out + 3 * (4 * j + i), 1, sum);
+    }
+  }
+  for (int k = 0; k < 4; ++k)
+    store3(out + 3 * (QUAD_DIFFERENCE + k), 1, mul3(K(4.5f), sub3(a[k], b[k])));
+}
+
+// Adds f times a^i b^j (1 - a - b)^k to polynomials of degree 3 in a and b, [j][i].
+FN void add_power(real3 to[4][4], int i, int j, int k, real3 f) {
+  const int factorial[4] = {1, 1, 2, 6};
+  for (int x = 0; x <= k; ++x) {
+    for (int y = 0; x + y <= k; ++y) {
+      const int count = factorial[k] / (factorial[x] * factorial[y] * factorial[k - x - y]);
+      to[j + y][i + x] = fma3(K((x + y) % 2 == 0 ? count : -count), f, to[j + y][i + x]);
+    }
+  }
+}
+
+FN void bake_triangle(GLOBAL scalar* corners, GLOBAL scalar* exact, GLOBAL_OUT scalar* out) {
+  const real half = K(0.5f), quarter = K(0.25f);
+  bezier_side s[3];
+  for (int k = 0; k < 3; ++k) s[k] = bezier_side_of(corners, exact, 3, k);
+  // Inner point at the start and at the end of side k: the quartic boundary's, and a quarter of the
+  // derivative towards the corner opposite to its start, which is T + t C'.
+  real3 at_start[3], at_end[3];
+  for (int k = 0; k < 3; ++k) {
+    at_start[k] = fma3(quarter, s[k].t[1], s[k].c[1]);
+    at_end[k] = fma3(quarter, s[k].t[2], s[k].c[2]);
+  }
+  const real3 *a = at_start, b[3] = {at_end[2], at_end[0], at_end[1]};
+  // A cubic with the boundary's points, whose inner point gives corner 2 its mean.
+  const real3 before[3] = {s[2].c[2], s[0].c[2], s[1].c[2]},
+              after[3] = {s[0].c[1], s[1].c[1], s[2].c[1]};
+  const real3 mean2 = mul3(half, add3(a[2], b[2]));
+  const real3 inner = fma3(K(2), mean2, mul3(-half, add3(before[2], after[2])));
+  real3 f[4][4];
+  for (int j = 0; j < 4; ++j) {
+    for (int i = 0; i < 4; ++i) f[j][i] = mul3(K(0), inner);
+  }
+  for (int k = 0; k < 3; ++k) {  // side k has powers of corner k's and the next one's coordinates
+    for (int i = 0; i < 3; ++i) {
+      int power[3] = {0, 0, 0};
+      power[k] = 3 - i;
+      power[(k + 1) % 3] = i;
+      add_power(f, power[0], power[1], power[2], mul3(i == 0 ? K(1) : K(3), s[k].c[i]));
+    }
+  }
+  add_power(f, 1, 1, 1, mul3(K(6), inner));
+  int next = 0;
+  for (int j = 0; j < 4; ++j) {
+    for (int i = 0; i + j < 4; ++i) store3(out + 3 * next++, 1, f[j][i]);
+  }
+  for (int k = 0; k < 3; ++k) {
+    const real3 elevated = mul3(quarter, fma3(K(2), inner, add3(before[k], after[k])));
+    const real3 mean = mul3(half, add3(a[k], b[k]));
+    if (k < 2) store3(out + 3 * (TRIANGLE_INNER + k), 1, mul3(K(12), sub3(mean, elevated)));
+    store3(out + 3 * (TRIANGLE_DIFFERENCE + k), 1, mul3(K(6), sub3(a[k], b[k])));
+  }
+}
+
+// G_u and G_v of the exact patch at (u, v) of corner k.
+typedef struct {
+  real3 g, u, v;
+} table_sample;
+
+FN_LARGE table_sample sample_corner(GLOBAL scalar* domain, GLOBAL scalar* exact, int n, int k,
+                                    real u, real v) {
+  // u (d_(k-1) + d_(k+1)) = d_(k-1) and v (d_k + d_(k-2)) = d_k: two lines.
+  GLOBAL scalar* side = domain + DOMAIN_HEAD;
+  GLOBAL scalar *a = side + DOMAIN_STRIDE * wrap(k - 1, n),
+                *b = side + DOMAIN_STRIDE * wrap(k + 1, n), *c = side + DOMAIN_STRIDE * k,
+                *d = side + DOMAIN_STRIDE * wrap(wrap(k - 1, n) - 1, n);
+  const real px = (K(1) - u) * a[0] - u * b[0], py = (K(1) - u) * a[1] - u * b[1];
+  const real qx = (K(1) - v) * c[0] - v * d[0], qy = (K(1) - v) * c[1] - v * d[1];
+  const real p = (K(1) - K(2) * u) * domain[0], q = (K(1) - K(2) * v) * domain[0];
+  const real over = K(1) / (px * qy - py * qx);
+  const real xi = (p * qy - q * py) * over, eta = (px * q - qx * p) * over;
+  const patch_point g = evaluate_form(domain, exact, FORM_EXACT, n, xi, eta);
+  const jet ju = corner_u(domain, n, k, xi, eta),
+            jv = one_minus(corner_u(domain, n, wrap(k - 1, n), xi, eta));
+  const real inverse = K(1) / (ju.xi * jv.eta - ju.eta * jv.xi);
+  table_sample r;
+  r.g = g.g;
+  r.u = mul3(inverse, fma3(jv.eta, g.g_xi, mul3(-jv.xi, g.g_eta)));
+  r.v = mul3(inverse, fma3(-ju.eta, g.g_xi, mul3(ju.xi, g.g_eta)));
+  return r;
+}
+
+// The nodes of a table of r x r cells a corner. G_uv is a difference of G_u along v, inwards at the
+// corner's sides; at the corner itself, where it depends on the direction, the mean of those along
+// both sides.
+FN void bake_table(GLOBAL scalar* domain, GLOBAL scalar* exact, int n, int r,
+                   GLOBAL_OUT scalar* out) {
+  const real h = K(1) / K(2 * r), step = K(0x1p-12f);
+  for (int k = 0; k < n; ++k) {
+    for (int j = 0; j <= r; ++j) {
+      for (int i = 0; i <= r; ++i) {
+        const real u = h * K(i), v = h * K(j);
+        const table_sample at = sample_corner(domain, exact, n, k, u, v);
+        real3 twist;
+        if (j > 0) {
+          twist = mul3(K(0.5f) / step, sub3(sample_corner(domain, exact, n, k, u, v + step).u,
+                                            sample_corner(domain, exact, n, k, u, v - step).u));
+        } else if (i > 0) {
+          twist = mul3(K(0.5f) / step, sub3(sample_corner(domain, exact, n, k, u + step, v).v,
+                                            sample_corner(domain, exact, n, k, u - step, v).v));
+        } else {  // A and B of eq. 2
+          twist =
+              mul3(K(0.5f) / step, add3(sub3(sample_corner(domain, exact, n, k, step, v).v, at.v),
+                                        sub3(sample_corner(domain, exact, n, k, u, step).u, at.u)));
+        }
+        GLOBAL_OUT scalar* node = out + NODE_SAMPLES * ((k * (r + 1) + j) * (r + 1) + i);
+        store3(node, 1, at.g);
+        store3(node + 3, 1, mul3(h, at.u));
+        store3(node + 6, 1, mul3(h, at.v));
+        store3(node + 9, 1, mul3(h * h, twist));
+      }
+    }
+  }
+}
+
+// Numbers of a patch's control data in a form (with r << 8 for a table).
+FN ulong control_reals(uint form, uint n) {
+  const uint kind = form & 255u, r = form >> 8;
+  return (ulong)n * (kind == FORM_EXACT    ? SIDE_REALS
+                     : kind == FORM_RIBBON ? RIBBON_REALS
+                     : kind == FORM_BEZIER ? BEZIER_REALS
+                                           : TABLE_REALS(r));
+}
+
+// `form`: not exact; FORM_BEZIER of 3 or 4 sides.
+FN void bake(GLOBAL scalar* domain, GLOBAL scalar* corners, GLOBAL scalar* exact, uint form, int n,
+             GLOBAL_OUT scalar* out) {
+  if ((form & 255u) == FORM_RIBBON) {
+    bake_ribbon(corners, exact, n, out);
+  } else if ((form & 255u) == FORM_TABLE) {
+    bake_table(domain, exact, n, (int)(form >> 8), out);
+  } else if (n == 4) {
+    bake_quad(corners, exact, out);
+  } else {
+    bake_triangle(corners, exact, out);
+  }
+}

@@ -1,0 +1,27 @@
+// A side whose cross tangent is a polynomial, T = k C' + h m: with m(t) = ((1-t) n_s + t n_e) x e
+// the normal C' x T is that of eq. 10 for any polynomials k and h, whoever chose them on the other
+// side of the edge (Chiyokura and Kimura 1983). Here both are quartic and give T and T' of the
+// paper at the ends and T at mid-side.
+
+// After what side.h says: T is the cubic of its ends plus t^2 (1-t)^2 (q_0 + t q_1 + t^2 q_2).
+#define RIBBON_REST 8  // q_0, q_1, q_2: 3 triples
+#define RIBBON_REALS 33
+
+FN side_point ribbon_at(GLOBAL scalar* side, real t) {
+  const curve_point c = cubic_at(side, SIDE_C, t);
+  const real s = K(1) - t, st = s * t;
+  const real h = t * t * fma(splat(K(-2)), t, splat(K(3))), dh = K(6) * st;
+  const real g0 = s * st, dg0 = s * fma(splat(K(-3)), t, splat(K(1)));
+  const real g1 = -t * st, dg1 = t * fma(splat(K(3)), t, splat(K(-2)));
+  const real w = st * st, dw = K(2) * st * (s - t);
+  const real3 start = load3(side, SIDE_T_0), d = sub3(load3(side, SIDE_T_1), start);
+  const real3 a = load3(side, SIDE_TWIST_0), b = load3(side, SIDE_TWIST_1);
+  const real3 q1 = load3(side, RIBBON_REST + 1), q2 = load3(side, RIBBON_REST + 2);
+  const real3 q = fma3(t, fma3(t, q2, q1), load3(side, RIBBON_REST)), dq = fma3(K(2) * t, q2, q1);
+  side_point r;
+  r.c = c.f;
+  r.dc = c.d;
+  r.t = fma3(w, q, fma3(g1, b, fma3(g0, a, fma3(h, d, start))));
+  r.dt = fma3(w, dq, fma3(dw, q, fma3(dg1, b, fma3(dg0, a, mul3(dh, d)))));
+  return r;
+}
