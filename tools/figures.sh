@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Pages to look at: forces along paths and over surfaces, at two depths, with three methods. Of the generated knot and
+# Pages to look at: forces along paths and over surfaces, at two depths, with three methods, and what levels cost. Of the generated knot and
 # banana, and of the teeth and the hand where ../shared/meshes holds them.
 #
 #   tools/figures.sh [GLISS]    the program; default: build/gliss, or the quickstart's
@@ -15,12 +15,14 @@ mkdir -p results
 cd results
 
 pages=()
-# page NAME MESH DEPTHS FORCES...: sweeps the mesh; what was traced along paths comes first on the page.
+# page NAME MESH DEPTHS FORCES...: sweeps the mesh and compares levels on it; what was traced along paths comes first on
+# the page.
 page() {
   local name=$1 mesh=$2 depths=$3
   "$gliss" bake "$mesh" --unit mm -o "$name.gliss" --quiet
   "$gliss" sweep "$name.gliss" --depth "$depths" --samples 9e4 --method gregory,shaded,flat --unit mm -o "$name.h5" --quiet
-  "$gliss" report "${@:4}" "$name.h5" -o "$name.html" --quiet
+  "$gliss" compare "$mesh" --unit mm --depth "$depths" --json --quiet >"$name.json"
+  "$gliss" report "${@:4}" "$name.h5" "$name.json" -o "$name.html" --quiet
   pages+=("$PWD/$name.html")
   echo "$name.html"
 }

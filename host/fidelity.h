@@ -1,0 +1,43 @@
+// How far one surface is from another, how smooth it is across edges, and how it feels along a
+// path: what levels are compared by. Lengths in the mesh's unit.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+
+#include "host/force_statistics.h"
+#include "host/query.h"
+
+namespace gliss {
+
+// HIPs `depth` beneath the surface, about `step` apart: over face after face, mostly straight on.
+// No border is crossed. Deterministic; empty where no face can be left.
+std::vector<Vec3> path_over(const Mesh& mesh, const PatchCache& cache, double depth, double step,
+                            std::size_t count);
+
+// Points of all faces, about `count`, in the order of faces.
+std::vector<DomainPoint> spread_points(const PatchCache& cache, std::size_t count);
+
+struct Distances {
+  double largest = 0, p99 = 0;
+};
+Distances distances_of(std::vector<double> distances);
+
+// Largest angle between the normals on both sides of an edge (rad) that a contact with this method
+// meets: of the patches, of the blended vertex normals (shaded), of the base polygons (flat). Edges
+// whose sides have unlike vertex normals, and those of bent patches, are creases and left out.
+double largest_normal_gap(const Mesh& mesh, const PatchCache& cache, Method method);
+
+// A path, tick by tick.
+struct Ride {
+  ForceStatistics force;     // stiffness 1 N per unit of length
+  double largest_error = 0;  // |push - reference|
+  double median_tick = 0;    // s
+  std::vector<Vec3> push{};  // [tick]
+};
+// `reference`: pushes to compare with, or empty.
+Ride ride(const PatchCache& cache, const QueryOptions& options, std::span<const Vec3> path,
+          std::span<const Vec3> reference);
+
+}  // namespace gliss

@@ -1,0 +1,248 @@
+#include "tools/compare.h"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "host/tessellate.h"
+#include "tools/interrupt.h"
+
+namespace gliss::tools {
+namespace {
+
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t kPoints = 20000, kPointsPerFace = 64, kMostPoints = 1000000;
+constexpr double kMeasureFor = 0.1;  // s, each rate
+
+// Items a second of work that does `items` at a time.
+template <class Work>
+double rate_of(std::size_t items, Work work) {
+  work();  // memory touched, kernels compiled
+  const Stopwatch clock;
+  std::size_t rounds = 0;
+  double seconds = 0;
+  do {
+    if (interrupted()) throw Interrupted();
+    work();
+    ++rounds;
+    seconds = clock.seconds();
+  } while (seconds < kMeasureFor);
+  return static_cast<double>(items * rounds) / seconds;
+}
+
+}  // namespace
+
+struct Comparison::Surface {
+  Candidate candidate;
+  PatchCache cache;
+  double seconds = 0;  // to build it
+};
+
+Comparison::Comparison(const Mesh& mesh, const PatchCache& exact, std::vector<ComparePath> paths,
+                       const TrueDistance& distance, const CommonOptions& common,
+                       const CompareOptions& options)
+    : mesh_(mesh),
+      exact_(exact),
+      paths_(std::move(paths)),
+      distance_(distance),
+      common_(common),
+      options_(options),
+      topology_(build_topology(mesh)),
+      points_(spread_points(exact, kPoints)),
+      exact_points_(points_.size()) {
+  evaluate(exact_, points_, exact_points_);
+}
+
+std::size_t Comparison::row_count() const {
+  return options_.candidates.size() * options_.precisions.size() * options_.backends.size() *
+         options_.solvers.size();
+}
+
+std::vector<CompareRow> Comparison::measure(Watch& watch) const {
+  std::vector<CompareRow> rows;
+  for (const Candidate& candidate : options_.candidates) {
+    for (const Precision precision : options_.precisions) {
+      std::vector<CompareRow> felt;  // by solver: what does not depend on the backend
+      for (const std::string& backend : options_.backends) {
+        CommonOptions common = common_;
+        common.backend = backend;
+        const auto engine = make_engine(common);
+        const Surface surface = build(candidate, precision, *engine);
+        if (felt.empty()) {
+          CompareRow shape{candidate, precision, Solver::kNewton, ""};
+          measure_shape(surface, shape);
+          for (const Solver solver : options_.solvers) {
+            felt.push_back(shape);
+            felt.back().solver = solver;
+            measure_feel(surface.cache, query_of(candidate, solver), felt.back());
+          }
+        }
+        for (CompareRow row : felt) {
+          row.backend = backend;
+          row.build_per_s = static_cast<double>(mesh_.face_count()) / surface.seconds;
+          measure_rates(surface, *engine, query_of(candidate, row.solver), row);
+          rows.push_back(row);
+          watch.add(1);
+        }
+      }
+    }
+  }
+  mark_pareto(rows);
+  return rows;
+}
+
+QueryOptions Comparison::query_of(const Candidate& candidate, Solver solver) const {
+  QueryOptions query{options_.solving, candidate.method};
+  query.solver = solver;
+  return query;
+}
+
+Comparison::Surface Comparison::build(const Candidate& candidate, Precision precision,
+                                      const Engine& engine) const {
+  Surface surface{candidate, {}, 0};
+  const Stopwatch clock;
+  if (candidate.method == Method::kGregory) {
+    BuildOptions options;
+    options.precision = precision;
+    options.level = candidate.level;
+    surface.cache = build_cache(mesh_, topology_, options, nullptr, engine.build_backend());
+  } else {
+    surface.cache = build_base(mesh_, topology_, precision);
+  }
+  surface.seconds = clock.seconds();
+  return surface;
+}
+
+void Comparison::measure_shape(const Surface& surface, CompareRow& row) const {
+  const PatchCache& cache = surface.cache;
+  const Method method = surface.candidate.method;
+  row.bytes = static_cast<double>(cache.bytes());
+  row.bytes_per_patch = row.bytes / cache.patch_count();
+  row.max_normal_gap = largest_normal_gap(mesh_, cache, method);
+  std::vector<Vec3> there;  // on the surface
+  std::vector<double> distance;
+  if (method == Method::kGregory) {
+    std::vector<SurfacePoint> points(points_.size());
+    evaluate(cache, points_, points);
+    for (const SurfacePoint& p : points) {
+      there.push_back(p.position);
+      distance.push_back(std::abs(nearest(exact_, p.position).distance));
+    }
+  } else {
+    QueryOptions flat;
+    flat.method = Method::kFlat;
+    for (const SurfacePoint& p : exact_points_) {
+      const Contact contact = nearest(cache, p.position, flat);
+      there.push_back(contact.scp);
+      distance.push_back(std::abs(contact.distance));
+    }
+  }
+  const Distances to_exact = distances_of(distance);
+  row.max_distance = to_exact.largest * mesh_.unit;
+  row.p99_distance = to_exact.p99 * mesh_.unit;
+  row.true_max_distance = row.true_p99_distance = kUnknown;
+  if (!distance_) return;
+  for (std::size_t i = 0; i < there.size(); ++i) distance[i] = distance_(there[i]);
+  const Distances to_truth = distances_of(distance);
+  row.true_max_distance = to_truth.largest * mesh_.unit;
+  row.true_p99_distance = to_truth.p99 * mesh_.unit;
+}
+
+void Comparison::measure_feel(const PatchCache& cache, const QueryOptions& query,
+                              CompareRow& row) const {
+  row.max_force_step = row.max_force_error = row.tick = 0;
+  for (const ComparePath& path : paths_) {
+    if (interrupted()) throw Interrupted();
+    const Ride felt = ride(cache, query, path.hips, path.reference);
+    const double newtons = options_.stiffness * mesh_.unit;
+    row.max_force_step = std::max(row.max_force_step, newtons * felt.force.largest_step);
+    row.max_force_error =
+        std::max(row.max_force_error, felt.largest_error * mesh_.unit / path.depth);
+    row.tick = std::max(row.tick, felt.median_tick);
+  }
+}
+
+void Comparison::measure_rates(const Surface& surface, const Engine& engine,
+                               const QueryOptions& query, CompareRow& row) const {
+  const auto resident = engine.reside(surface.cache);
+  row.eval_per_s = kUnknown;
+  if (surface.candidate.method == Method::kGregory) {
+    const std::vector<DomainPoint> many = spread_points(
+        exact_, std::min(kPointsPerFace * std::size_t{exact_.mesh_face_count}, kMostPoints));
+    std::vector<SurfacePoint> points(many.size());
+    row.eval_per_s = rate_of(points.size(), [&] { resident->evaluate(many, points); });
+  }
+  std::vector<Vec3> hips;
+  for (const SurfacePoint& p : exact_points_)
+    hips.push_back(p.position - paths_.front().depth / mesh_.unit * p.normal);
+  std::vector<Contact> contacts(hips.size());
+  row.track_per_s = rate_of(hips.size(), [&] { resident->track(hips, points_, query, contacts); });
+}
+
+DenseRow Comparison::match(Method method, const CompareRow& target, std::uint64_t limit) const {
+  DenseRow row;
+  row.method = method;
+  row.target = target.candidate.name();
+  row.target_step = target.max_force_step;
+  double last_step = 0, last_triangles = 0;
+  // Half as many again along a side each time.
+  for (std::uint32_t cells = 1; tessellated_count(mesh_, cells) <= limit || cells == 1;
+       cells = cells < 2 ? cells + 1 : cells + cells / 2) {
+    if (interrupted()) throw Interrupted();
+    const Mesh dense = tessellate(mesh_, exact_, cells);
+    const PatchCache cache = build_base(dense, build_topology(dense), Precision::kDouble);
+    CompareRow felt{};
+    measure_feel(cache, query_of({method, {}}, Solver::kNewton), felt);
+    last_step = row.max_force_step;
+    last_triangles = static_cast<double>(row.triangles);
+    row.triangles = dense.face_count();
+    row.bytes = static_cast<double>(cache.bytes());
+    row.max_force_step = felt.max_force_step;
+    row.tick = felt.tick;
+    row.reached = felt.max_force_step <= target.max_force_step;
+    if (row.reached) break;
+  }
+  row.memory_ratio = row.bytes / target.bytes;
+  row.time_ratio = row.tick / target.tick;
+  row.needed_triangles = static_cast<double>(row.triangles);
+  if (!row.reached) {
+    const double slope = std::log(row.max_force_step / last_step) /
+                         std::log(static_cast<double>(row.triangles) / last_triangles);
+    row.needed_triangles =
+        last_step > 0 && slope < 0
+            ? row.needed_triangles * std::pow(target.max_force_step / row.max_force_step, 1 / slope)
+            : kUnknown;
+  }
+  return row;
+}
+
+void mark_pareto(std::vector<CompareRow>& rows) {
+  const auto beats = [](const CompareRow& a, const CompareRow& b) {
+    const bool no_worse = a.max_force_error <= b.max_force_error && a.tick <= b.tick &&
+                          a.bytes_per_patch <= b.bytes_per_patch;
+    return no_worse && (a.max_force_error < b.max_force_error || a.tick < b.tick ||
+                        a.bytes_per_patch < b.bytes_per_patch);
+  };
+  for (CompareRow& row : rows) {
+    row.pareto = std::none_of(rows.begin(), rows.end(),
+                              [&](const CompareRow& other) { return beats(other, row); });
+  }
+}
+
+const CompareRow* recommend(const std::vector<CompareRow>& rows, const Budget& budget) {
+  const CompareRow* best = nullptr;
+  const auto within = [](double value, const std::optional<double>& most) {
+    return !most || value <= *most;
+  };
+  for (const CompareRow& row : rows) {
+    if (!within(row.max_force_error, budget.force_error) || !within(row.tick, budget.tick) ||
+        !within(row.bytes, budget.memory))
+      continue;
+    if (best == nullptr ||
+        (budget.force_error ? row.tick < best->tick : row.max_force_error < best->max_force_error))
+      best = &row;
+  }
+  return best;
+}
+
+}  // namespace gliss::tools

@@ -1,0 +1,115 @@
+// What each level costs and gives on a mesh and a machine, beside flat polygons and force shading.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/fidelity.h"
+#include "tools/command.h"
+#include "tools/watch.h"
+
+namespace gliss::tools {
+
+// A surface to compare: patches at a level, or the base polygons with a method.
+struct Candidate {
+  Method method = Method::kGregory;
+  Level level;
+
+  bool operator==(const Candidate&) const = default;
+  std::string name() const {
+    return method == Method::kGregory ? level_name(level) : method_name(method);
+  }
+};
+
+struct CompareOptions {
+  std::vector<Candidate> candidates;
+  std::vector<Precision> precisions{Precision::kFloat, Precision::kDouble};
+  std::vector<Solver> solvers{Solver::kNewton};
+  std::vector<std::string> backends{"tbb"};
+  SolverOptions solving;   // but for the solver
+  double stiffness = 500;  // N/m
+};
+
+// Lengths in m. What was not measured is NaN: a JSON null.
+struct CompareRow {
+  Candidate candidate;
+  Precision precision;
+  Solver solver;
+  std::string backend;
+  double bytes = 0, bytes_per_patch = 0;
+  double build_per_s = 0, eval_per_s = 0, track_per_s = 0;
+  double max_distance = 0, p99_distance = 0;            // to the exact surface
+  double true_max_distance = 0, true_p99_distance = 0;  // to the reference
+  double max_normal_gap = 0;                            // rad
+  double max_force_step = 0;                            // N
+  double max_force_error = 0;  // of stiffness x depth, to the force of the exact surface
+  double tick = 0;             // s, median
+  bool pareto = false;
+};
+
+// A triangle mesh so dense that it feels as smooth as `target`, or the densest that was tried.
+struct DenseRow {
+  Method method = Method::kFlat;
+  std::uint64_t triangles = 0;
+  double bytes = 0, max_force_step = 0, tick = 0;
+  std::string target;
+  double target_step = 0, memory_ratio = 0, time_ratio = 0;
+  bool reached = false;
+  double needed_triangles =
+      0;  // where not reached: as the last two tried say; NaN: no end in sight
+};
+
+struct Budget {
+  std::optional<double> force_error, tick, memory;  // ratio, s, bytes
+};
+
+// HIPs at one depth.
+struct ComparePath {
+  double depth = 0;                   // m
+  std::vector<Vec3> hips, reference;  // mesh's unit; pushes of the exact surface
+};
+
+// `distance`: from a point (mesh's unit) to the true surface, same unit; null: unknown.
+using TrueDistance = std::function<double(const Vec3&)>;
+
+class Comparison {
+ public:
+  // `exact`: in double, of the whole mesh; the mesh has normals.
+  Comparison(const Mesh& mesh, const PatchCache& exact, std::vector<ComparePath> paths,
+             const TrueDistance& distance, const CommonOptions& common,
+             const CompareOptions& options);
+
+  std::size_t row_count() const;
+  std::vector<CompareRow> measure(Watch& watch) const;
+  // Finer and finer triangles of at most `limit`.
+  DenseRow match(Method method, const CompareRow& target, std::uint64_t limit) const;
+
+ private:
+  struct Surface;
+
+  Surface build(const Candidate& candidate, Precision precision, const Engine& engine) const;
+  void measure_shape(const Surface& surface, CompareRow& row) const;
+  void measure_feel(const PatchCache& cache, const QueryOptions& query, CompareRow& row) const;
+  void measure_rates(const Surface& surface, const Engine& engine, const QueryOptions& query,
+                     CompareRow& row) const;
+  QueryOptions query_of(const Candidate& candidate, Solver solver) const;
+
+  const Mesh& mesh_;
+  const PatchCache& exact_;
+  const std::vector<ComparePath> paths_;
+  const TrueDistance distance_;
+  const CommonOptions& common_;
+  const CompareOptions& options_;
+  const Topology topology_;
+  std::vector<DomainPoint> points_;
+  std::vector<SurfacePoint> exact_points_;
+};
+
+// Marks rows that no other beats in error, tick and memory at once.
+void mark_pareto(std::vector<CompareRow>& rows);
+// Of the rows within the budget the quickest, or the nearest to the exact surface where no error is
+// given; null: none.
+const CompareRow* recommend(const std::vector<CompareRow>& rows, const Budget& budget);
+
+}  // namespace gliss::tools
