@@ -6,6 +6,7 @@
 
 #include "host/engine.h"
 #include "host/generate.h"
+#include "host/lazy_mesh.h"
 #include "host/names.h"
 #include "host/tessellate.h"
 #include "tests/gliss_process.h"
@@ -264,6 +265,27 @@ TEST(Level, nothing_folds_that_does_not_fold_exactly) {
         EXPECT_GT(a.dot(b), 0) << mesh.source << ' ' << level;
       }
     }
+  }
+}
+
+TEST(Level, regions_built_near_a_hip_have_the_patches_of_the_whole) {
+  const Mesh mesh = torus_knot(24, 6).mesh;
+  for (const char* level : {"ribbon", "bezier", "table:2"}) {
+    LazyOptions options;
+    options.rings = 2;
+    options.level = find_level(level).value();
+    const LazyMesh lazy(mesh, options);
+    const std::uint32_t middle = 70;
+    const LazyRegion region = lazy.build({&middle, 1});
+    const PatchCache all = at_level(mesh, level);
+    int compared = 0;
+    for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
+      if (!region.covers(face)) continue;
+      EXPECT_EQ(test::at(region.cache, face, {0.3, -0.2}).position,
+                test::at(all, face, {0.3, -0.2}).position);
+      ++compared;
+    }
+    EXPECT_GT(compared, 10);
   }
 }
 

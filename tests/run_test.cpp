@@ -114,6 +114,21 @@ TEST_F(Run, renders_with_the_method_and_the_stiffness_of_the_scene) {
   }
 }
 
+TEST_F(Run, renders_at_the_level_and_with_the_solver_of_the_scene) {
+  for (const char* level : {"ribbon", "bezier", "table:2"}) {
+    folder_.write("level.toml",
+                  fmt::format("[[object]]\nmesh = 'knot.obj'\nunit = 'mm'\nlevel = '{}'\n"
+                              "solver = 'gauss-newton'\ntolerance = 1e-4\niterations = 3\n",
+                              level));
+    const TextTable felt = recorded("level.toml --device replay:mm.csv --no-wait");
+    gliss("trace", fmt::format("knot.obj --unit mm --path mm.csv --method gregory --level {} "
+                               "--solver gauss-newton --tolerance 1e-4 --iterations 3 -o trace.csv",
+                               level));
+    const TextTable trace(folder_.read("trace.csv"));
+    for (const char* column : {"fx", "fy", "fz"}) EXPECT_EQ(felt[column], trace[column]) << level;
+  }
+}
+
 TEST_F(Run, replays_its_recordings_to_the_same_bytes) {
   const TextTable first = recorded("knot.toml --device replay:mm.csv --no-wait");
   gliss("run", "knot.toml --device replay:mm.csv --no-wait --quiet -o first.h5");

@@ -162,6 +162,8 @@ TEST(SceneError, names_words_that_are_no_choice) {
       {"[[object]]\nmesh = 'ball.obj'\nprecision = 'half'\n",
        "3: object.precision: ", "float, double"},
       {"[[object]]\nmesh = 'ball.obj'\nlevel = 'coarse'\n", "3: object.level: ", "exact"},
+      {"[[object]]\nmesh = 'ball.obj'\ntolerance = 1\n", "3: object.tolerance: ", "less than 1"},
+      {"[[object]]\nmesh = 'ball.obj'\niterations = 0\n", "3: object.iterations: ", "1 to 10000"},
       {"[[object]]\nmesh = 'ball.obj'\nunit = 'parsec'\n", "3: object.unit: ", "parsec"},
       {"[[object]]\nmesh = 'ball.obj'\nmethod = \"a\\nb\"\n", "3: object.method: ", "gregory"},
       {"[[object]]\nmesh = 'ball.obj'\nstiffness = '5 lbf/in'\n", "3: object.stiffness: ", "lbf"},

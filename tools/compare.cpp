@@ -13,6 +13,7 @@ namespace {
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kPoints = 20000, kPointsPerFace = 64, kMostPoints = 1000000;
 constexpr double kMeasureFor = 0.1;  // s, each rate
+constexpr int kRides = 5;            // along each path, for the time of a tick
 
 // Items a second of work that does `items` at a time.
 template <class Work>
@@ -158,7 +159,10 @@ void Comparison::measure_feel(const PatchCache& cache, const QueryOptions& query
     row.max_force_step = std::max(row.max_force_step, newtons * felt.force.largest_step);
     row.max_force_error =
         std::max(row.max_force_error, felt.largest_error * mesh_.unit / path.depth);
-    row.tick = std::max(row.tick, felt.median_tick);
+    double tick = felt.median_tick;  // the best of some: others use the machine as well
+    for (int i = 1; i < kRides; ++i)
+      tick = std::min(tick, ride(cache, query, path.hips, {}).median_tick);
+    row.tick = std::max(row.tick, tick);
   }
 }
 

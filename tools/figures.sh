@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Pages to look at: forces along paths and over surfaces, at two depths, with three methods, and what levels cost. Of the generated knot and
-# banana, and of the teeth and the hand where ../shared/meshes holds them.
+# Pages to look at: forces along paths and over surfaces, at two depths, with three methods, and what levels cost. Of the
+# generated knot and banana, and of the teeth and the hand where ../shared/meshes holds them.
 #
 #   tools/figures.sh [GLISS]    the program; default: build/gliss, or the quickstart's
 set -euo pipefail
