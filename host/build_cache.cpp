@@ -292,15 +292,11 @@ class CacheBuilder {
   void choose_form(FinishedPatch& d) const {
     if (base_only_) return;
     const Kernels<double>& k = kernels<double>();
-    const double* domain = options_.level == Level{} ? nullptr : tables_.domain_of(d.valence);
     for (const std::uint32_t form : forms_of(options_.level, d.kind, d.valence)) {
       d.control.resize(k.control_reals(form, d.valence));
-      k.bake(domain, d.corner, d.exact, form, d.valence, d.control.data());
-      double frame[kFrameReals], reals[kShapeReals];
-      d.frame->store(frame);
-      k.examine(domain, tables_.probes_of(d.valence), tables_.probe_count[d.valence],
-                d.control.data(), form, d.corner, d.triangle, frame, d.valence, reals);
-      PatchShape shape = shape_from(reals, d.valence);
+      k.bake(tables_.domain_of(d.valence), d.corner, d.exact, form, d.valence, d.control.data());
+      const PatchShape shape =
+          examine(*d.frame, d.corner, d.triangle, d.control.data(), form, d.valence, tables_);
       // A patch that folds whatever is done about it may as well fold in the form asked for.
       if (is_folded(shape) && !is_folded(d.shape)) continue;
       d.form = form;

@@ -165,9 +165,8 @@ class Check {
     std::uint64_t begin = 0;
     for (std::uint32_t p = 0; p < patches_; ++p) {
       const std::uint32_t form = s_.form[p], kind = form & kFormMask;
-      const bool table = kind == kFormTable && c_.level.kind == Level::kTable;
-      require(kind <= c_.level.kind && form >> 8 == (table ? c_.level.cells : 0) &&
-                  (kind != kFormTable || table) && (kind != kFormBezier || s_.valence(p) <= 4),
+      require(kind <= c_.level.kind && form >> 8 == (kind == kFormTable ? c_.level.cells : 0) &&
+                  (kind != kFormBezier || s_.valence(p) <= 4),
               "form", p, "not of the cache's level");
       require(s_.control_begin[p] == begin, "control_begin", p, "not after the last patch");
       begin += kernels<Real>().control_reals(form, s_.valence(p)) / 3;

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <random>
 
-#include "host/topology.h"
-
 namespace gliss {
 namespace {
 
@@ -16,9 +14,8 @@ double angle_between(const Vec3& a, const Vec3& b) {
 
 }  // namespace
 
-std::vector<Vec3> path_over(const Mesh& mesh, const PatchCache& cache, double depth, double step,
-                            std::size_t count) {
-  const Topology topology = build_topology(mesh);
+std::vector<Vec3> path_over(const Mesh& mesh, const Topology& topology, const PatchCache& cache,
+                            double depth, double step, std::size_t count) {
   std::mt19937 random(1);  // whose numbers the standard fixes; its distributions are not
   const auto below = [&](std::uint32_t n) { return static_cast<std::uint32_t>(random() % n); };
   const auto part = [&] { return 0.2 + 0.6 * (random() / 4294967296.0); };
@@ -37,7 +34,6 @@ std::vector<Vec3> path_over(const Mesh& mesh, const PatchCache& cache, double de
     if (topology.side_twin[first + leave] == kNone) {  // a face by itself: another one
       face = below(static_cast<std::uint32_t>(mesh.face_count()));
       ++stuck;
-      if (!path.empty()) break;
       continue;
     }
     const double t_out = part();
@@ -91,9 +87,9 @@ Distances distances_of(std::vector<double> d) {
   return {*std::max_element(at, d.end()), *at};
 }
 
-double largest_normal_gap(const Mesh& mesh, const PatchCache& cache, Method method) {
+double largest_normal_gap(const Mesh& mesh, const Topology& topology, const PatchCache& cache,
+                          Method method) {
   constexpr int kPoints = 17;
-  const Topology topology = build_topology(mesh);
   double worst = 0;
   const auto normals_alike = [&](std::uint32_t side, std::uint32_t twin) {
     const std::uint32_t a = mesh.corner_normal[side],

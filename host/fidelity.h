@@ -8,13 +8,14 @@
 
 #include "host/force_statistics.h"
 #include "host/query.h"
+#include "host/topology.h"
 
 namespace gliss {
 
 // HIPs `depth` beneath the surface, about `step` apart: over face after face, mostly straight on.
 // No border is crossed. Deterministic; empty where no face can be left.
-std::vector<Vec3> path_over(const Mesh& mesh, const PatchCache& cache, double depth, double step,
-                            std::size_t count);
+std::vector<Vec3> path_over(const Mesh& mesh, const Topology& topology, const PatchCache& cache,
+                            double depth, double step, std::size_t count);
 
 // Points of all faces, about `count`, in the order of faces.
 std::vector<DomainPoint> spread_points(const PatchCache& cache, std::size_t count);
@@ -27,7 +28,8 @@ Distances distances_of(std::vector<double> distances);
 // Largest angle between the normals on both sides of an edge (rad) that a contact with this method
 // meets: of the patches, of the blended vertex normals (shaded), of the base polygons (flat). Edges
 // whose sides have unlike vertex normals, and those of bent patches, are creases and left out.
-double largest_normal_gap(const Mesh& mesh, const PatchCache& cache, Method method);
+double largest_normal_gap(const Mesh& mesh, const Topology& topology, const PatchCache& cache,
+                          Method method);
 
 // A path, tick by tick.
 struct Ride {

@@ -90,14 +90,19 @@ PatchDraft draft_patch(const FaceCorners& face, std::vector<std::uint32_t> face_
   return d;
 }
 
-PatchShape examine(const PatchDraft& d, const ValenceTables& tables) {
-  const std::uint32_t n = d.valence();
-  double frame[kFrameReals], reals[kShapeReals];
-  d.frame.store(frame);
+PatchShape examine(const PatchFrame& frame, const double* corner, const std::uint32_t* triangle,
+                   const double* control, std::uint32_t form, std::uint32_t n,
+                   const ValenceTables& tables) {
+  double axes[kFrameReals], reals[kShapeReals];
+  frame.store(axes);
   kernels<double>().examine(tables.domain_of(n), tables.probes_of(n), tables.probe_count[n],
-                            d.control.data(), kFormExact, d.corner.data(), d.triangle.data(), frame,
-                            n, reals);
+                            control, form, corner, triangle, axes, n, reals);
   return shape_from(reals, n);
+}
+
+PatchShape examine(const PatchDraft& d, const ValenceTables& tables) {
+  return examine(d.frame, d.corner.data(), d.triangle.data(), d.control.data(), kFormExact,
+                 d.valence(), tables);
 }
 
 }  // namespace gliss

@@ -69,5 +69,9 @@ struct PatchDraft {
 // The exact patch of some corners of a face, not yet examined.
 PatchDraft draft_patch(const FaceCorners& face, std::vector<std::uint32_t> face_corner);
 PatchShape examine(const PatchDraft& draft, const ValenceTables& tables);
+// Of a patch in any form, from its pieces.
+PatchShape examine(const PatchFrame& frame, const double* corner, const std::uint32_t* triangle,
+                   const double* control, std::uint32_t form, std::uint32_t n,
+                   const ValenceTables& tables);
 
 }  // namespace gliss

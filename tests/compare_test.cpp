@@ -147,7 +147,8 @@ TEST_F(Compare, writes_tables_and_names_what_is_wrong) {
 TEST(Fidelity, its_path_stays_at_its_depth_and_goes_in_small_steps) {
   for (const Generated& made : {torus_knot(), goldberg(), banana()}) {
     const PatchCache cache = test::cache_of(made.mesh);
-    const std::vector<Vec3> path = path_over(made.mesh, cache, 0.5, 0.1, 3000);
+    const std::vector<Vec3> path =
+        path_over(made.mesh, build_topology(made.mesh), cache, 0.5, 0.1, 3000);
     ASSERT_EQ(path.size(), 3000);
     std::set<std::uint32_t> faces;
     for (std::size_t i = 0; i < path.size(); ++i) {

@@ -32,6 +32,14 @@ class Run : public test::RunTest {
     const Outcome outcome = start(command, words)->wait();
     ASSERT_EQ(outcome.code, 0) << words << ": " << outcome.err;
   }
+  // Of the knot with these keys, as gliss trace has them with these options.
+  void expect_forces_of_trace(const std::string& keys, const std::string& options) const {
+    folder_.write("other.toml", "[[object]]\nmesh = 'knot.obj'\nunit = 'mm'\n" + keys);
+    const TextTable felt = recorded("other.toml --device replay:mm.csv --no-wait");
+    gliss("trace", "knot.obj --unit mm --path mm.csv -o trace.csv " + options);
+    const TextTable trace(folder_.read("trace.csv"));
+    for (const char* column : {"fx", "fy", "fz"}) EXPECT_EQ(felt[column], trace[column]) << options;
+  }
   // Byte for byte but for how long it took.
   static void expect_same(const TextTable& a, const TextTable& b) {
     EXPECT_EQ(a.names, b.names);
@@ -102,30 +110,19 @@ TEST_F(Run, renders_the_forces_of_a_trace_byte_for_byte) {
 
 TEST_F(Run, renders_with_the_method_and_the_stiffness_of_the_scene) {
   for (const char* method : {"shaded", "flat"}) {
-    folder_.write("other.toml", fmt::format("[[object]]\nmesh = 'knot.obj'\nunit = 'mm'\nmethod = "
-                                            "'{}'\nstiffness = '0.8N/mm'\n",
-                                            method));
-    const TextTable felt = recorded("other.toml --device replay:mm.csv --no-wait");
-    gliss("trace", fmt::format("knot.obj --unit mm --path mm.csv --method {} --stiffness 0.8N/mm "
-                               "-o trace.csv",
-                               method));
-    const TextTable trace(folder_.read("trace.csv"));
-    for (const char* column : {"fx", "fy", "fz"}) EXPECT_EQ(felt[column], trace[column]) << method;
+    expect_forces_of_trace(fmt::format("method = '{}'\nstiffness = '0.8N/mm'\n", method),
+                           fmt::format("--method {} --stiffness 0.8N/mm", method));
   }
 }
 
 TEST_F(Run, renders_at_the_level_and_with_the_solver_of_the_scene) {
   for (const char* level : {"ribbon", "bezier", "table:2"}) {
-    folder_.write("level.toml",
-                  fmt::format("[[object]]\nmesh = 'knot.obj'\nunit = 'mm'\nlevel = '{}'\n"
-                              "solver = 'gauss-newton'\ntolerance = 1e-4\niterations = 3\n",
-                              level));
-    const TextTable felt = recorded("level.toml --device replay:mm.csv --no-wait");
-    gliss("trace", fmt::format("knot.obj --unit mm --path mm.csv --method gregory --level {} "
-                               "--solver gauss-newton --tolerance 1e-4 --iterations 3 -o trace.csv",
-                               level));
-    const TextTable trace(folder_.read("trace.csv"));
-    for (const char* column : {"fx", "fy", "fz"}) EXPECT_EQ(felt[column], trace[column]) << level;
+    expect_forces_of_trace(
+        fmt::format("level = '{}'\nsolver = 'gauss-newton'\ntolerance = 1e-4\niterations = 3\n",
+                    level),
+        fmt::format("--method gregory --level {} --solver gauss-newton --tolerance 1e-4 "
+                    "--iterations 3",
+                    level));
   }
 }
 

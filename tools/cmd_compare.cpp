@@ -114,7 +114,7 @@ double diagonal_of(const PatchCache& cache) {
 }
 
 std::vector<ComparePath> make_paths(const ComparingOptions& options, const Mesh& mesh,
-                                    const PatchCache& exact) {
+                                    const Topology& topology, const PatchCache& exact) {
   std::vector<ComparePath> paths;
   if (!options.path.empty()) {
     std::vector<Vec3> hips = points_in_metres(read_points(options.path, options.unit));
@@ -128,7 +128,7 @@ std::vector<ComparePath> make_paths(const ComparingOptions& options, const Mesh&
     if (depths.empty()) depths = {0.01 * diagonal * mesh.unit};
     for (const double depth : depths) {
       paths.push_back({depth,
-                       path_over(mesh, exact, depth / mesh.unit, diagonal / 1000,
+                       path_over(mesh, topology, exact, depth / mesh.unit, diagonal / 1000,
                                  static_cast<std::size_t>(options.ticks)),
                        {}});
     }
@@ -298,11 +298,12 @@ void run(const ComparingOptions& options) {
   Mesh mesh = read_mesh(options);
   add_vertex_normals(mesh);
   const PatchCache exact = build(mesh, options, *engine);
-  std::vector<ComparePath> paths = make_paths(options, mesh, exact);
+  const Topology topology = build_topology(mesh);
+  std::vector<ComparePath> paths = make_paths(options, mesh, topology, exact);
   std::vector<double> depths;
   for (const ComparePath& path : paths) depths.push_back(path.depth);
-  const Comparison comparison(mesh, exact, std::move(paths), true_distance(options, mesh), options,
-                              options.compare);
+  const Comparison comparison(mesh, topology, exact, std::move(paths), true_distance(options, mesh),
+                              options, options.compare);
   std::vector<CompareRow> rows;
   {
     Watch watch(options, "compare", comparison.row_count(), "rows");

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "host/tessellate.h"
 #include "tools/interrupt.h"
@@ -39,19 +38,23 @@ struct Comparison::Surface {
   double seconds = 0;  // to build it
 };
 
-Comparison::Comparison(const Mesh& mesh, const PatchCache& exact, std::vector<ComparePath> paths,
-                       const TrueDistance& distance, const CommonOptions& common,
-                       const CompareOptions& options)
+Comparison::Comparison(const Mesh& mesh, const Topology& topology, const PatchCache& exact,
+                       std::vector<ComparePath> paths, const TrueDistance& distance,
+                       const CommonOptions& common, const CompareOptions& options)
     : mesh_(mesh),
       exact_(exact),
       paths_(std::move(paths)),
       distance_(distance),
       common_(common),
       options_(options),
-      topology_(build_topology(mesh)),
+      topology_(topology),
       points_(spread_points(exact, kPoints)),
+      many_points_(spread_points(
+          exact, std::min(kPointsPerFace * std::size_t{exact.mesh_face_count}, kMostPoints))),
       exact_points_(points_.size()) {
   evaluate(exact_, points_, exact_points_);
+  for (const SurfacePoint& p : exact_points_)
+    hips_.push_back(p.position - paths_.front().depth / mesh.unit * p.normal);
 }
 
 std::size_t Comparison::row_count() const {
@@ -78,10 +81,14 @@ std::vector<CompareRow> Comparison::measure(Watch& watch) const {
             measure_feel(surface.cache, query_of(candidate, solver), felt.back());
           }
         }
+        const auto resident = engine->reside(surface.cache);
+        const double evaluations =
+            candidate.method == Method::kGregory ? evaluation_rate(*resident) : kUnknown;
         for (CompareRow row : felt) {
           row.backend = backend;
           row.build_per_s = static_cast<double>(mesh_.face_count()) / surface.seconds;
-          measure_rates(surface, *engine, query_of(candidate, row.solver), row);
+          row.eval_per_s = evaluations;
+          row.track_per_s = tracking_rate(*resident, query_of(candidate, row.solver));
           rows.push_back(row);
           watch.add(1);
         }
@@ -119,7 +126,7 @@ void Comparison::measure_shape(const Surface& surface, CompareRow& row) const {
   const Method method = surface.candidate.method;
   row.bytes = static_cast<double>(cache.bytes());
   row.bytes_per_patch = row.bytes / cache.patch_count();
-  row.max_normal_gap = largest_normal_gap(mesh_, cache, method);
+  row.max_normal_gap = largest_normal_gap(mesh_, topology_, cache, method);
   std::vector<Vec3> there;  // on the surface
   std::vector<double> distance;
   if (method == Method::kGregory) {
@@ -166,21 +173,14 @@ void Comparison::measure_feel(const PatchCache& cache, const QueryOptions& query
   }
 }
 
-void Comparison::measure_rates(const Surface& surface, const Engine& engine,
-                               const QueryOptions& query, CompareRow& row) const {
-  const auto resident = engine.reside(surface.cache);
-  row.eval_per_s = kUnknown;
-  if (surface.candidate.method == Method::kGregory) {
-    const std::vector<DomainPoint> many = spread_points(
-        exact_, std::min(kPointsPerFace * std::size_t{exact_.mesh_face_count}, kMostPoints));
-    std::vector<SurfacePoint> points(many.size());
-    row.eval_per_s = rate_of(points.size(), [&] { resident->evaluate(many, points); });
-  }
-  std::vector<Vec3> hips;
-  for (const SurfacePoint& p : exact_points_)
-    hips.push_back(p.position - paths_.front().depth / mesh_.unit * p.normal);
-  std::vector<Contact> contacts(hips.size());
-  row.track_per_s = rate_of(hips.size(), [&] { resident->track(hips, points_, query, contacts); });
+double Comparison::evaluation_rate(const ResidentSurface& resident) const {
+  std::vector<SurfacePoint> points(many_points_.size());
+  return rate_of(points.size(), [&] { resident.evaluate(many_points_, points); });
+}
+
+double Comparison::tracking_rate(const ResidentSurface& resident, const QueryOptions& query) const {
+  std::vector<Contact> contacts(hips_.size());
+  return rate_of(hips_.size(), [&] { resident.track(hips_, points_, query, contacts); });
 }
 
 DenseRow Comparison::match(Method method, const CompareRow& target, std::uint64_t limit) const {

@@ -76,9 +76,9 @@ using TrueDistance = std::function<double(const Vec3&)>;
 class Comparison {
  public:
   // `exact`: in double, of the whole mesh; the mesh has normals.
-  Comparison(const Mesh& mesh, const PatchCache& exact, std::vector<ComparePath> paths,
-             const TrueDistance& distance, const CommonOptions& common,
-             const CompareOptions& options);
+  Comparison(const Mesh& mesh, const Topology& topology, const PatchCache& exact,
+             std::vector<ComparePath> paths, const TrueDistance& distance,
+             const CommonOptions& common, const CompareOptions& options);
 
   std::size_t row_count() const;
   std::vector<CompareRow> measure(Watch& watch) const;
@@ -91,8 +91,8 @@ class Comparison {
   Surface build(const Candidate& candidate, Precision precision, const Engine& engine) const;
   void measure_shape(const Surface& surface, CompareRow& row) const;
   void measure_feel(const PatchCache& cache, const QueryOptions& query, CompareRow& row) const;
-  void measure_rates(const Surface& surface, const Engine& engine, const QueryOptions& query,
-                     CompareRow& row) const;
+  double evaluation_rate(const ResidentSurface& resident) const;
+  double tracking_rate(const ResidentSurface& resident, const QueryOptions& query) const;
   QueryOptions query_of(const Candidate& candidate, Solver solver) const;
 
   const Mesh& mesh_;
@@ -101,9 +101,10 @@ class Comparison {
   const TrueDistance distance_;
   const CommonOptions& common_;
   const CompareOptions& options_;
-  const Topology topology_;
-  std::vector<DomainPoint> points_;
-  std::vector<SurfacePoint> exact_points_;
+  const Topology& topology_;
+  const std::vector<DomainPoint> points_, many_points_;  // many: for the rate of evaluation
+  std::vector<SurfacePoint> exact_points_;               // at points_
+  std::vector<Vec3> hips_;                               // beneath them
 };
 
 // Marks rows that no other beats in error, tick and memory at once.
