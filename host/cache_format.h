@@ -16,7 +16,8 @@ namespace gliss::cache_format {
 inline constexpr std::string_view kMagic = "\x89GLS\r\n\x1a\n";  // no transfer as text keeps it
 inline constexpr std::size_t kNameBytes = 4;  // of it; a damaged cache is still known by these
 inline constexpr std::uint32_t kByteOrder = 0x01020304, kSwappedByteOrder = 0x04030201;
-inline constexpr std::uint32_t kFormat = 2;  // of Header, Section, and which sections there are
+inline constexpr std::uint32_t kFormat =
+    3;  // of Header, Section, which sections there are, what they mean
 inline constexpr std::uint32_t kMaxHeaderBytes = 1 << 16;
 
 // Up to header_bytes it stays as it is in every later format, so that their files are told from

@@ -35,7 +35,9 @@ int chosen_isa() {
 
 }  // namespace
 
-#if defined(__x86_64__)
+#if defined(GLISS_ONLY_ISA)
+#define GLISS_PICK(f) ((void)isa, GLISS_ONLY_ISA::f())
+#elif defined(__x86_64__)
 #define GLISS_PICK(f) (isa == 2 ? v4::f() : isa == 1 ? v3::f() : baseline::f())
 #else
 #define GLISS_PICK(f) ((void)isa, baseline::f())

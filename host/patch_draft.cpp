@@ -9,6 +9,11 @@
 #include "host/triangulate.h"
 
 namespace gliss {
+namespace {
+
+constexpr double kFarthestReach = 4;
+
+}  // namespace
 
 std::vector<std::uint32_t> all_corners(std::uint32_t n) {
   std::vector<std::uint32_t> all(n);
@@ -74,7 +79,11 @@ PatchShape shape_from(const double* reals, std::uint32_t n) {
   if (!shape.bend.allFinite()) shape.bend.setZero();
   shape.sag = std::sqrt(reals[kShapeSag2]) + slack;
   shape.rho_min = curvature > 0 ? 1 / curvature : std::numeric_limits<double>::infinity();
-  shape.turn = reals[kShapeFinite] > 0 ? reals[kShapeTurn] : -1;
+  // Polygons lie in [-1, 1]^3 of their frame: where cross tangents have hardly a direction, patches
+  // shoot out of it.
+  const double reach =
+      triple(kShapeLow).cwiseAbs().cwiseMax(triple(kShapeHigh).cwiseAbs()).maxCoeff();
+  shape.turn = reals[kShapeFinite] > 0 && reach <= kFarthestReach ? reals[kShapeTurn] : -1;
   return shape;
 }
 

@@ -45,7 +45,8 @@ PatchDraft bend(const PatchDraft& draft, const ValenceTables& tables) {
     }
     kernels<double>().bend_patch(d.control.data(), n, d.frame.normal.data());
     d.shape = examine(d, tables);
-    if (best.control.empty() || d.shape.turn > best.shape.turn) best = std::move(d);
+    // Of two that are as bad, the one that moves less.
+    if (best.control.empty() || d.shape.turn >= best.shape.turn) best = std::move(d);
     if (best.shape.turn > kSafeTurn) break;
   }
   return best;

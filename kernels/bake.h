@@ -26,6 +26,11 @@ FN side_lerp lerp_of(GLOBAL scalar* corners, int n, int k) {
   return r;
 }
 
+// The same of a cross tangent at t.
+FN ribbon_part ribbon_part_at(GLOBAL scalar* side, side_lerp m, real t, real3 tangent) {
+  return ribbon_part_of(tangent, cubic_at(side, SIDE_C, t).d, fma3(t, m.m1, m.m0));
+}
+
 // C''(t).
 FN real3 second_at(GLOBAL scalar* side, real t) {
   return fma3(K(6) * t, load3(side, SIDE_C + 3), mul3(K(2), load3(side, SIDE_C + 2)));
@@ -37,10 +42,9 @@ typedef struct {
 } ribbon_end;
 
 FN ribbon_end ribbon_end_of(GLOBAL scalar* side, side_lerp m, real t, real3 tangent, real3 twist) {
-  const real3 c = cubic_at(side, SIDE_C, t).d, cc = second_at(side, t), mt = fma3(t, m.m1, m.m0);
   ribbon_end r;
-  r.f = ribbon_part_of(tangent, c, mt);
-  r.d = ribbon_part_of(fma3(-r.f.k, cc, fma3(-r.f.h, m.m1, twist)), c, mt);
+  r.f = ribbon_part_at(side, m, t, tangent);
+  r.d = ribbon_part_at(side, m, t, fma3(-r.f.k, second_at(side, t), fma3(-r.f.h, m.m1, twist)));
   return r;
 }
 
@@ -56,8 +60,7 @@ FN void bake_ribbon(GLOBAL scalar* corners, GLOBAL scalar* exact, int n, GLOBAL_
         ribbon_end_of(from, m, K(1), load3(from, SIDE_T_1), load3(from, SIDE_TWIST_1));
     // k and h are the cubics of their ends plus a multiple of t^2 (1-t)^2.
     const real half = K(0.5f), eighth = K(0.125f);
-    const ribbon_part middle = ribbon_part_of(side_at(from, half).t, cubic_at(from, SIDE_C, half).d,
-                                              fma3(half, m.m1, m.m0));
+    const ribbon_part middle = ribbon_part_at(from, m, half, side_at(from, half, half).t);
     const real k4 = K(16) * (middle.k - half * (a.f.k + b.f.k) - eighth * (a.d.k - b.d.k));
     const real h4 = K(16) * (middle.h - half * (a.f.h + b.f.h) - eighth * (a.d.h - b.d.h));
     // The cubics' coefficients, and those of t^4 and t^5 in their part of T.
@@ -90,11 +93,9 @@ FN bezier_side bezier_side_of(GLOBAL scalar* corners, GLOBAL scalar* exact, int 
   GLOBAL scalar* from = exact + side * SIDE_REALS;
   const side_lerp m = lerp_of(corners, n, side);
   const real half = K(0.5f);
-  const ribbon_part a = ribbon_part_of(load3(from, SIDE_T_0), load3(from, SIDE_C + 1), m.m0),
-                    b = ribbon_part_of(load3(from, SIDE_T_1), cubic_at(from, SIDE_C, K(1)).d,
-                                       add3(m.m0, m.m1)),
-                    middle = ribbon_part_of(side_at(from, half).t, cubic_at(from, SIDE_C, half).d,
-                                            fma3(half, m.m1, m.m0));
+  const ribbon_part a = ribbon_part_at(from, m, K(0), load3(from, SIDE_T_0)),
+                    b = ribbon_part_at(from, m, K(1), load3(from, SIDE_T_1)),
+                    middle = ribbon_part_at(from, m, half, side_at(from, half, half).t);
   const real k1 = b.k - a.k;
   const real h1 = K(4) * middle.h - K(3) * a.h - b.h, h2 = K(2) * (a.h + b.h) - K(4) * middle.h;
   bezier_side r;
@@ -216,8 +217,8 @@ FN_LARGE table_sample sample_corner(GLOBAL scalar* domain, GLOBAL scalar* exact,
   const real over = K(1) / (px * qy - py * qx);
   const real xi = (p * qy - q * py) * over, eta = (px * q - qx * p) * over;
   const patch_point g = evaluate_form(domain, exact, FORM_EXACT, n, xi, eta);
-  const jet ju = corner_u(domain, n, k, xi, eta),
-            jv = one_minus(corner_u(domain, n, wrap(k - 1, n), xi, eta));
+  const jet ju = corner_u(domain, n, k, xi, eta).u,
+            jv = corner_u(domain, n, wrap(k - 1, n), xi, eta).rest;
   const real inverse = K(1) / (ju.xi * jv.eta - ju.eta * jv.xi);
   table_sample r;
   r.g = g.g;

@@ -8,8 +8,15 @@ typedef struct {
 typedef struct {
   real3 curve[4], normal[4], inner[2], across[2];
   real length[2];
-  real sound;  // least |n x (e x n_avg)| / |e| of the two ends: 0 where the ribbon degenerates
+  real sound;  // least of |n x (e x n_avg)| / |e| and |n x e| / |e| at the ends: 0 where the ribbon
+               // degenerates
 } side_data;
+
+// Of the edge's length, along s; along the edge where s has no direction.
+FN real3 end_tangent(real3 s, real3 edge, real length) {
+  const real size = norm3(s);
+  return size > K(1e-6f) ? mul3(length / size, s) : edge;
+}
 
 FN side_data build_side(corner before, corner start, corner end, corner after) {
   side_data r;
@@ -19,8 +26,9 @@ FN side_data build_side(corner before, corner start, corner end, corner after) {
   // Eq. 7 to 9; only the direction of n_avg matters.
   const real3 across = cross3(e, unit3(add3(start.n, end.n)));
   const real3 s = cross3(start.n, across), t = cross3(end.n, across);
-  r.sound = smaller(norm3(s), norm3(t));
-  const real3 ts = mul3(length, unit3(s)), te = mul3(length, unit3(t));
+  const real3 m0 = cross3(start.n, e), me = cross3(end.n, e);
+  r.sound = smaller(smaller(norm3(s), norm3(t)), smaller(norm3(m0), norm3(me)));
+  const real3 ts = end_tangent(s, edge, length), te = end_tangent(t, edge, length);
   // Eq. 6 in powers of t.
   r.curve[0] = start.p;
   r.curve[1] = ts;
@@ -28,7 +36,7 @@ FN side_data build_side(corner before, corner start, corner end, corner after) {
   r.curve[3] = sub3(add3(ts, te), mul3(splat(K(2)), edge));
   // Eq. 10: C'(t) x m(t), m(t) = ((1-t) n_s + t n_e) x e; over |e|, so that it is of the order
   // of 1.
-  const real3 m0 = cross3(start.n, e), m1 = sub3(cross3(end.n, e), m0);
+  const real3 m1 = sub3(me, m0);
   const real over = K(1) / larger(length, splat(TINY));
   const real3 d0 = mul3(over, r.curve[1]), d1 = mul3(K(2) * over, r.curve[2]),
               d2 = mul3(K(3) * over, r.curve[3]);
@@ -38,8 +46,8 @@ FN side_data build_side(corner before, corner start, corner end, corner after) {
   r.normal[3] = cross3(d2, m1);
   r.inner[0] = before.n;
   r.inner[1] = sub3(after.n, before.n);
-  r.across[0] = before.p;
-  r.across[1] = sub3(after.p, before.p);
+  r.across[0] = sub3(before.p, start.p);
+  r.across[1] = sub3(after.p, end.p);
   r.length[0] = norm3(sub3(start.p, before.p));
   r.length[1] = norm3(sub3(after.p, end.p));
   return r;
@@ -47,7 +55,7 @@ FN side_data build_side(corner before, corner start, corner end, corner after) {
 
 // T and T' at the ends of a side, once the rest of its control data stands.
 FN void store_ends(GLOBAL_OUT scalar* side) {
-  const side_point start = side_at(side, K(0)), end = side_at(side, K(1));
+  const side_point start = side_at(side, K(0), K(1)), end = side_at(side, K(1), K(0));
   store3(side + 3 * SIDE_T_0, 1, start.t);
   store3(side + 3 * SIDE_T_1, 1, end.t);
   store3(side + 3 * SIDE_TWIST_0, 1, start.dt);

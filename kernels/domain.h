@@ -14,7 +14,6 @@ FN jet mul_jet(jet a, jet b) {
   return make_jet(a.f * b.f, fma(a.f, b.xi, a.xi * b.f), fma(a.f, b.eta, a.eta * b.f));
 }
 FN jet add_jet(jet a, jet b) { return make_jet(a.f + b.f, a.xi + b.xi, a.eta + b.eta); }
-FN jet one_minus(jet a) { return make_jet(K(1) - a.f, -a.xi, -a.eta); }
 
 // Table of a valence, made on the host: cos(pi / n) as high and low part, then for each k
 // the outward normal m_k of side k (x, y, their low parts) and the corner C_k (x, y).
@@ -44,13 +43,22 @@ FN jet side_distance(GLOBAL scalar* domain, int n, int k, real xi, real eta) {
   return make_jet(larger(d, splat(K(0))), -mx, -my);
 }
 
-// u_k = d_(k-1) / (d_(k-1) + d_(k+1)), eq. 3; and v_k = 1 - u_(k-1).
-FN jet corner_u(GLOBAL scalar* domain, int n, int k, real xi, real eta) {
+// u_k = d_(k-1) / (d_(k-1) + d_(k+1)), eq. 3; and what is left of 1, v_(k+1).
+typedef struct {
+  jet u, rest;
+} corner_parameter;
+
+FN corner_parameter corner_u(GLOBAL scalar* domain, int n, int k, real xi, real eta) {
   const jet a = side_distance(domain, n, wrap(k - 1, n), xi, eta);
   const jet b = side_distance(domain, n, wrap(k + 1, n), xi, eta);
   const real inverse = K(1) / larger(a.f + b.f, splat(TINY));
   const real u = a.f * inverse, v = b.f * inverse;
-  return make_jet(u, (v * a.xi - u * b.xi) * inverse, (v * a.eta - u * b.eta) * inverse);
+  const real along_xi = (v * a.xi - u * b.xi) * inverse,
+             along_eta = (v * a.eta - u * b.eta) * inverse;
+  corner_parameter r;
+  r.u = make_jet(u, along_xi, along_eta);
+  r.rest = make_jet(v, -along_xi, -along_eta);
+  return r;
 }
 
 // The two smallest distances and their sides: what the weights are measured against.

@@ -73,6 +73,27 @@ FN real largest_curvature(patch_point p, real3 second) {
 // 0 where all three are finite, else NaN.
 FN real zero_if_finite(real3 a) { return (a.x - a.x) + (a.y - a.y) + (a.z - a.z); }
 
+// The least cosine at corners where the patch turns over, for probes do not come that close: where
+// the boundary turns back, or by more than half a turn; and -1 where a cross tangent changes so
+// fast (of a polygon in [-1, 1]^3) that it has no direction there. Of exact patches, whose boundary
+// the other forms share.
+#define TWIST_MOST K(32)
+FN real corner_turn(GLOBAL scalar* control, GLOBAL scalar* corner, int n, real3 along) {
+  real least = splat(K(1));
+  for (int k = 0; k < n; ++k) {
+    GLOBAL scalar* side = control + k * SIDE_REALS;
+    GLOBAL scalar* before = control + wrap(k - 1, n) * SIDE_REALS;
+    const real3 in = cubic_at(before, SIDE_C, splat(K(1))).d, out = load3(side, SIDE_C + 1),
+                normal = cross3(in, out);
+    const real turns_over = K(-1e-9f) * norm3(in) * norm3(out);
+    least = pick(dot3(normal, load3(corner, 2 * k + 1)) < turns_over,
+                 smaller(dot3(unit3(normal), along), least), least);
+    const real twist = larger(norm3(load3(side, SIDE_TWIST_0)), norm3(load3(before, SIDE_TWIST_1)));
+    least = pick(twist > TWIST_MOST, splat(K(-1)), least);
+  }
+  return least;
+}
+
 // `count` 0: of the base polygon alone.
 FN_LARGE patch_shape examine(GLOBAL scalar* domain, GLOBAL scalar* probe, int count,
                              GLOBAL scalar* control, uint form, GLOBAL scalar* corner,
@@ -83,6 +104,7 @@ FN_LARGE patch_shape examine(GLOBAL scalar* domain, GLOBAL scalar* probe, int co
   patch_shape r = {
       most, sub3(nothing, most), most, sub3(nothing, most), nothing, one, zero, zero, zero, one};
   for (int k = 0; k < n; ++k) r = widen(r, load3(corner, 2 * k), along, tangent);
+  if (count > 0 && form == FORM_EXACT) r.turn = corner_turn(control, corner, n, along);
   for (int first = 0; first < count; first += GLISS_LANES) {
     const real xi = load_lanes(probe + first), eta = load_lanes(probe + PROBE_STRIDE(n) + first);
     patch_point p;

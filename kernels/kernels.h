@@ -7,6 +7,7 @@
 #include "kernels/side.h"
 #include "kernels/ribbon.h"
 #include "kernels/patch.h"
+#include "kernels/quad.h"
 #include "kernels/bezier.h"
 #include "kernels/table.h"
 #include "kernels/view.h"

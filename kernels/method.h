@@ -55,6 +55,14 @@ FN void store_contact(GLOBAL_OUT scalar* reals, GLOBAL_OUT uint* uints, ulong st
   uints[CONTACT_FLAGS * stride] = c.flags;
 }
 
+// Unit; that of the base polygon where nothing but rounding is left of the tangent plane.
+FN real3 normal_of_foot(surface_view view, foot f) {
+  const real3 normal = patch_normal(f.at);
+  const real longest2 = larger(dot3(f.at.g_xi, f.at.g_xi), dot3(f.at.g_eta, f.at.g_eta));
+  return norm3(normal) > K(8) * EPSILON * longest2 ? unit3(normal)
+                                                   : load3(numbers_of(view, f.patch), PATCH_NORMAL);
+}
+
 FN contact contact_of_foot(surface_view view, foot f) {
   contact c;
   c.method = METHOD_GREGORY;
@@ -62,7 +70,7 @@ FN contact contact_of_foot(surface_view view, foot f) {
   c.xi = f.xi;
   c.eta = f.eta;
   c.scp = f.at.g;
-  c.normal = unit3(patch_normal(f.at));
+  c.normal = normal_of_foot(view, f);
   c.offset = mul3(numbers_of(view, f.patch)[PATCH_UNSCALE], f.r);
   c.push = c.offset;
   c.iterations = f.iterations;
@@ -97,11 +105,18 @@ FN contact contact_of_base(surface_view view, hip_point h, base_point b, int met
   return c;
 }
 
+// A thousand sizes of the mesh away, rounding of the offset may be more than parts are thick.
+#define FAR_OUTSIDE K(1024)
+
 // Global: the nearest point of the surface, given that of the base polygons.
 FN_LARGE contact nearest_contact(surface_view view, hip_point h, base_point base, int method,
                                  track_options options) {
-  if (method == METHOD_GREGORY) return contact_of_foot(view, nearest_foot(view, h, base, options));
-  return contact_of_base(view, h, base, method, 0);
+  contact c = method == METHOD_GREGORY ? contact_of_foot(view, nearest_foot(view, h, base, options))
+                                       : contact_of_base(view, h, base, method, 0);
+  const real reach = fabs(h.high.x) + fabs(h.high.y) + fabs(h.high.z);
+  if (!(reach <= FAR_OUTSIDE)) c.state = CONTACT_FREE;
+  if (!(reach - reach == K(0))) c.flags &= ~FOOT_CONVERGED;  // it is no place
+  return c;
 }
 
 // Local: the point that `last` was, after the HIP has moved to h.

@@ -12,6 +12,9 @@ typedef struct {
 #define FORM_BEZIER 2u  // a Gregory quad or triangle (bezier.h)
 #define FORM_TABLE 3u   // samples (table.h)
 
+// Numbers of a side, of the forms that blend sides.
+FN int side_reals(uint form) { return form == FORM_RIBBON ? RIBBON_REALS : SIDE_REALS; }
+
 // G and its derivatives from sums of jets: G += f x with x constant (a point or a tangent of the
 // corner).
 FN patch_point add_constant(patch_point p, jet f, real3 x) {
@@ -47,38 +50,48 @@ FN patch_point add_twist(patch_point p, jet w, jet u, jet v, real3 a, real3 b) {
 //   G = sum_k (w_k + w_(k+1)) C_k(u_k) + (w_k v_k + w_(k+1) u_(k+1)) T_k(u_k)
 //     - sum_k w_k (V_k + v_k T_k(0) + u_k T_(k-1)(1) + twist_k):  n side evaluations a point, not
 //     2n.
+// Weights change by n^2 over the domain, and so do roundings of what they multiply: with many sides
+// all positions are measured from a corner of the nearest one, which leaves n of them.
 FN patch_point evaluate(GLOBAL scalar* domain, GLOBAL scalar* control, uint form, int n, real xi,
                         real eta) {
-  const int reals = form == FORM_RIBBON ? RIBBON_REALS : SIDE_REALS;
+  const int reals = side_reals(form);
   const real3 zero = make3(splat(K(0)), splat(K(0)), splat(K(0)));
   patch_point sum = {zero, zero, zero};
   jet total = make_jet(zero.x, zero.x, zero.x);
   const near_sides near = find_near_sides(domain, n, xi, eta);
-  jet v = one_minus(corner_u(domain, n, n - 1, xi, eta));
-  jet u = corner_u(domain, n, 0, xi, eta);
+  const int many = n >= DOMAIN_COMPENSATED;
+  const real3 from = many ? gather3(control, near.s * splat((scalar)reals)) : zero;
+  jet v = corner_u(domain, n, n - 1, xi, eta).rest;
+  corner_parameter here = corner_u(domain, n, 0, xi, eta);
   jet w = corner_weight(domain, n, 0, near, xi, eta);
   UNROLL
   for (int k = 0; k < n; ++k) {
     const int after = wrap(k + 1, n);
     GLOBAL scalar* side = control + k * reals;
     GLOBAL scalar* before = control + wrap(k - 1, n) * reals;
-    const jet u_next = corner_u(domain, n, after, xi, eta);
+    const jet u = here.u;
+    const corner_parameter next = corner_u(domain, n, after, xi, eta);
     const jet w_next = corner_weight(domain, n, after, near, xi, eta);
-    const side_point at = form == FORM_RIBBON ? ribbon_at(side, u.f) : side_at(side, u.f);
+    side_point at = form == FORM_RIBBON ? ribbon_at(side, u.f) : side_at(side, u.f, here.rest.f);
+    real3 corner = load3(side, SIDE_C);
+    if (many) {
+      corner = sub3(corner, from);
+      at.c = fma3(u.f, cubic_rise(side, SIDE_C, u.f), corner);
+    }
     const jet on_curve = add_jet(w, w_next);
-    const jet on_tangent = add_jet(mul_jet(w, v), mul_jet(w_next, u_next));
+    const jet on_tangent = add_jet(mul_jet(w, v), mul_jet(w_next, next.u));
     sum = add_moving(sum, on_curve, u, at.c, at.dc);
     sum = add_moving(sum, on_tangent, u, at.t, at.dt);
     const jet minus = make_jet(-w.f, -w.xi, -w.eta);
-    sum = add_constant(sum, minus, load3(side, SIDE_C));
+    sum = add_constant(sum, minus, corner);
     sum = add_constant(sum, mul_jet(minus, v), load3(side, SIDE_T_0));
     sum = add_constant(sum, mul_jet(minus, u), load3(before, SIDE_T_1));
     // T_Q runs against side k-1, hence the sign of its derivative.
     const real3 b = mul3(splat(K(-1)), load3(before, SIDE_TWIST_1));
     sum = add_twist(sum, minus, u, v, load3(side, SIDE_TWIST_0), b);
     total = add_jet(total, w);
-    v = one_minus(u);
-    u = u_next;
+    v = here.rest;
+    here = next;
     w = w_next;
   }
   const real inverse = K(1) / total.f;
@@ -86,6 +99,7 @@ FN patch_point evaluate(GLOBAL scalar* domain, GLOBAL scalar* control, uint form
   r.g = mul3(inverse, sum.g);
   r.g_xi = mul3(inverse, fma3(-total.xi, r.g, sum.g_xi));
   r.g_eta = mul3(inverse, fma3(-total.eta, r.g, sum.g_eta));
+  if (many) r.g = add3(r.g, from);
   return r;
 }
 

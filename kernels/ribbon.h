@@ -7,12 +7,29 @@
 #define RIBBON_REST 8  // q_0, q_1, q_2: 3 triples
 #define RIBBON_REALS 33
 
+// Cubic Hermite basis on [0, 1] with derivatives: values h, slopes g at 0 and 1.
+typedef struct {
+  real h0, h1, g0, g1, dh0, dh1, dg0, dg1;
+} hermite_basis;
+
+FN hermite_basis hermite_at(real t) {
+  const real s = K(1) - t, st = s * t;
+  hermite_basis r;
+  r.h1 = t * t * fma(splat(K(-2)), t, splat(K(3)));
+  r.h0 = K(1) - r.h1;
+  r.g0 = s * st;
+  r.g1 = -t * st;
+  r.dh1 = K(6) * st;
+  r.dh0 = -r.dh1;
+  r.dg0 = s * fma(splat(K(-3)), t, splat(K(1)));
+  r.dg1 = t * fma(splat(K(3)), t, splat(K(-2)));
+  return r;
+}
+
 FN side_point ribbon_at(GLOBAL scalar* side, real t) {
   const curve_point c = cubic_at(side, SIDE_C, t);
+  const hermite_basis ends = hermite_at(t);
   const real s = K(1) - t, st = s * t;
-  const real h = t * t * fma(splat(K(-2)), t, splat(K(3))), dh = K(6) * st;
-  const real g0 = s * st, dg0 = s * fma(splat(K(-3)), t, splat(K(1)));
-  const real g1 = -t * st, dg1 = t * fma(splat(K(3)), t, splat(K(-2)));
   const real w = st * st, dw = K(2) * st * (s - t);
   const real3 start = load3(side, SIDE_T_0), d = sub3(load3(side, SIDE_T_1), start);
   const real3 a = load3(side, SIDE_TWIST_0), b = load3(side, SIDE_TWIST_1);
@@ -21,7 +38,7 @@ FN side_point ribbon_at(GLOBAL scalar* side, real t) {
   side_point r;
   r.c = c.f;
   r.dc = c.d;
-  r.t = fma3(w, q, fma3(g1, b, fma3(g0, a, fma3(h, d, start))));
-  r.dt = fma3(w, dq, fma3(dw, q, fma3(dg1, b, fma3(dg0, a, mul3(dh, d)))));
+  r.t = fma3(w, q, fma3(ends.g1, b, fma3(ends.g0, a, fma3(ends.h1, d, start))));
+  r.dt = fma3(w, dq, fma3(dw, q, fma3(ends.dg1, b, fma3(ends.dg0, a, mul3(ends.dh1, d)))));
   return r;
 }

@@ -11,7 +11,7 @@
 // And the paper's T:
 #define SIDE_NORMAL 8   // n_c divided by the square of the edge's length, cubic: 4 triples (eq. 10)
 #define SIDE_INNER 12   // (1-t) n_(s-) + t n_(e+): 2 triples (eq. 13)
-#define SIDE_ACROSS 14  // (1-t) v_(s-) + t v_(e+): 2 triples (eq. 12)
+#define SIDE_ACROSS 14  // v_(s-) - v_s, v_(e+) - v_e: 2 triples (eq. 12)
 #define SIDE_LENGTH 48  // size of T: (1-t) L_prev + t L_next: 2 numbers (eq. 14)
 #define SIDE_EASE \
   50  // 0 for the paper's patch; a tamer one shortens T to (1 - ease) of it at mid-side
@@ -26,12 +26,14 @@ typedef struct {
   real3 f, d;  // value and derivative
 } curve_point;
 
-// Cubic of the four triples from `first`.
+// Of the cubic of the four triples from `first`, what it has risen since t = 0, over t.
+FN real3 cubic_rise(GLOBAL scalar* side, int first, real t) {
+  return fma3(t, fma3(t, load3(side, first + 3), load3(side, first + 2)), load3(side, first + 1));
+}
 FN curve_point cubic_at(GLOBAL scalar* side, int first, real t) {
-  const real3 c0 = load3(side, first), c1 = load3(side, first + 1), c2 = load3(side, first + 2),
-              c3 = load3(side, first + 3);
+  const real3 c1 = load3(side, first + 1), c2 = load3(side, first + 2), c3 = load3(side, first + 3);
   curve_point r;
-  r.f = fma3(t, fma3(t, fma3(t, c3, c2), c1), c0);
+  r.f = fma3(t, cubic_rise(side, first, t), load3(side, first));
   r.d = fma3(t, fma3(K(3) * t, c3, mul3(splat(K(2)), c2)), c1);
   return r;
 }
@@ -40,22 +42,27 @@ FN curve_point cubic_at(GLOBAL scalar* side, int first, real t) {
 FN real3 side_normal(GLOBAL scalar* side, real t) { return cubic_at(side, SIDE_NORMAL, t).f; }
 
 // Eq. 11 and 13 with a unit n_c, times a positive factor:
-//   t_c = N x (v x b),  b = |N| a + N,  a = (1-t) n_(s-) + t n_(e+),  v = v_int.
-FN side_point side_at(GLOBAL scalar* side, real t) {
+//   t_c = N x (v x b),  b = |N| a + N,  a = (1-t) n_(s-) + t n_(e+),  v = v_int,
+//   v = (1-t) (v_(s-) - v_s) + t (v_(e+) - v_e) + t (1-t) (c_2 + (1+t) c_3):
+// differences of positions, for v may be small beside them. `rest` is 1 - t, to its own precision.
+FN side_point side_at(GLOBAL scalar* side, real t, real rest) {
   const curve_point c = cubic_at(side, SIDE_C, t), n = cubic_at(side, SIDE_NORMAL, t);
-  const real3 da = load3(side, SIDE_INNER + 1), v1 = load3(side, SIDE_ACROSS + 1);
+  const real3 da = load3(side, SIDE_INNER + 1);
   const real3 a = fma3(t, da, load3(side, SIDE_INNER));
-  const real3 v = sub3(fma3(t, v1, load3(side, SIDE_ACROSS)), c.f), dv = sub3(v1, c.d);
+  const real3 before = load3(side, SIDE_ACROSS), after = load3(side, SIDE_ACROSS + 1);
+  const real3 c3 = load3(side, SIDE_C + 3), q = fma3(splat(K(1)) + t, c3, load3(side, SIDE_C + 2));
+  const real3 v = fma3(t * rest, q, fma3(t, after, mul3(rest, before)));
+  const real3 dv = fma3(t * rest, c3, fma3(rest - t, q, sub3(after, before)));
   const real tiny = splat(TINY);
   const real l = larger(norm3(n.f), tiny), dl = dot3(n.f, n.d) / l;
   const real3 b = fma3(l, a, n.f), db = fma3(l, da, fma3(dl, a, n.d));
-  const real3 q = cross3(v, b), dq = cross_add3(dv, b, cross3(v, db));
-  const real3 tc = cross3(n.f, q), dtc = cross_add3(n.d, q, cross3(n.f, dq));
+  const real3 vb = cross3(v, b), dvb = cross_add3(dv, b, cross3(v, db));
+  const real3 tc = cross3(n.f, vb), dtc = cross_add3(n.d, vb, cross3(n.f, dvb));
   const real inverse = K(1) / larger(norm3(tc), tiny);
   const real l0 = splat(side[SIDE_LENGTH]), l1 = splat(side[SIDE_LENGTH + 1]);
   const real ease = splat(K(4) * side[SIDE_EASE]);
-  const real shorter = fma(-ease, t * (K(1) - t), splat(K(1)));
-  const real straight = fma(t, l1 - l0, l0);
+  const real shorter = fma(-ease, t * rest, splat(K(1)));
+  const real straight = fma(t, l1, rest * l0);
   const real length = straight * shorter;
   const real dlength = fma(straight, ease * fma(splat(K(2)), t, splat(K(-1))), (l1 - l0) * shorter);
   const real3 unit = mul3(inverse, tc);

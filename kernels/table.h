@@ -14,29 +14,6 @@ FN real whole(real x) {
   return pick(near > x, near - K(1), near);
 }
 
-// Cubic Hermite basis on [0, 1] with derivatives: values h, slopes g at 0 and 1.
-typedef struct {
-  real h0, h1, g0, g1, dh0, dh1, dg0, dg1;
-} hermite_basis;
-
-FN hermite_basis hermite_at(real t) {
-  const real s = K(1) - t, st = s * t;
-  hermite_basis r;
-  r.h1 = t * t * fma(splat(K(-2)), t, splat(K(3)));
-  r.h0 = K(1) - r.h1;
-  r.g0 = s * st;
-  r.g1 = -t * st;
-  r.dh1 = K(6) * st;
-  r.dh0 = -r.dh1;
-  r.dg0 = s * fma(splat(K(-3)), t, splat(K(1)));
-  r.dg1 = t * fma(splat(K(3)), t, splat(K(-2)));
-  return r;
-}
-
-FN real3 gather3(GLOBAL scalar* at, real index) {
-  return make3(gather(at, index), gather(at + 1, index), gather(at + 2, index));
-}
-
 // Along u between two nodes; `triple` 0: G, 2: its slope along v.
 FN curve_point hermite_row(GLOBAL scalar* control, real index, int triple, hermite_basis u) {
   GLOBAL scalar* at = control + 3 * triple;
@@ -63,7 +40,7 @@ FN patch_point evaluate_table(GLOBAL scalar* domain, GLOBAL scalar* control, int
     x = larger(along, x);
   }
   const real y = fma(cx, eta, -cy * xi);
-  const jet u = corner_u(domain, n, 0, x, y), v = one_minus(corner_u(domain, n, n - 1, x, y));
+  const jet u = corner_u(domain, n, 0, x, y).u, v = corner_u(domain, n, n - 1, x, y).rest;
   const real zero = splat(K(0)), cells = splat((scalar)(2 * r)), last = splat((scalar)(r - 1));
   const real i = smaller(larger(whole(cells * u.f), zero), last),
              j = smaller(larger(whole(cells * v.f), zero), last);

@@ -142,8 +142,7 @@ FN corner_tangents tangents_at(surface_view view, uint side) {
   const int n = valence_of(view, patch), k = (int)(side - view.side_begin[patch]);
   corner_tangents r;
   if (IS_FORM(form, FORM_EXACT) || IS_FORM(form, FORM_RIBBON)) {
-    const int reals = IS_FORM(form, FORM_RIBBON) ? RIBBON_REALS : SIDE_REALS;
-    GLOBAL scalar* control = control_of(view, patch) + k * reals;
+    GLOBAL scalar* control = control_of(view, patch) + k * side_reals(form);
     r.p = load3(control, SIDE_C + 1);
     r.q = load3(control, SIDE_T_0);
     return r;
@@ -400,12 +399,16 @@ FN_LARGE foot track_foot(surface_view view, hip_point h, foot f, track_options o
       }
       to = move_foot(view, h, f, p.patch, p.xi, p.eta);
       ++f.iterations;
-      if (to.distance2 < f.distance2 || at_rounding) {
+      const int is_short = length * length * quadratic(first, step) <= tolerance2;
+      // From a hair's breadth beside a side onto it: no distance falls by that, and the step is not
+      // over.
+      const int onto_side = is_short && cut.side >= 0 && length == cut.length;
+      if (to.distance2 < f.distance2 || at_rounding || onto_side) {
         fell = 1;
         break;
       }
+      if (is_short) break;
       length *= K(0.25f);
-      if (length * length * quadratic(first, step) <= tolerance2) break;
     }
     if (!fell) {  // at the rounding of the distance, unless the iterations ran out
       if (f.iterations < options.max_iterations) f.flags |= FOOT_CONVERGED;

@@ -33,6 +33,11 @@ FN real3 load3(GLOBAL scalar* at, int i) {
   return make3(splat(at[3 * i]), splat(at[3 * i + 1]), splat(at[3 * i + 2]));
 }
 
+// The triple that begins at each lane's own index.
+FN real3 gather3(GLOBAL scalar* at, real index) {
+  return make3(gather(at, index), gather(at + 1, index), gather(at + 2, index));
+}
+
 // Three rows of `stride` numbers.
 FN void store3(GLOBAL_OUT scalar* at, ulong stride, real3 a) {
   store_lanes(at, a.x);

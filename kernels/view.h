@@ -79,7 +79,7 @@ FN real3 local_hip(surface_view view, hip_point h, uint patch) {
 // The common valences with their loops unrolled.
 FN patch_point evaluate_valence(GLOBAL scalar* domain, GLOBAL scalar* control, uint form, int n,
                                 real xi, real eta) {
-  if (n == 4) return evaluate(domain, control, form, 4, xi, eta);
+  if (n == 4) return evaluate_quad(control, form, xi, eta);
   if (n == 3) return evaluate(domain, control, form, 3, xi, eta);
   if (n == 5) return evaluate(domain, control, form, 5, xi, eta);
   if (n == 6) return evaluate(domain, control, form, 6, xi, eta);
