@@ -1,5 +1,6 @@
 #include "host/frames.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -93,7 +94,7 @@ void surface_points(const PatchCache& cache, const Surface<Real>& s,
                     const Real* rows, std::size_t stride, std::span<SurfacePoint> out) {
   const double inverse = 1 / cache.scale;
   std::uint32_t last = kNone;
-  Vec3 origin = Vec3::Zero();
+  Vec3 origin = Vec3::Zero(), upward = Vec3::UnitZ();
   double unscale = 1;
   std::optional<Eigen::Matrix2d> map;  // d(patch xi, eta) / d(face xi, eta), of a part
   for (std::size_t i = 0; i < out.size(); ++i) {
@@ -101,6 +102,7 @@ void surface_points(const PatchCache& cache, const Surface<Real>& s,
       last = patch[i];
       const Real* numbers = &s.patch[last * kPatchReals];
       origin = vec(numbers + kPatchOrigin);
+      upward = vec(numbers + kPatchNormal).normalized();
       unscale = static_cast<double>(numbers[kPatchUnscale]);
       map.reset();
       if (is_part(cache, last)) {
@@ -117,7 +119,12 @@ void surface_points(const PatchCache& cache, const Surface<Real>& s,
     p.position = cache.origin + (origin + triple(0) * unscale) * inverse;
     p.d_xi = g_xi * (unscale * inverse);
     p.d_eta = g_eta * (unscale * inverse);
-    p.normal = g_xi.cross(g_eta).normalized();
+    // Where nothing but rounding is left of the tangent plane, that of the polygon.
+    const Vec3 across = g_xi.cross(g_eta);
+    const double least = 8.0 * static_cast<double>(std::numeric_limits<Real>::epsilon()) *
+                         std::max(g_xi.squaredNorm(), g_eta.squaredNorm());
+    const bool spans = across.squaredNorm() > least * least;
+    p.normal = spans ? Vec3(across.normalized()) : upward;
     if (map) {
       const Eigen::Matrix<double, 3, 2> d =
           (Eigen::Matrix<double, 3, 2>() << p.d_xi, p.d_eta).finished() * *map;

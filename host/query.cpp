@@ -119,7 +119,9 @@ bool ContactTracker::meet(const Surface<Real>& s, const Vec3& hip, RawContact<Re
     const Vec3 x = last_ + (at / length) * (hip - last_);
     kernels<Real>().nearest(s, &options_.method, 1, options, raw_hip<Real>(*cache_, x), &there);
     iterations += static_cast<int>(there.uints[kContactIterations]);
-    const double distance = std::abs(contact_of(*cache_, s, there).distance);
+    const Contact found = contact_of(*cache_, s, there);
+    const double distance = std::abs(found.distance);
+    double least = length / kMostSteps;  // it may glide on the surface
     if (there.uints[kContactState] != 0 || distance <= on_surface) {
       RawContact<Real> inside = there;
       kernels<Real>().track(s, options_.method, options, raw_hip<Real>(*cache_, hip), &inside);
@@ -129,7 +131,11 @@ bool ContactTracker::meet(const Surface<Real>& s, const Vec3& hip, RawContact<Re
         return true;
       }
     }
-    const double step = std::max(distance, length / kMostSteps);  // it may glide on the surface
+    // Towards the surface no farther than to its tangent plane, or a thin part is jumped over.
+    const double towards = (found.scp - x).dot(hip - last_) / length;
+    if (distance > on_surface && towards > 0)
+      least = std::min(least, distance * distance / towards);
+    const double step = std::max(distance, least);
     at += step;
     if (iterations >= kSweepIterations && hip.allFinite()) {
       const bool clear = there.uints[kContactState] == 0 && distance == step;

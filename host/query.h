@@ -20,7 +20,7 @@ struct DomainPoint {
 
 struct SurfacePoint {
   Vec3 position, d_xi, d_eta;  // G and its derivatives (eq. 4), mesh's unit
-  Vec3 normal;                 // outward, unit
+  Vec3 normal;  // outward, unit; that of the polygon where the derivatives span no plane
 };
 
 // At t, 0 to 1, along side k, from corner k to the next, of a face of n sides.

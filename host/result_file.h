@@ -48,10 +48,10 @@ class ResultFile {
   virtual void close() = 0;
 };
 
-// .h5 and .hdf5: HDF5; .csv: CSV with the fewest digits that read back as the same bits (at most 17
-// for float64, 9 for float32), "-": CSV on standard output. Throws std::runtime_error that names
-// the file on any failure (also a full disk: every return value is checked), std::logic_error on
-// blocks that do not fit their table.
+// .h5 and .hdf5: HDF5, and behind its end a checksum (file_seal.h); .csv: CSV with the fewest
+// digits that read back as the same bits (at most 17 for float64, 9 for float32), "-": CSV on
+// standard output. Throws std::runtime_error that names the file on any failure (also a full disk:
+// every return value is checked), std::logic_error on blocks that do not fit their table.
 std::unique_ptr<ResultFile> create_result_file(const std::string& path);
 
 }  // namespace gliss

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "host/sweep_grid.h"
+#include "host/sweep_parts.h"
 
 namespace gliss {
 namespace {
@@ -36,54 +37,98 @@ class Sweeper {
         grid_(cache, options.rings),
         surface_(engine.reside(cache)) {}
 
-  SweepResult run(const SweepSink& sink, const SweepProgress& progress) {
-    SweepResult result;
-    for (const double depth : options_.depths) {
-      for (const Method method : options_.methods) {
-        result.statistics.emplace_back();
-        result.statistics.back().depth = depth;
-        result.statistics.back().method = method;
-      }
-    }
+  SweepResult run(const SweepSink& sink, const SweepProgress& progress, SweepParts* parts) {
     const std::uint64_t total = sample_count(cache_, options_.rings) * options_.depths.size();
     const auto policy = engine_.threads() > 1 ? std::launch::async : std::launch::deferred;
+    SweepResult result;
+    result.statistics = no_statistics();
+    auto of_part = no_statistics();
     std::uint64_t done = 0;
     std::future<void> counting;  // the last window is counted while the next is computed
     const auto finish = [&] {
       if (counting.valid()) counting.get();
     };
-    for (std::size_t first = 0; first < grid_.chunks().size();) {
-      const auto window = std::make_shared<Window>(next_window(first));
-      feel(*window);
-      finish();
-      counting = std::async(policy, [this, window, &sink, &result] {
-        count(*window, sink != nullptr);
-        for (const Piece& piece : window->pieces) {
-          for (std::size_t i = 0; i < piece.statistics.size(); ++i)
-            merge(piece.statistics[i], result.statistics[i]);
-          for (const SweepBlock& block : piece.blocks) sink(block);
+    const std::size_t end = grid_.chunks().size();
+    for (std::size_t first = 0, part = 0; first < end && result.complete; ++part) {
+      const std::size_t part_end = end_of_part(first);
+      if (parts != nullptr) {
+        finish();
+        std::vector<SweepStatistics> kept;
+        if (parts->load(part, kept, sink)) {
+          merge(kept, result.statistics);
+          done += samples_of(first, part_end);
+          first = part_end;
         }
-      });
-      for (const Piece& piece : window->pieces)
-        done += grid_.own_points(*piece.chunk) * options_.depths.size();
-      first += window->pieces.size();
-      if (progress && !progress(done, total)) {
-        result.complete = false;
-        break;
+      }
+      while (first < part_end && result.complete) {
+        const auto window = std::make_shared<Window>(next_window(first, part_end));
+        feel(*window);
+        finish();
+        const std::size_t next = first + window->pieces.size();
+        const bool saves = parts != nullptr && next == part_end && next < end;
+        counting = std::async(policy, [=, this, &sink, &result, &of_part] {
+          count(*window, sink != nullptr);
+          for (const Piece& piece : window->pieces) {
+            merge(piece.statistics, of_part);
+            for (const SweepBlock& block : piece.blocks) {
+              if (parts != nullptr) parts->add(block);
+              sink(block);
+            }
+          }
+          if (next < part_end) return;
+          if (saves) parts->save(part, of_part);
+          merge(of_part, result.statistics);
+          of_part = no_statistics();
+        });
+        done += samples_of(first, next);
+        result.computed += samples_of(first, next) * options_.methods.size();
+        first = next;
+        if (progress && !progress(done, total)) result.complete = false;
       }
     }
     finish();
+    merge(of_part, result.statistics);
     return result;
   }
 
  private:
-  Window next_window(std::size_t first) const {
+  std::vector<SweepStatistics> no_statistics() const {
+    std::vector<SweepStatistics> all;
+    for (const double depth : options_.depths) {
+      for (const Method method : options_.methods) {
+        all.emplace_back();
+        all.back().depth = depth;
+        all.back().method = method;
+      }
+    }
+    return all;
+  }
+
+  // Over all depths.
+  std::uint64_t samples_of(std::size_t first, std::size_t last) const {
+    std::uint64_t points = 0;
+    for (std::size_t c = first; c < last; ++c) points += grid_.own_points(grid_.chunks()[c]);
+    return points * options_.depths.size();
+  }
+
+  // Parts are the same whatever computes them: which is why they end where they are full, and not
+  // where an engine's batch does.
+  std::size_t end_of_part(std::size_t first) const {
+    const std::uint64_t kinds = options_.depths.size() * options_.methods.size();
+    std::uint64_t points = 0;
+    std::size_t c = first;
+    while (c < grid_.chunks().size() && points * kinds < options_.part_contacts)
+      points += grid_.own_points(grid_.chunks()[c++]);
+    return c;
+  }
+
+  Window next_window(std::size_t first, std::size_t last) const {
     Window window;
     const std::size_t enough = std::max<std::size_t>(engine_.batch() / options_.depths.size(), 1);
-    const auto& chunks = grid_.chunks();
-    for (std::size_t c = first; c < chunks.size() && window.points.size() < enough; ++c) {
-      window.pieces.push_back({&chunks[c], window.points.size(), {}, {}});
-      grid_.add_points(chunks[c], window.points);
+    for (std::size_t c = first; c < last && window.points.size() < enough; ++c) {
+      const SweepChunk& chunk = grid_.chunks()[c];
+      window.pieces.push_back({&chunk, window.points.size(), {}, {}});
+      grid_.add_points(chunk, window.points);
     }
     return window;
   }
@@ -215,6 +260,10 @@ class Sweeper {
     block.flags.push_back(byte(contact.flags));
   }
 
+  static void merge(const std::vector<SweepStatistics>& from, std::vector<SweepStatistics>& to) {
+    for (std::size_t i = 0; i < from.size(); ++i) merge(from[i], to[i]);
+  }
+
   static void merge(const SweepStatistics& from, SweepStatistics& to) {
     to.step.merge(from.step);
     to.edge_step.merge(from.edge_step);
@@ -238,8 +287,8 @@ class Sweeper {
 }  // namespace
 
 SweepResult sweep(const PatchCache& cache, const Engine& engine, const SweepOptions& options,
-                  const SweepSink& sink, const SweepProgress& progress) {
-  return Sweeper(cache, engine, options).run(sink, progress);
+                  const SweepSink& sink, const SweepProgress& progress, SweepParts* parts) {
+  return Sweeper(cache, engine, options).run(sink, progress, parts);
 }
 
 }  // namespace gliss

@@ -18,6 +18,9 @@ struct SweepOptions : SolverOptions {
   std::vector<Method> methods{Method::kGregory, Method::kShaded, Method::kFlat};
   std::uint32_t rings = 8;  // of the grid: n rings (rings + 1) / 2 points on an n-sided patch
   double stiffness = 500;   // N/m
+  // Contacts of a part, about: what is lost at most when the sweep is stopped. Sums are rounded
+  // part by part.
+  std::uint64_t part_contacts = 1 << 19;
 };
 
 // Rings that give at least `samples` points over all faces of the cache.
@@ -77,11 +80,16 @@ using SweepProgress = std::function<bool(std::uint64_t done, std::uint64_t total
 struct SweepResult {
   std::vector<SweepStatistics> statistics;  // [depth][method]
   bool complete = true;                     // false: stopped by the progress callback
+  std::uint64_t computed = 0;               // contacts, without those of parts that were there
 };
 
-// Memory is bounded by the chunks under way, whatever the number of samples; the result is the same
-// at any thread count.
+class SweepParts;
+
+// Memory is bounded by the part under way, whatever the number of samples; the result is the same
+// at any thread count. With `parts` (host/sweep_parts.h, made of the same cache and options), those
+// that are there already are taken from there, and others kept there; the result is the same.
 SweepResult sweep(const PatchCache& cache, const Engine& engine, const SweepOptions& options,
-                  const SweepSink& sink = nullptr, const SweepProgress& progress = nullptr);
+                  const SweepSink& sink = nullptr, const SweepProgress& progress = nullptr,
+                  SweepParts* parts = nullptr);
 
 }  // namespace gliss

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "host/atomic_file.h"
+#include "host/sweep_parts.h"
 #include "host/units.h"
 #include "tools/sweep_files.h"
 #include "tools/sweep_report.h"
@@ -18,7 +19,7 @@ struct SweepingOptions : SurfaceOptions {
   SweepOptions sweep;
   double samples = 0;  // 0: by rings
   int rings = 8;
-  std::string output, picture, summary;
+  std::string output, picture, summary, parts;
 };
 
 void describe(Command& command, SweepingOptions& options) {
@@ -42,6 +43,31 @@ void describe(Command& command, SweepingOptions& options) {
                    options.picture = path;
                  });
   command.option({"--summary", "FILE", "statistics as a JSON file"}, options.summary);
+  command.option(
+      {"--parts", "FOLDER",
+       "finished parts wait here until all is done, so that the same command goes on from them; "
+       "default OUTPUT.parts; none: nowhere"},
+      options.parts);
+}
+
+// Where parts wait: as asked for, or beside what the sweep leaves.
+std::string parts_folder(const SweepingOptions& options) {
+  if (options.parts == "none") return "";
+  if (!options.parts.empty()) return options.parts;
+  for (const std::string* file : {&options.output, &options.summary, &options.picture}) {
+    if (!file->empty() && *file != "-") return *file + ".parts";
+  }
+  return "";
+}
+
+void tell_found(const SweepParts& parts, const SweepingOptions& options) {
+  if (options.quiet) return;
+  if (parts.kept() > 0)
+    fmt::print(stderr, "gliss: goes on from {} finished parts in '{}'\n", parts.kept(),
+               parts.folder());
+  if (parts.foreign() > 0)
+    fmt::print(stderr, "gliss: {} files of other sweeps in '{}' are left alone\n", parts.foreign(),
+               parts.folder());
 }
 
 std::uint64_t peak_memory() {
@@ -63,6 +89,11 @@ void run(const SweepingOptions& options) {
   if (!options.picture.empty()) picture.emplace(cache, grid, options.unit);
   std::optional<AtomicFile> summary;
   if (!options.summary.empty()) summary.emplace(options.summary);
+  std::optional<SweepParts> parts;
+  if (const std::string folder = parts_folder(options); !folder.empty()) {
+    parts.emplace(folder, cache, grid, file || picture);
+    tell_found(*parts, options);
+  }
   SweepSink sink;
   if (file || picture) {
     sink = [&](const SweepBlock& block) {
@@ -74,16 +105,25 @@ void run(const SweepingOptions& options) {
   const Stopwatch clock;
   const std::uint64_t samples = sample_count(cache, grid.rings);
   SweepResult result;
-  {
+  try {
     Watch watch(options, "sweep", samples * grid.depths.size(), "samples");
-    result = sweep(cache, *engine, grid, sink, [&](std::uint64_t done, std::uint64_t) {
+    const auto reach = [&](std::uint64_t done, std::uint64_t) {
       watch.reach(done);
       return true;
-    });
+    };
+    result = sweep(cache, *engine, grid, sink, reach, parts ? &*parts : nullptr);
+  } catch (const Interrupted&) {
+    if (!parts || parts->kept() == 0) throw;
+    throw Interrupted{fmt::format("finished parts are in '{}': the same command goes on from them",
+                                  parts->folder())};
+  }
+  if (parts) {
+    for (const std::string& path : parts->damaged())
+      fmt::print(stderr, "gliss: '{}' was damaged, its part is computed again\n", path);
   }
   if (file) file->close(result);
   const double seconds = clock.seconds();
-  const auto contacts = static_cast<double>(samples * grid.depths.size() * grid.methods.size());
+  const auto contacts = static_cast<double>(result.computed);
 
   Json json = {{"program", "gliss"},
                {"version", GLISS_VERSION},
@@ -94,6 +134,7 @@ void run(const SweepingOptions& options) {
                {"stiffness_N_per_m", grid.stiffness},
                {"rings", grid.rings},
                {"samples_per_depth", samples},
+               {"contacts_computed", result.computed},
                {"threads", engine->threads()},
                {"backend", engine->name()},
                {"seconds", seconds},
@@ -106,9 +147,10 @@ void run(const SweepingOptions& options) {
     summary->write(printed(json));
     summary->commit();
   }
+  if (parts) parts->remove();
   report(options,
          text_of(result) +
-             fmt::format("{} samples a depth ({} rings), {:.4g} contacts in {:.2f} s, "
+             fmt::format("{} samples a depth ({} rings), {:.4g} contacts computed in {:.2f} s, "
                          "{:.3g} M contacts/s, peak memory {:.0f} MiB\n",
                          samples, grid.rings, contacts, seconds, contacts / seconds * 1e-6,
                          static_cast<double>(peak_memory()) / (1 << 20)),
