@@ -2,10 +2,10 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <cerrno>
 #include <filesystem>
 #include <random>
@@ -17,11 +17,52 @@ namespace {
 
 constexpr std::size_t kBufferSize = 1 << 18;
 
-// Unique among threads by the counter, among processes by the id, among machines of one share by
-// the dice. O_EXCL has the last word.
-std::string temporary_name(const std::string& target) {
-  static std::atomic<unsigned> counter{0};
-  return fmt::format("{}.tmp{}-{}-{:08x}", target, getpid(), counter++, std::random_device{}());
+constexpr int kNamedTemporaries = 8, kMostTemporaries = 100;
+
+// A writer holds a lock on its temporary as long as it lives, on whatever machine of a share.
+// Beyond some numbers, taken where files cannot be locked, dice are thrown.
+std::string temporary_name(const std::string& target, int number) {
+  if (number < kNamedTemporaries) return fmt::format("{}.gliss-tmp{}", target, number);
+  return fmt::format("{}.gliss-tmp{}-{:08x}", target, getpid(), std::random_device{}());
+}
+
+template <class Call>
+int repeated(const Call& call) {
+  int result = 0;
+  do result = call();
+  while (result < 0 && errno == EINTR);
+  return result;
+}
+
+bool lock(int descriptor) {
+  return repeated([&] { return flock(descriptor, LOCK_EX | LOCK_NB); }) == 0;
+}
+
+// Created and locked; -1 where that name is taken, or cannot be created (errno).
+int create_temporary(const std::string& name) {
+  const int descriptor =
+      repeated([&] { return open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666); });
+  if (descriptor < 0) return descriptor;
+  struct stat status {};
+  const bool taken = !lock(descriptor) && errno == EWOULDBLOCK;
+  if (!taken && fstat(descriptor, &status) == 0 && status.st_nlink > 0) return descriptor;
+  close(descriptor);  // whoever removes what the dead leave was quicker than the lock
+  errno = EEXIST;
+  return -1;
+}
+
+// What a writer that was killed left: the lock of a living one holds.
+void remove_stale(const std::string& name) {
+  const int descriptor =
+      repeated([&] { return open(name.c_str(), O_WRONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC); });
+  if (descriptor < 0) return;
+  struct stat locked {
+  }, named{};
+  const bool stale = lock(descriptor) && fstat(descriptor, &locked) == 0 &&
+                     lstat(name.c_str(), &named) == 0 && S_ISREG(named.st_mode) &&
+                     locked.st_dev == named.st_dev && locked.st_ino == named.st_ino;
+  if (stale) unlink(name.c_str());
+  close(descriptor);
 }
 
 std::string folder_of(const std::string& file) {
@@ -46,19 +87,22 @@ AtomicFile::AtomicFile(const std::string& path) : path_(path), target_(path) {
     errno = S_ISDIR(old.st_mode) ? EISDIR : EINVAL;
     fail(S_ISDIR(old.st_mode) ? "cannot write" : "not a regular file, cannot replace");
   }
-  do {
-    temporary_ = temporary_name(target_);
-    descriptor_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  } while (descriptor_ < 0 && (errno == EEXIST || errno == EINTR));
-  if (descriptor_ < 0) fail("cannot create");
+  for (int number = 0; number < kNamedTemporaries; ++number) {
+    remove_stale(temporary_name(target_, number));
+  }
+  for (int number = 0; descriptor_ < 0; ++number) {
+    temporary_ = temporary_name(target_, number);
+    descriptor_ = create_temporary(temporary_);
+    if (descriptor_ < 0 && (errno != EEXIST || number == kMostTemporaries)) fail("cannot create");
+  }
   // A replaced file keeps its permissions; where that is not allowed the umask decides, as for a
   // new file.
   if (replaces) (void)!fchmod(descriptor_, old.st_mode & 07777);
 }
 
 AtomicFile::~AtomicFile() {
+  if (!temporary_.empty()) unlink(temporary_.c_str());  // while it is locked, so that it is ours
   if (descriptor_ >= 0) close(descriptor_);
-  if (!temporary_.empty()) unlink(temporary_.c_str());
 }
 
 void AtomicFile::write(const void* data, std::size_t size) {
@@ -84,15 +128,16 @@ void AtomicFile::flush() {
 }
 
 void AtomicFile::commit() {
+  const std::string parent = folder_of(target_);  // what may fail for want of memory comes first
   flush();
-  if (fsync(descriptor_) != 0) fail("cannot sync");
-  const int closing = std::exchange(descriptor_, -1);
-  if (close(closing) != 0) fail("cannot close");
+  if (repeated([&] { return fsync(descriptor_); }) != 0) fail("cannot sync");
   if (rename(temporary_.c_str(), target_.c_str()) != 0) fail("cannot rename the temporary of");
   temporary_.clear();
-  const int folder = open(folder_of(target_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  close(std::exchange(descriptor_, -1));  // what was written has been synced
+  const int folder =
+      repeated([&] { return open(parent.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); });
   if (folder < 0) fail("cannot open the folder of");
-  const int synced = fsync(folder) == 0 ? 0 : errno;
+  const int synced = repeated([&] { return fsync(folder); }) == 0 ? 0 : errno;
   close(folder);
   errno = synced;
   if (synced != 0 && synced != EINVAL) fail("cannot sync the folder of");  // EINVAL: it has no sync

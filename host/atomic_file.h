@@ -10,7 +10,8 @@ namespace gliss {
 
 // A killed or failing writer leaves whatever stood at the path before. Every failure, a full disk
 // as well, throws std::system_error that names the file. Several writers of one path never mix: the
-// last commit wins.
+// last commit wins. What a killed writer leaves beside the path, path.gliss-tmp0, the next one
+// removes.
 class AtomicFile {
  public:
   // Creates the temporary, so that a missing or read-only folder is reported before any work is

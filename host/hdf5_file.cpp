@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "host/atomic_file.h"
+#include "host/file_seal.h"
 #include "host/hdf5_handle.h"
 #include "host/hdf5_types.h"
 #include "host/result_formats.h"
@@ -93,6 +94,7 @@ class Hdf5File final : public ResultFile {
     // Flushed first: a file whose close fails can be closed no more, one whose flush fails can.
     check(H5Fflush(file_, H5F_SCOPE_GLOBAL));
     file_.close(action_);
+    append_seal(output_.temporary_path(), output_.path());
     output_.commit();
   }
 

@@ -4,11 +4,19 @@
 
 #include <algorithm>
 
+#include "host/file_seal.h"
 #include "host/hdf5_types.h"
 
 namespace gliss {
 
 using hdf5::Handle;
+
+namespace {
+
+// Above what deflate can reach: a damaged file that says more would have all memory asked for.
+constexpr hsize_t kMostRowsPerByte = 2048;
+
+}  // namespace
 
 struct Hdf5Reader::Dataset {
   std::string action;
@@ -24,6 +32,8 @@ struct Hdf5Reader::Dataset {
 
 Hdf5Reader::Hdf5Reader(const std::string& path, const std::string& what)
     : action_(fmt::format("cannot read '{}' as {}", path, what)) {
+  if (check_seal(path) == Seal::kBroken)
+    throw std::runtime_error(action_ + ": damaged, its checksum differs");
   hdf5::Quiet quiet;
   file_ = std::make_shared<const Handle>(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT),
                                          H5Fclose, action_);
@@ -44,6 +54,9 @@ Hdf5Reader::Dataset Hdf5Reader::open(const std::string& column) const {
   d.space = {H5Dget_space(d.dataset), H5Sclose, d.action};
   if (H5Sget_simple_extent_ndims(d.space) != 1) throw std::runtime_error(d.action + ": no list");
   d.rows = static_cast<hsize_t>(hdf5::check(H5Sget_simple_extent_npoints(d.space), d.action));
+  const hsize_t bytes = H5Dget_storage_size(d.dataset);
+  if (d.rows / kMostRowsPerByte > bytes)
+    throw std::runtime_error(fmt::format("{}: {} rows in {} bytes", d.action, d.rows, bytes));
   return d;
 }
 
@@ -92,6 +105,7 @@ std::optional<std::string> Hdf5Reader::text_attribute(const std::string& name) c
   if (H5Aexists(*file_, name.c_str()) <= 0) return std::nullopt;
   const Handle attribute(H5Aopen(*file_, name.c_str(), H5P_DEFAULT), H5Aclose, action);
   const Handle space(H5Aget_space(attribute), H5Sclose, action);
+  if (H5Sget_simple_extent_npoints(space) != 1) throw std::runtime_error(action + ": not one text");
   const hid_t type = hdf5::representation(ColumnType::kText).in_memory;
   char* text = nullptr;
   hdf5::check(H5Aread(attribute, type, &text), action);

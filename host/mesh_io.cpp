@@ -55,7 +55,11 @@ Mesh load_mesh(const std::string& path, const LoadOptions& options,
   mesh.unit = options.unit;
   Report report(mesh, findings);
   const Reader read = reader_of(path, report);
-  read(read_file(path, report), mesh, report);
+  const std::string text = read_file(path, report);
+  if (text.starts_with("\x1f\x8b")) {
+    report.fail("unsupported", {}, "is compressed by gzip; unpack it first");
+  }
+  read(text, mesh, report);
   validate(mesh, options, report);
   return mesh;
 }

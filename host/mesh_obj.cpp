@@ -36,7 +36,7 @@ class ObjReader {
     constexpr std::array kSkipped{"vt", "o", "g", "s", "usemtl", "mtllib"};
     if (std::find(kSkipped.begin(), kSkipped.end(), keyword) == kSkipped.end()) {
       report_.add(Severity::kWarning, "unknown-statement", {.line = cursor_.line()},
-                  "statement '{}' is ignored", keyword);
+                  "statement {} is ignored", quoted(keyword));
     }
   }
 
@@ -48,7 +48,7 @@ class ObjReader {
     while (!cursor_.word().empty()) ++extra;
     if (extra == 1 && parse_number(first) != 1.0) {
       report_.add(Severity::kWarning, "ignored-weight", {.line = cursor_.line()},
-                  "the weight w = {} of a vertex is ignored", first);
+                  "the weight w = {} of a vertex is ignored", quoted(first));
     } else if (extra == 2 || extra > 4) {  // 3 and 4 are colours
       report_.add(Severity::kWarning, "extra-columns", {.line = cursor_.line()},
                   "{} numbers after the coordinates of a vertex are ignored", extra);
@@ -86,13 +86,13 @@ class ObjReader {
     const std::int64_t index = *value < 0 ? static_cast<std::int64_t>(count) + *value : *value - 1;
     if (index < 0 || index >= static_cast<std::int64_t>(kNone)) {
       report_.fail(fmt::format("{}-index", name), place(), "{} index {} is out of range ({} {})",
-                   name, *value, count, plural);
+                   name, printable(text), count, plural);
     }
     return static_cast<std::uint32_t>(index);
   }
 
   [[noreturn]] void fail_corner(std::string_view word) {
-    report_.fail("syntax", place(), "'{}' is no corner (v, v/vt, v//vn or v/vt/vn)", word);
+    report_.fail("syntax", place(), "{} is no corner (v, v/vt, v//vn or v/vt/vn)", quoted(word));
   }
 
   Report::Place place() const {
@@ -125,8 +125,10 @@ class ObjReader {
     const auto is_none = [](std::uint32_t normal) { return normal == kNone; };
     if (!std::all_of(mesh_.corner_normal.begin(), mesh_.corner_normal.end(), is_none)) return;
     if (!mesh_.normals.empty()) {
-      report_.add(Severity::kWarning, "unused-normals", {}, "no face uses the {} normals",
-                  mesh_.normals.size());
+      report_
+          .add(Severity::kWarning, "unused-normals", {}, "no face uses the {} normals",
+               mesh_.normals.size())
+          .count = mesh_.normals.size();
     }
     mesh_.normals.clear();
     mesh_.corner_normal.clear();

@@ -1,5 +1,7 @@
 // Object File Format: OFF, with colours (COFF), normals (NOFF) or both (NCOFF, CNOFF). One vertex
 // or face a line; what is on it must be accounted for.
+#include <algorithm>
+
 #include "host/mesh_readers.h"
 
 namespace gliss {
@@ -23,23 +25,28 @@ Columns read_header(TextCursor& cursor, Report& report) {
     }
   }
   if (header.empty() || !prefix.empty()) {
-    report.fail("syntax", {.line = 1}, "the header must be OFF, COFF or NOFF, not '{}'",
-                header.substr(0, 20));
+    // ST: texture, 4 and n: dimensions
+    const bool foreign =
+        header.ends_with("OFF") && prefix.find_first_not_of("STCN4n") == std::string_view::npos;
+    report.fail(foreign ? "unsupported" : "syntax",
+                {.line = std::max<std::size_t>(1, cursor.line())},
+                "the header must be OFF, COFF or NOFF, not {}", quoted(header));
   }
   return columns;
 }
 
 // Colours are 3 or 4 numbers (a face may also have one index, or none).
-void skip_colour(TextCursor& cursor, bool of_face, Report& report) {
+std::size_t skip_colour(TextCursor& cursor, bool of_face, Report& report) {
   std::size_t count = 0;
   for (std::string_view word = cursor.word(); !word.empty(); word = cursor.word(), ++count) {
     if (!parse_number(word) || count == 4) {
-      report.fail("extra-data", {.line = cursor.line()}, "unexpected '{}'", word);
+      report.fail("extra-data", {.line = cursor.line()}, "unexpected {}", quoted(word));
     }
   }
   if (count == 2 || (!of_face && count < 3)) {
     report.fail("syntax", {.line = cursor.line()}, "a colour of {} numbers", count);
   }
+  return count;
 }
 
 }  // namespace
@@ -50,10 +57,15 @@ void read_off(std::string_view text, Mesh& mesh, Report& report) {
 
   // The counts may follow the keyword on its line.
   std::string_view first = cursor.word();
-  if (first.empty() && cursor.next()) first = cursor.word();
+  if (first == "BINARY") {
+    report.fail("unsupported", {.line = cursor.line()}, "binary OFF cannot be read");
+  }
+  if (first.empty() && !cursor.next())
+    report.fail("truncated", {}, "the file ends before its counts");
+  if (first.empty()) first = cursor.word();
   const std::optional<std::int64_t> vertices = parse_integer(first);
   if (!vertices || *vertices < 0) {
-    report.fail("syntax", {.line = cursor.line()}, "'{}' is no number of vertices", first);
+    report.fail("syntax", {.line = cursor.line()}, "{} is no number of vertices", quoted(first));
   }
   const std::int64_t faces = cursor.integer("number of faces");
   if (faces < 0) report.fail("syntax", {.line = cursor.line()}, "{} faces", faces);
@@ -78,12 +90,17 @@ void read_off(std::string_view text, Mesh& mesh, Report& report) {
       const std::int64_t index = cursor.integer("vertex index");
       mesh.corner_vertex.push_back(checked_index(index, mesh, cursor.line(), report));
     }
-    skip_colour(cursor, true, report);
+    if (skip_colour(cursor, true, report) == 1) {  // or the number of sides is one too low
+      report.add(Severity::kWarning, "extra-columns",
+                 {.face = static_cast<std::uint32_t>(i), .line = cursor.line()},
+                 "the number after its vertices is taken for a colour");
+    }
     end_face(mesh, cursor.line(), report);
   }
   if (cursor.next()) {
     report.fail("extra-data", {.line = cursor.line()},
-                "unexpected '{}' after the {} faces that the header counts", cursor.word(), faces);
+                "unexpected {} after the {} faces that the header counts", quoted(cursor.word()),
+                faces);
   }
   if (columns.normals) mesh.corner_normal = mesh.corner_vertex;
 }

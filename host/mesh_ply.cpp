@@ -1,10 +1,13 @@
 // Stanford PLY: ascii, little or big endian; vertices with x, y, z and nx, ny, nz, faces with
 // vertex_indices; every other element and property is stepped over.
+#include <fmt/ranges.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <span>
 
 #include "host/mesh_readers.h"
 #include "host/ply_header.h"
@@ -59,18 +62,26 @@ class Body {
 
   std::int64_t integer(Type type) {
     const double value = number(type);
-    if (!(std::abs(value) <= 0x1p53) || value != std::floor(value)) {
-      report_.fail("syntax", {.line = line()}, "{} {}: {} is no integer", element_->name, item_,
-                   value);
+    if (!std::isfinite(value) || value != std::floor(value)) {
+      fail_item(fmt::format("{} is no integer", value));
     }
-    return static_cast<std::int64_t>(value);
+    return static_cast<std::int64_t>(std::clamp(value, -0x1p62, 0x1p62));
+  }
+
+  // The length of a list.
+  std::int64_t length(const Property& property) {
+    const std::int64_t value = integer(property.count_type);
+    if (value < 0) {
+      fail_item(fmt::format("{} of length {}", quoted(property.name), value));
+    }
+    return value;
   }
 
   void end() {
     if (encoding_ == Encoding::kAscii) {
       if (cursor_.next()) {
-        report_.fail("extra-data", {.line = line()}, "unexpected '{}' after the last element",
-                     cursor_.word());
+        report_.fail("extra-data", {.line = line()}, "unexpected {} after the last element",
+                     quoted(cursor_.word()));
       }
     } else if (!bytes_.empty()) {
       report_.fail("extra-data", {}, "{} bytes after the last element", bytes_.size());
@@ -89,8 +100,15 @@ class Body {
     return std::bit_cast<T>(bytes);
   }
 
+  [[noreturn]] void fail_item(const std::string& what) {
+    const auto item = static_cast<std::uint32_t>(item_);
+    if (element_->name == "face")
+      report_.fail("syntax", {.face = item, .line = line()}, "{}", what);
+    report_.fail("syntax", {.line = line()}, "{} {}: {}", printable(element_->name), item_, what);
+  }
+
   [[noreturn]] void fail_truncated() {
-    report_.fail("truncated", {}, "the file ends in {} {} of {}", element_->name, item_,
+    report_.fail("truncated", {}, "the file ends in {} {} of {}", printable(element_->name), item_,
                  element_->count);
   }
 
@@ -103,7 +121,7 @@ class Body {
 };
 
 void skip(Body& body, const Property& property) {
-  std::int64_t count = property.is_list ? body.integer(property.count_type) : 1;
+  std::int64_t count = property.is_list ? body.length(property) : 1;
   for (; count > 0; --count) body.number(property.type);
 }
 
@@ -118,10 +136,16 @@ void read_vertices(Body& body, const Element& element, Mesh& mesh, Report& repor
     if (column.back() < found.size()) ++found[place];
   }
   if (std::any_of(found.begin(), found.begin() + 3, [](int n) { return n != 1; })) {
-    report.fail("syntax", {}, "the vertices must have one each of x, y and z");
+    report.fail("syntax", {.line = element.line}, "the vertices must have one each of x, y and z");
   }
   const bool with_normals =
       std::all_of(found.begin() + 3, found.end(), [](int n) { return n == 1; });
+  if (!with_normals && found != decltype(found){1, 1, 1}) {
+    report
+        .add(Severity::kWarning, "unused-normals", {.line = element.line},
+             "normals need one each of nx, ny and nz; what there is of them is ignored")
+        .count = static_cast<std::size_t>(element.count);
+  }
 
   for (std::int64_t item = 0; item < element.count; ++item) {
     body.begin_item(element, item);
@@ -134,6 +158,11 @@ void read_vertices(Body& body, const Element& element, Mesh& mesh, Report& repor
       }
     }
     body.end_item();
+    const auto used = std::span(value).first(with_normals ? 6 : 3);
+    if (!std::all_of(used.begin(), used.end(), [](double x) { return std::isfinite(x); })) {
+      report.fail("non-finite", {.vertex = static_cast<std::uint32_t>(item), .line = body.line()},
+                  "({}) is not finite", fmt::join(used, ", "));
+    }
     mesh.positions.emplace_back(value[0], value[1], value[2]);
     if (with_normals) mesh.normals.emplace_back(value[3], value[4], value[5]);
   }
@@ -145,7 +174,8 @@ void read_faces(Body& body, const Element& element, Mesh& mesh, Report& report) 
            (property.name == "vertex_indices" || property.name == "vertex_index");
   };
   if (std::count_if(element.properties.begin(), element.properties.end(), is_loop) != 1) {
-    report.fail("syntax", {}, "the faces must have one list of integers called vertex_indices");
+    report.fail("syntax", {.line = element.line},
+                "the faces must have one list of integers called vertex_indices");
   }
   for (std::int64_t item = 0; item < element.count; ++item) {
     body.begin_item(element, item);
@@ -154,7 +184,7 @@ void read_faces(Body& body, const Element& element, Mesh& mesh, Report& report) 
         skip(body, property);
         continue;
       }
-      for (std::int64_t left = body.integer(property.count_type); left > 0; --left) {
+      for (std::int64_t left = body.length(property); left > 0; --left) {
         mesh.corner_vertex.push_back(
             checked_index(body.integer(property.type), mesh, body.line(), report));
       }
@@ -176,10 +206,11 @@ void read_ply(std::string_view text, Mesh& mesh, Report& report) {
     } else if (element.name == "face") {
       read_faces(body, element, mesh, report);
     } else if (element.name == "tristrips" && element.count > 0) {
-      report.fail("unsupported", {}, "triangle strips cannot be read");
+      report.fail("unsupported", {.line = element.line}, "triangle strips cannot be read");
     } else {
       if (element.properties.empty() && element.count > 0) {
-        report.fail("syntax", {}, "element '{}' has no properties", element.name);
+        report.fail("syntax", {.line = element.line}, "element {} has no properties",
+                    quoted(element.name));
       }
       for (std::int64_t item = 0; item < element.count; ++item) {
         body.begin_item(element, item);

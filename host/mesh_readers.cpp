@@ -1,7 +1,9 @@
 #include "host/mesh_readers.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 
 namespace gliss {
 namespace {
@@ -19,28 +21,57 @@ std::from_chars_result parse(std::string_view word, T& value) {
   return std::from_chars(word.data(), word.data() + word.size(), value);
 }
 
+// Of a number beyond the range of double: an overflow or an underflow, by the place of its first
+// digit against the point.
+double nearest_double(std::string_view word) {
+  const std::size_t end = std::min(word.find_first_of("eE"), word.size());
+  const std::string_view digits = word.substr(0, end);
+  const auto point = static_cast<std::int64_t>(std::min(digits.find('.'), end));
+  const auto first = static_cast<std::int64_t>(digits.find_first_of("123456789"));
+  const std::int64_t exponent =
+      end < word.size() ? parse_integer(word.substr(end + 1)).value_or(0) : 0;
+  const double size = exponent > first - point ? std::numeric_limits<double>::infinity() : 0;
+  return word.starts_with('-') ? -size : size;
+}
+
 }  // namespace
 
 std::optional<double> parse_number(std::string_view word) {
   word = without_plus(word);
   double value = 0;
-  std::from_chars_result result = parse(word, value);
-  if (result.ec == std::errc::result_out_of_range) {
-    long double wide = 0;  // the wider range tells an underflow (0) from an overflow (inf)
-    result = parse(word, wide);
-    value = static_cast<double>(wide);
+  const std::from_chars_result result = parse(word, value);
+  if (result.ec == std::errc::invalid_argument || result.ptr != word.data() + word.size()) {
+    return std::nullopt;
   }
-  if (result.ec != std::errc() || result.ptr != word.data() + word.size()) return std::nullopt;
-  return value;
+  return result.ec == std::errc() ? value : nearest_double(word);
 }
 
 std::optional<std::int64_t> parse_integer(std::string_view word) {
   word = without_plus(word);
   std::int64_t value = 0;
   const std::from_chars_result result = parse(word, value);
-  if (result.ec != std::errc() || result.ptr != word.data() + word.size()) return std::nullopt;
+  if (result.ec == std::errc::invalid_argument || result.ptr != word.data() + word.size()) {
+    return std::nullopt;
+  }
+  using Limits = std::numeric_limits<std::int64_t>;
+  if (result.ec != std::errc()) return word.starts_with('-') ? Limits::min() : Limits::max();
   return value;
 }
+
+std::string printable(std::string_view word) {
+  constexpr std::size_t kLongest = 40;
+  std::string text;
+  for (const char c : word.substr(0, kLongest)) {
+    if (c >= ' ' && c <= '~') {
+      text += c;
+    } else {
+      text += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
+    }
+  }
+  return word.size() > kLongest ? text + "..." : text;
+}
+
+std::string quoted(std::string_view word) { return "'" + printable(word) + "'"; }
 
 std::uint32_t checked_index(std::int64_t value, const Mesh& mesh, std::size_t line,
                             Report& report) {
@@ -72,6 +103,7 @@ bool TextCursor::at_join(const char* at) const {
 void TextCursor::skip_line_end() {
   if (at_ == end_) return;
   const bool two = *at_ == '\r' && at_ + 1 != end_ && at_[1] == '\n';
+  lone_returns_ = *at_ == '\r' && !two;
   at_ += two ? 2 : 1;
   ++line_;
 }
@@ -116,7 +148,11 @@ bool TextCursor::next() {
 std::string_view TextCursor::after_line() {
   while (!word().empty()) {
   }
-  skip_line_end();
+  if (lone_returns_ && at_ != end_ && *at_ == '\r') {
+    ++at_;  // a line feed after it belongs to what follows
+  } else {
+    skip_line_end();
+  }
   return {at_, static_cast<std::size_t>(end_ - at_)};
 }
 
@@ -129,14 +165,14 @@ std::string_view TextCursor::required(std::string_view what) {
 double TextCursor::number(std::string_view what) {
   const std::string_view found = required(what);
   const std::optional<double> value = parse_number(found);
-  if (!value) report_.fail("syntax", {.line = line()}, "{} '{}' is no number", what, found);
+  if (!value) report_.fail("syntax", {.line = line()}, "{} {} is no number", what, quoted(found));
   return *value;
 }
 
 std::int64_t TextCursor::integer(std::string_view what) {
   const std::string_view found = required(what);
   const std::optional<std::int64_t> value = parse_integer(found);
-  if (!value) report_.fail("syntax", {.line = line()}, "{} '{}' is no integer", what, found);
+  if (!value) report_.fail("syntax", {.line = line()}, "{} {} is no integer", what, quoted(found));
   return *value;
 }
 
@@ -153,7 +189,7 @@ Vec3 TextCursor::vector(std::string_view what) {
 
 void TextCursor::end() {
   const std::string_view found = word();
-  if (!found.empty()) report_.fail("extra-data", {.line = line()}, "unexpected '{}'", found);
+  if (!found.empty()) report_.fail("extra-data", {.line = line()}, "unexpected {}", quoted(found));
 }
 
 }  // namespace gliss

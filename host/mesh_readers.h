@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "host/mesh.h"
@@ -18,9 +19,14 @@ void read_obj(std::string_view text, Mesh& mesh, Report& report);
 void read_off(std::string_view text, Mesh& mesh, Report& report);
 void read_ply(std::string_view text, Mesh& mesh, Report& report);
 
-// The whole word as a number in the C notation, whatever the locale; an optional sign is read.
+// The whole word as a number in the C notation, whatever the locale; an optional sign is read. What
+// is beyond the type becomes its nearest value: an infinity, 0, or the last integer.
 std::optional<double> parse_number(std::string_view word);
 std::optional<std::int64_t> parse_integer(std::string_view word);
+
+// A word of the file as messages show it: without control characters, and short.
+std::string printable(std::string_view word);
+std::string quoted(std::string_view word);
 
 // Checks an index that cannot be looked up yet: at least 0, and small enough to be stored.
 std::uint32_t checked_index(std::int64_t value, const Mesh& mesh, std::size_t line, Report& report);
@@ -63,6 +69,7 @@ class TextCursor {
   std::size_t line_ = 1;
   std::size_t statement_line_ = 0;
   bool in_statement_ = false;
+  bool lone_returns_ = false;  // end the lines, without line feeds
 };
 
 }  // namespace gliss

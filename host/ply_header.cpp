@@ -1,5 +1,6 @@
 #include "host/ply_header.h"
 
+#include <algorithm>
 #include <array>
 
 namespace gliss::ply {
@@ -17,7 +18,7 @@ Type type_of(std::string_view word, const TextCursor& cursor, Report& report) {
   for (std::size_t i = 0; i < kNames.size(); ++i) {
     if (word == kNames[i][0] || word == kNames[i][1]) return static_cast<Type>(i);
   }
-  report.fail("syntax", {.line = cursor.line()}, "unknown type '{}'", word);
+  report.fail("syntax", {.line = cursor.line()}, "unknown type {}", quoted(word));
 }
 
 Encoding read_encoding(TextCursor& cursor, Report& report) {
@@ -25,7 +26,7 @@ Encoding read_encoding(TextCursor& cursor, Report& report) {
   if (word == "ascii") return Encoding::kAscii;
   if (word == "binary_little_endian") return Encoding::kLittle;
   if (word == "binary_big_endian") return Encoding::kBig;
-  report.fail("syntax", {.line = cursor.line()}, "unknown format '{}'", word);
+  report.fail("syntax", {.line = cursor.line()}, "unknown format {}", quoted(word));
 }
 
 Property read_property(TextCursor& cursor, Report& report) {
@@ -41,7 +42,23 @@ Property read_property(TextCursor& cursor, Report& report) {
   }
   property.type = type_of(word, cursor, report);
   property.name = cursor.word();
+  if (property.name.empty()) {
+    report.fail("syntax", {.line = cursor.line()}, "a property without a name");
+  }
   return property;
+}
+
+Element read_element(TextCursor& cursor, const Header& header, Report& report) {
+  Element element;
+  element.line = cursor.line();
+  element.name = cursor.word();
+  element.count = cursor.integer("number of items");
+  if (element.count < 0) report.fail("syntax", {.line = element.line}, "{} items", element.count);
+  const auto has_name = [&](const Element& other) { return other.name == element.name; };
+  if (std::any_of(header.elements.begin(), header.elements.end(), has_name)) {
+    report.fail("syntax", {.line = element.line}, "a second element {}", quoted(element.name));
+  }
+  return element;
 }
 
 }  // namespace
@@ -60,23 +77,19 @@ Header read_header(TextCursor& cursor, Report& report) {
     }
     if (keyword == "comment" || keyword == "obj_info") continue;
     if (keyword == "format") {
+      if (has_format) report.fail("syntax", {.line = cursor.line()}, "a second format");
       header.encoding = read_encoding(cursor, report);
       if (cursor.number("version") != 1.0) {
         report.fail("unsupported", {.line = cursor.line()}, "only version 1.0 is known");
       }
       has_format = true;
     } else if (keyword == "element") {
-      Element element;
-      element.name = cursor.word();
-      element.count = cursor.integer("number of items");
-      if (element.count < 0) {
-        report.fail("syntax", {.line = cursor.line()}, "{} items", element.count);
-      }
-      header.elements.push_back(element);
+      header.elements.push_back(read_element(cursor, header, report));
     } else if (keyword == "property" && !header.elements.empty()) {
       header.elements.back().properties.push_back(read_property(cursor, report));
     } else {
-      report.fail("syntax", {.line = cursor.line()}, "unexpected '{}' in the header", keyword);
+      report.fail("syntax", {.line = cursor.line()}, "unexpected {} in the header",
+                  quoted(keyword));
     }
     cursor.end();
   }

@@ -24,6 +24,7 @@ struct Property {
 struct Element {
   std::string_view name;
   std::int64_t count = 0;
+  std::size_t line = 0;
   std::vector<Property> properties;
 };
 

@@ -32,7 +32,11 @@ PointTable read_points(const std::string& path, double unit,
                        const std::vector<std::string>& optional) {
   PointTable result;
   if (path.ends_with(".h5") || path.ends_with(".hdf5")) {
-    result.points = read_recording(path);
+    try {
+      result.points = read_recording(path);
+    } catch (const std::runtime_error& error) {
+      throw RecordingError(error.what());
+    }
     return result;
   }
   const std::vector<std::vector<std::string>> names = {{"x", "y", "z"}, {"x_mm", "y_mm", "z_mm"}};

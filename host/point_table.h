@@ -9,6 +9,11 @@
 
 namespace gliss {
 
+// what() names the file.
+struct RecordingError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
 // Of CSV, columns x,y,z in a unit that the caller knows, or x_mm,y_mm,z_mm in millimetres; of
 // .h5 or .hdf5, the table "ticks", in metres.
 struct PointTable {
@@ -17,7 +22,7 @@ struct PointTable {
   std::vector<Vec3> points;  // in `unit`
 };
 
-// Throws CsvError, or std::runtime_error that names the file.
+// Throws CsvError or RecordingError; std::system_error where a CSV file cannot be read.
 PointTable read_points(const std::string& path, double unit,
                        const std::vector<std::string>& optional = {});
 // In m. By value, so that a table that is not needed is not copied.

@@ -36,13 +36,14 @@
 //   warning
 //   unknown-statement     an OBJ statement that is not known; skipped
 //   ignored-weight        an OBJ vertex with w other than 1
-//   extra-columns         further numbers after a vertex
-//   unused-normals        normals that no face uses; dropped
+//   extra-columns         further numbers after a vertex, or one after a face; skipped
+//   unused-normals        normals that no face uses, or of fewer than three numbers; dropped
 //   unused-vertices       vertices that no face uses; kept
 //   coincident-vertices   vertices at the place of another one (unwelded seams)
 //   several-parts         parts that share no edge; the count is that of the parts
+//   no-volume             closed parts that enclose nothing, such as a face and its reverse
 //   open-border           sides without a face beyond
-//   concave               faces with a reflex corner
+//   concave               faces with a reflex corner, or that cross themselves
 //   non-planar            faces off their plane by more than 5 % of the root of their area
 //   sharp-normals         vertices whose faces have different normals there
 //   normals-against-face  corners whose normal is more than 90 degrees off their face's
@@ -120,6 +121,7 @@ void validate(Mesh& mesh, const LoadOptions& options, Report& report) {
   report.stop_on_error();
   repair_faces(mesh, report);
   warn_of_vertices(mesh, report);  // before copies of split vertices add to the coincident ones
+  refuse_faces(mesh, report);
   check_sizes(mesh, report);
   repair_manifold(mesh, options.split_non_manifold, report);
   report.stop_on_error();

@@ -44,37 +44,20 @@ void remove_repeated_corners(Mesh& mesh, Report& report) {
   std::vector<bool> repeated(mesh.corner_vertex.size(), false);
   bool any = false;
   for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
-    for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c) {
+    const std::uint32_t begin = mesh.face_begin[face], end = mesh.face_begin[face + 1];
+    const auto is_first = [&](std::uint32_t vertex) { return vertex == mesh.corner_vertex[begin]; };
+    for (std::uint32_t c = begin; c < end; ++c) {
       const std::uint32_t vertex = mesh.corner_vertex[c];
-      const std::uint32_t before = prev_corner(mesh, face, c);
-      if (vertex != mesh.corner_vertex[before] || before == c) continue;
+      if (vertex != mesh.corner_vertex[prev_corner(mesh, face, c)]) continue;
+      if (c == begin &&
+          std::all_of(&mesh.corner_vertex[begin], &mesh.corner_vertex[0] + end, is_first))
+        continue;  // one corner of a face that names no other vertex stays
       report.add(Severity::kRepaired, "repeated-corner", {.face = face, .vertex = vertex},
                  "vertex {} follows itself and is kept once", vertex);
       repeated[c] = any = true;
     }
   }
   if (any) remove(mesh, repeated, std::vector<bool>(mesh.face_count(), false), report);
-}
-
-void check_sides(const Mesh& mesh, Report& report) {
-  std::vector<std::uint32_t> sorted;
-  for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
-    sorted.assign(mesh.corner_vertex.begin() + mesh.face_begin[face],
-                  mesh.corner_vertex.begin() + mesh.face_begin[face + 1]);
-    std::sort(sorted.begin(), sorted.end());
-    const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
-    const auto distinct = std::unique(sorted.begin(), sorted.end()) - sorted.begin();
-    if (distinct < 3) {
-      report.add(Severity::kError, "too-few-vertices", {.face = face},
-                 "only {} distinct vertices, a face needs 3", distinct);
-    } else if (mesh.valence(face) > kMaxValence) {
-      report.add(Severity::kError, "too-many-sides", {.face = face},
-                 "{} sides, at most {} are possible", mesh.valence(face), kMaxValence);
-    } else if (twice != sorted.end() && distinct < mesh.valence(face)) {
-      report.add(Severity::kError, "self-touching-face", {.face = face, .vertex = *twice},
-                 "comes back to vertex {}", *twice);
-    }
-  }
 }
 
 // Also finds b c a for a b c; a face turned over is another one.
@@ -113,14 +96,40 @@ void remove_duplicates(Mesh& mesh, Report& report) {
 
 void repair_faces(Mesh& mesh, Report& report) {
   remove_repeated_corners(mesh, report);
-  check_sides(mesh, report);
   remove_duplicates(mesh, report);
+}
+
+void refuse_faces(Mesh& mesh, Report& report) {
+  std::vector<bool> refused(mesh.face_count(), false);
+  std::vector<std::uint32_t> sorted;
+  for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
+    sorted.assign(mesh.corner_vertex.begin() + mesh.face_begin[face],
+                  mesh.corner_vertex.begin() + mesh.face_begin[face + 1]);
+    std::sort(sorted.begin(), sorted.end());
+    const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
+    const auto distinct = std::unique(sorted.begin(), sorted.end()) - sorted.begin();
+    refused[face] = true;
+    if (distinct < 3) {
+      report.add(Severity::kError, "too-few-vertices", {.face = face},
+                 "only {} distinct vertices, a face needs 3", distinct);
+    } else if (mesh.valence(face) > kMaxValence) {
+      report.add(Severity::kError, "too-many-sides", {.face = face},
+                 "{} sides, at most {} are possible", mesh.valence(face), kMaxValence);
+    } else if (twice != sorted.end() && distinct < mesh.valence(face)) {
+      report.add(Severity::kError, "self-touching-face", {.face = face, .vertex = *twice},
+                 "comes back to vertex {}", *twice);
+    } else {
+      refused[face] = false;
+    }
+  }
+  if (std::find(refused.begin(), refused.end(), true) != refused.end()) {
+    remove(mesh, std::vector<bool>(mesh.corner_vertex.size(), false), refused, report);
+  }
 }
 
 void check_sizes(const Mesh& mesh, Report& report) {
   constexpr double kLine = 1e-13;  // area against squared girth where nothing but rounding is left
   for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
-    if (mesh.valence(face) < 3) continue;  // refused already
     double girth = 0;
     bool zero_side = false;
     for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c) {

@@ -13,21 +13,35 @@ constexpr double kZeroLength = 1e-30;
 constexpr double kUnitTolerance = 1e-5;   // what files of six digits need
 constexpr double kSharpTolerance = 1e-5;  // rad, below it two normals are one, printed twice
 
+// [normal], the first face that has it at a corner.
+std::vector<std::uint32_t> first_faces(const Mesh& mesh) {
+  std::vector<std::uint32_t> first(mesh.normals.size(), kNone);
+  for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
+    for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c) {
+      const std::uint32_t normal = mesh.corner_normal[c];
+      if (normal != kNone && first[normal] == kNone) first[normal] = face;
+    }
+  }
+  return first;
+}
+
 // Normals of no length become z, for the corners that use them are given others.
 std::vector<bool> normalise(Mesh& mesh, Report& report) {
   constexpr double kExact = 4 * std::numeric_limits<double>::epsilon();
+  const std::vector<std::uint32_t> face = first_faces(mesh);
   std::vector<bool> zero(mesh.normals.size(), false);
   for (std::size_t i = 0; i < mesh.normals.size(); ++i) {
     Vec3& normal = mesh.normals[i];
     const double length = normal.stableNorm();
     if (length < kZeroLength) {
-      report.add(Severity::kRepaired, "zero-normal", {}, "normal {} has no length", i);
+      report.add(Severity::kRepaired, "zero-normal", {.face = face[i]}, "normal {} has no length",
+                 i);
       zero[i] = true;
       normal = Vec3::UnitZ();
     } else if (std::abs(length - 1) > kExact) {
       if (std::abs(length - 1) > kUnitTolerance) {
-        report.add(Severity::kRepaired, "non-unit-normal", {}, "normal {} has length {:.6g}", i,
-                   length);
+        report.add(Severity::kRepaired, "non-unit-normal", {.face = face[i]},
+                   "normal {} has length {:.6g}", i, length);
       }
       normal.stableNormalize();
     }

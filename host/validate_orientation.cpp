@@ -1,6 +1,7 @@
 // Which way round: neighbours agree, most faces win, and closed parts enclose a positive volume.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "host/mesh_edges.h"
 #include "host/validate_steps.h"
@@ -36,9 +37,11 @@ class Orientation {
         report_(report),
         side_face_(side_faces(mesh)),
         other_(pair_sides(mesh, side_face_)),
-        turn_(mesh.face_count(), Turn::kUnknown) {}
+        turn_(mesh.face_count(), Turn::kUnknown),
+        flipped_(mesh.face_count(), false) {}
 
   void repair() {
+    report_borders();
     std::size_t parts = 0;
     std::uint32_t second = kNone;
     for (std::uint32_t face = 0; face < mesh_.face_count(); ++face) {
@@ -46,6 +49,7 @@ class Orientation {
       settle_part(gather_part(face));
       if (++parts == 2) second = face;
     }
+    report_flipped();
     if (parts < 2) return;
     report_
         .add(Severity::kWarning, "several-parts", {.face = second},
@@ -61,6 +65,7 @@ class Orientation {
   // Fills part_ with all faces around the first, each turned to suit it; true if none has a border.
   bool gather_part(std::uint32_t first) {
     bool closed = true;
+    orientable_ = true;
     part_.assign(1, first);
     turn_[first] = Turn::kKeep;
     for (std::size_t done = 0; done < part_.size(); ++done) {
@@ -68,9 +73,6 @@ class Orientation {
       for (std::uint32_t side = mesh_.face_begin[face]; side < mesh_.face_begin[face + 1]; ++side) {
         if (other_[side] == kNone) {
           closed = false;
-          const std::uint32_t from = mesh_.corner_vertex[side];
-          report_.add(Severity::kWarning, "open-border", {.face = face, .vertex = from},
-                      "has no neighbour beyond edge {}-{}", from, end_vertex(side));
         } else {
           visit_neighbour(side);
         }
@@ -87,7 +89,7 @@ class Orientation {
     if (turn_[neighbour] == Turn::kUnknown) {
       turn_[neighbour] = needed;
       part_.push_back(neighbour);
-    } else if (turn_[neighbour] != needed) {
+    } else if (turn_[neighbour] != needed && std::exchange(orientable_, false)) {
       const std::uint32_t from = mesh_.corner_vertex[side];
       report_.add(Severity::kError, "non-orientable", {.face = face, .vertex = from},
                   "cannot be turned the way of its neighbour at edge {}-{} and of all others", from,
@@ -96,21 +98,31 @@ class Orientation {
   }
 
   void settle_part(bool closed) {
+    if (!orientable_) return;
     const auto is_flipped = [&](std::uint32_t face) { return turn_[face] == Turn::kFlip; };
     const auto flipped = std::count_if(part_.begin(), part_.end(), is_flipped);
     if (2 * static_cast<std::size_t>(flipped) > part_.size()) turn_part();
+    for (const std::uint32_t face : part_) flipped_[face] = is_flipped(face);
+    if (closed) settle_inside();
     for (const std::uint32_t face : part_) {
-      if (!is_flipped(face)) continue;
+      if (is_flipped(face)) flip(face);
+    }
+  }
+
+  // Both in the order of the file, so that the first is named.
+  void report_flipped() {
+    for (std::uint32_t face = 0; face < mesh_.face_count(); ++face) {
+      if (!flipped_[face]) continue;
       report_.add(Severity::kRepaired, "flipped-face", {.face = face},
                   "turned the other way than its part; turned back");
     }
-    if (closed && is_inside_out()) {
-      report_.add(Severity::kRepaired, "inside-out-part", {.face = part_.front()},
-                  "belongs to a part that is inside out ({} faces); turned outward", part_.size());
-      turn_part();
-    }
-    for (const std::uint32_t face : part_) {
-      if (is_flipped(face)) flip(face);
+  }
+  void report_borders() {
+    for (std::uint32_t side = 0; side < other_.size(); ++side) {
+      if (other_[side] != kNone) continue;
+      const std::uint32_t from = mesh_.corner_vertex[side];
+      report_.add(Severity::kWarning, "open-border", {.face = side_face_[side], .vertex = from},
+                  "has no neighbour beyond edge {}-{}", from, end_vertex(side));
     }
   }
 
@@ -118,7 +130,7 @@ class Orientation {
     for (const std::uint32_t face : part_) turn_[face] = opposite(turn_[face]);
   }
 
-  bool is_inside_out() const {
+  void settle_inside() {
     constexpr double kRounding = 1e-12;
     const Vec3 apex = mesh_.positions[mesh_.corner_vertex[mesh_.face_begin[part_.front()]]];
     Volume sum;
@@ -127,7 +139,14 @@ class Orientation {
       sum.value += turn_[face] == Turn::kFlip ? -volume.value : volume.value;
       sum.size += volume.size;
     }
-    return sum.value < -kRounding * sum.size;
+    if (!(std::abs(sum.value) > kRounding * sum.size)) {
+      report_.add(Severity::kWarning, "no-volume", {.face = part_.front()},
+                  "belongs to a closed part that encloses nothing ({} faces)", part_.size());
+    } else if (sum.value < 0) {
+      report_.add(Severity::kRepaired, "inside-out-part", {.face = part_.front()},
+                  "belongs to a part that is inside out ({} faces); turned outward", part_.size());
+      turn_part();
+    }
   }
 
   void flip(std::uint32_t face) {
@@ -149,7 +168,9 @@ class Orientation {
   std::vector<std::uint32_t> side_face_;
   std::vector<std::uint32_t> other_;  // [side], across the edge; kNone: border
   std::vector<Turn> turn_;            // [face]
+  std::vector<bool> flipped_;         // [face], against most of its part
   std::vector<std::uint32_t> part_;   // faces of the part in hand
+  bool orientable_ = true;            // that part, so far
 };
 
 }  // namespace

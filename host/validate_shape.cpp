@@ -1,6 +1,7 @@
 // What is accepted, but worth a warning.
 #include <bit>
 #include <cmath>
+#include <numbers>
 
 #include "host/hash_index.h"
 #include "host/mesh_edges.h"
@@ -19,7 +20,11 @@ std::uint64_t hash_of(const Vec3& position) {
   return hash;  // + 0.0 makes one zero of two
 }
 
-bool is_concave(const Mesh& mesh, std::uint32_t face, const Vec3& unit_normal) {
+// Why a face is not convex in its plane; null where it is. One without reflex corners can still
+// cross itself, as a pentagram does.
+const char* concavity(const Mesh& mesh, std::uint32_t face, const Vec3& unit_normal) {
+  constexpr double kOneAndAHalf = 3 * std::numbers::pi;  // a whole number of turns it is
+  double turn = 0;
   const auto side = [&](std::uint32_t c) -> Vec3 {
     return mesh.positions[mesh.corner_vertex[next_corner(mesh, face, c)]] -
            mesh.positions[mesh.corner_vertex[c]];
@@ -27,9 +32,11 @@ bool is_concave(const Mesh& mesh, std::uint32_t face, const Vec3& unit_normal) {
   for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c) {
     const Vec3 in = side(prev_corner(mesh, face, c));
     const Vec3 out = side(c);
-    if (in.cross(out).dot(unit_normal) < -kReflex * in.norm() * out.norm()) return true;
+    const double sine = in.cross(out).dot(unit_normal);
+    if (sine < -kReflex * in.norm() * out.norm()) return "has a reflex corner";
+    turn += std::atan2(sine, in.dot(out) - in.dot(unit_normal) * out.dot(unit_normal));
   }
-  return false;
+  return turn > kOneAndAHalf ? "crosses itself" : nullptr;
 }
 
 // The largest distance of a corner from the plane through the mean of all.
@@ -72,8 +79,8 @@ void warn_of_shapes(const Mesh& mesh, Report& report) {
     const Vec3 normal = newell_normal(mesh, face);
     const double size = normal.norm();
     const Vec3 unit_normal = normal / size;
-    if (is_concave(mesh, face, unit_normal)) {
-      report.add(Severity::kWarning, "concave", {.face = face}, "has a reflex corner");
+    if (const char* why = concavity(mesh, face, unit_normal)) {
+      report.add(Severity::kWarning, "concave", {.face = face}, "{}", why);
     }
     const double ratio = deviation(mesh, face, unit_normal) / std::sqrt(size / 2);
     if (ratio > kNonPlanar) {

@@ -8,8 +8,12 @@ namespace gliss {
 
 void validate(Mesh& mesh, const LoadOptions& options, Report& report);
 
-// Removes repeated corners and duplicate faces; checks the number of sides.
+// Removes repeated corners and duplicate faces.
 void repair_faces(Mesh& mesh, Report& report);
+
+// Faces of too few vertices or too many sides, or that touch themselves: reported as errors, and
+// taken out, lest the steps that follow report what comes of them.
+void refuse_faces(Mesh& mesh, Report& report);
 
 // Sides of no length, faces of no area.
 void check_sizes(const Mesh& mesh, Report& report);

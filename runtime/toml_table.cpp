@@ -1,7 +1,9 @@
 #include "runtime/toml_table.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 
 #include "host/units.h"
 #include "runtime/scene.h"
@@ -21,7 +23,8 @@ namespace {
 TomlTable TomlTable::read(const std::string& path, toml::table& storage) {
   std::ifstream file(path);
   file.peek();  // a folder can be opened, and is empty to what reads on
-  if (!file.is_open() || file.bad()) refuse(fmt::format("{}: cannot be read", path));
+  if (!file.is_open() || file.bad())
+    refuse(fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
   file.clear();
   try {
     storage = toml::parse(file, path);

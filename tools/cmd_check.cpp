@@ -19,6 +19,15 @@ const char* severity_name(Severity severity) {
                                            : "warning";
 }
 
+const char* state_of(const std::vector<Finding>& findings, bool refused) {
+  const auto any = [&](Severity severity) {
+    return std::any_of(findings.begin(), findings.end(),
+                       [&](const Finding& finding) { return finding.severity == severity; });
+  };
+  if (refused) return "refused";
+  return any(Severity::kRepaired) ? "repaired" : any(Severity::kWarning) ? "warned" : "accepted";
+}
+
 Json json_of(const Finding& finding) {
   const auto known = [](auto value, auto none) { return value == none ? Json() : Json(value); };
   return {{"code", finding.code},
@@ -60,6 +69,7 @@ void run(const SurfaceOptions& options) {
   }
   if (findings.empty()) text += "nothing found\n";
   const auto& flagged = built.flagged_faces;
+  text += fmt::format("{}: {}\n", options.surface, state_of(findings, refusal != nullptr));
   if (!refusal) {
     text += fmt::format("{} faces; folded {}, degenerate {}; eased {}, split {}, bent {}\n", faces,
                         built.folded, built.degenerate, built.eased, built.split, built.bent);
@@ -72,6 +82,7 @@ void run(const SurfaceOptions& options) {
   report(options, text,
          {{"mesh", options.surface},
           {"accepted", !refusal},
+          {"state", state_of(findings, refusal != nullptr)},
           {"faces", faces},
           {"findings", list},
           {"folded", built.folded},

@@ -20,7 +20,9 @@ namespace gliss::tools {
 
 using Json = nlohmann::ordered_json;
 
-struct Interrupted {};  // exit code 130
+struct Interrupted {   // exit code 130
+  std::string hint{};  // what is left of the work
+};
 
 struct Unavailable : std::runtime_error {  // exit code 4
   using std::runtime_error::runtime_error;

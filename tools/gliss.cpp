@@ -6,6 +6,7 @@
 #include <new>
 
 #include "host/csv_reader.h"
+#include "host/point_table.h"
 #include "host/units.h"
 #include "runtime/realtime.h"
 #include "runtime/scene.h"
@@ -43,6 +44,8 @@ int run(int count, char** words) {
     return say(error.what(), kBadInput);
   } catch (const CsvError& error) {
     return say(error.what(), kBadInput);
+  } catch (const RecordingError& error) {
+    return say(error.what(), kBadInput);
   } catch (const SceneError& error) {
     return say(error.what(), kBadInput);
   } catch (const UnitError& error) {
@@ -59,8 +62,9 @@ int run(int count, char** words) {
     return say(error.what(), kNoBackend);
   } catch (const Unavailable& error) {
     return say(error.what(), kNoBackend);
-  } catch (const Interrupted&) {
-    return say("interrupted", kExitInterrupted);
+  } catch (const Interrupted& interrupted) {
+    return say("interrupted" + (interrupted.hint.empty() ? "" : "; " + interrupted.hint),
+               kExitInterrupted);
   } catch (const std::bad_alloc&) {
     return say("out of memory", kInternal);
   } catch (const std::exception& error) {

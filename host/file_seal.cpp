@@ -1,0 +1,106 @@
+#include "host/file_seal.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <xxhash.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <optional>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+namespace gliss {
+namespace {
+
+constexpr std::string_view kName = "GLSSEAL1";
+constexpr std::size_t kBlock = 1 << 20;
+constexpr std::size_t kNumber = 8;                              // bytes
+constexpr std::size_t kSealBytes = kName.size() + 2 * kNumber;  // name, length before it, checksum
+using SealBytes = std::array<char, kSealBytes>;
+
+struct OpenFile {
+  OpenFile(const std::string& path, int flags)
+      : descriptor(open(path.c_str(), flags | O_CLOEXEC)) {}
+  ~OpenFile() {
+    if (descriptor >= 0) close(descriptor);
+  }
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+  const int descriptor;
+};
+
+bool read_whole(int descriptor, char* to, std::size_t bytes, std::uint64_t at) {
+  while (bytes > 0) {
+    const ssize_t count = pread(descriptor, to, bytes, static_cast<off_t>(at));
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return false;
+    to += count;
+    at += static_cast<std::uint64_t>(count);
+    bytes -= static_cast<std::size_t>(count);
+  }
+  return true;
+}
+
+bool write_whole(int descriptor, const char* from, std::size_t bytes) {
+  while (bytes > 0) {
+    const ssize_t count = write(descriptor, from, bytes);
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) return false;
+    from += count;
+    bytes -= static_cast<std::size_t>(count);
+  }
+  return true;
+}
+
+std::optional<std::uint64_t> size_of(int descriptor) {
+  struct stat status {};
+  if (descriptor < 0 || fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) return {};
+  return static_cast<std::uint64_t>(status.st_size);
+}
+
+// Of what stands before it; nothing where that cannot be read.
+std::optional<SealBytes> seal_of(int descriptor, std::uint64_t bytes) {
+  XXH3_state_t hash;
+  XXH3_64bits_reset(&hash);
+  std::vector<char> block(kBlock);
+  for (std::uint64_t at = 0; at < bytes; at += kBlock) {
+    const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(kBlock, bytes - at));
+    if (!read_whole(descriptor, block.data(), count, at)) return {};
+    XXH3_64bits_update(&hash, block.data(), count);
+  }
+  SealBytes seal;
+  char* to = std::copy(kName.begin(), kName.end(), seal.begin());
+  for (const std::uint64_t number : {bytes, std::uint64_t{XXH3_64bits_digest(&hash)}}) {
+    for (std::size_t i = 0; i < kNumber; ++i) *to++ = static_cast<char>(number >> (8 * i));
+  }
+  return seal;
+}
+
+}  // namespace
+
+void append_seal(const std::string& path, const std::string& name) {
+  const OpenFile file(path, O_RDWR | O_APPEND);
+  const auto bytes = size_of(file.descriptor);
+  const auto seal = bytes ? seal_of(file.descriptor, *bytes) : std::nullopt;
+  if (seal && write_whole(file.descriptor, seal->data(), seal->size())) return;
+  const int error = errno;
+  throw std::system_error(error, std::generic_category(), fmt::format("cannot write '{}'", name));
+}
+
+Seal check_seal(const std::string& path) {
+  const OpenFile file(path, O_RDONLY | O_NONBLOCK);
+  const auto size = size_of(file.descriptor);
+  if (!size || *size < kSealBytes) return Seal::kNone;
+  SealBytes found;
+  const std::uint64_t bytes = *size - kSealBytes;
+  if (!read_whole(file.descriptor, found.data(), kSealBytes, bytes)) return Seal::kNone;
+  if (!std::string_view(found.data(), kSealBytes).starts_with(kName)) return Seal::kNone;
+  return seal_of(file.descriptor, bytes) == found ? Seal::kSound : Seal::kBroken;
+}
+
+}  // namespace gliss
