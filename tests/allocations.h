@@ -1,4 +1,4 @@
-// How often a thread asks for memory, for what may not.
+// How often a thread asks for memory, for what may not; and memory that it does not get.
 #pragma once
 
 #include <cstdint>
@@ -9,5 +9,20 @@ namespace gliss::test {
 // always 0 where a sanitizer has taken their place.
 std::uint64_t allocations() noexcept;
 bool allocations_are_counted() noexcept;
+
+// While it lives, the k-th of these calls by this thread fails, and if `lasting` all that follow.
+class FailingAllocation {
+ public:
+  FailingAllocation(std::uint64_t k, bool lasting) noexcept;
+  ~FailingAllocation() { end(); }
+  FailingAllocation(const FailingAllocation&) = delete;
+  FailingAllocation& operator=(const FailingAllocation&) = delete;
+
+  void end() noexcept;
+  bool has_failed() const noexcept { return has_failed_; }  // by the end
+
+ private:
+  bool has_failed_ = false;
+};
 
 }  // namespace gliss::test

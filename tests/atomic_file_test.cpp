@@ -3,6 +3,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <system_error>
 
@@ -50,6 +53,84 @@ TEST(AtomicFile, NothingIsLeftWithoutCommit) {
   const ScratchFolder folder;
   AtomicFile(folder / "r").write("text");
   EXPECT_EQ(folder.file_count(), 0u);
+}
+
+TEST(AtomicFile, RemovesWhatKilledWritersLeftAndOnlyThat) {
+  const ScratchFolder folder;
+  const auto left_by_a_killed_writer = [&] {
+    const pid_t child = fork();
+    if (child == 0) {
+      AtomicFile file(folder / "r");
+      file.write("left");
+      kill(getpid(), SIGKILL);
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    EXPECT_TRUE(WIFSIGNALED(status));
+    EXPECT_EQ(folder.file_count(), 1u);
+  };
+  left_by_a_killed_writer();
+  left_by_a_killed_writer();  // instead of the first one's
+  {
+    AtomicFile alive(folder / "r");
+    EXPECT_EQ(folder.file_count(), 1u);
+    AtomicFile(folder / "r").write("beside it");
+    EXPECT_EQ(folder.file_count(), 1u);
+    alive.write("whole");
+    alive.commit();
+  }
+  EXPECT_EQ(folder.file_count(), 1u);
+  EXPECT_EQ(folder.read("r"), "whole");
+}
+
+// Whatever else has that name.
+TEST(AtomicFile, FoldersAndLinksOfATemporarysNameStay) {
+  const ScratchFolder folder;
+  std::filesystem::create_directory(folder / "r.gliss-tmp0");
+  folder.write("other", "other");
+  folder.write("r.gliss-tmp-notes", "kept");
+  std::filesystem::create_symlink(folder / "other", folder / "r.gliss-tmp1");
+  AtomicFile file(folder / "r");
+  file.write("text");
+  file.commit();
+  EXPECT_EQ(folder.read("r"), "text");
+  EXPECT_EQ(folder.read("other"), "other");
+  EXPECT_EQ(folder.file_count(), 5u);
+}
+
+// Each writes many times what names itself throughout; half of them are killed on the way.
+TEST(AtomicFile, ManyProcessesWritingAndDyingLeaveOneWholeFile) {
+  const ScratchFolder folder;
+  const auto write_for_ever = [&](char self) {
+    const std::string text(100000, self);
+    for (;;) {
+      AtomicFile file(folder / "r");
+      file.write(text);
+      file.commit();
+    }
+  };
+  AtomicFile first(folder / "r");
+  first.write(std::string(100000, '-'));
+  first.commit();
+  pid_t writers[8];
+  for (int i = 0; i < 8; ++i) {
+    writers[i] = fork();
+    if (writers[i] == 0) write_for_ever(static_cast<char>('a' + i));
+  }
+  for (int i = 0; i < 8; ++i) {
+    for (int look = 0; look < 20; ++look) {
+      const std::string text = folder.read("r");
+      ASSERT_EQ(text, std::string(100000, text.empty() ? '?' : text[0]));
+      usleep(1000);
+    }
+    kill(writers[i], SIGKILL);
+    waitpid(writers[i], nullptr, 0);
+  }
+  AtomicFile last(folder / "r");
+  last.write("last");
+  last.commit();
+  EXPECT_EQ(folder.read("r"), "last");
+  EXPECT_EQ(folder.file_count(), 1u);
 }
 
 TEST(AtomicFile, RefusesWhatIsNoFile) {

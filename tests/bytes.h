@@ -45,10 +45,10 @@ inline std::uint64_t surface_bytes(const PatchCache& cache) {
 }
 
 // All that a sweep says.
-inline std::string swept(const PatchCache& cache, const Engine& engine,
-                         const SweepOptions& options) {
+inline std::string swept(const PatchCache& cache, const Engine& engine, const SweepOptions& options,
+                         SweepParts* parts = nullptr, const SweepProgress& progress = nullptr) {
   std::string bytes;
-  const SweepResult result = sweep(cache, engine, options, [&](const SweepBlock& block) {
+  const auto sink = [&](const SweepBlock& block) {
     const std::size_t place[] = {block.depth_index, block.method_index};
     append(bytes, place, 2);
     append(bytes, block.face);
@@ -58,7 +58,8 @@ inline std::string swept(const PatchCache& cache, const Engine& engine,
     for (const auto* counts : {&block.iterations, &block.crossings, &block.flags}) {
       append(bytes, *counts);
     }
-  });
+  };
+  const SweepResult result = sweep(cache, engine, options, sink, progress, parts);
   for (const SweepStatistics& s : result.statistics) {
     for (const Histogram* h : {&s.step, &s.edge_step, &s.angle, &s.error, &s.residual}) {
       append(bytes, *h);

@@ -290,23 +290,63 @@ TEST(CacheFile, OtherVersionsAreStaleAndNotDamaged) {
   EXPECT_THAT(stale([](Header& h) { h.gliss_version[0] = '9'; }), HasSubstr("built by gliss 9."));
   EXPECT_THAT(stale([](Header& h) { ++h.side_reals; }), HasSubstr("another build"));
   EXPECT_THAT(stale([](Header& h) { ++h.patch_reals; }), HasSubstr("another build"));
+}
 
-  // A whole header of the other byte order.
-  const ScratchFolder folder;
-  save_cache(triangle_cache(), folder / "scene.gliss");
-  std::string bytes = folder.read("scene.gliss");
-  const auto swap = [&](std::size_t begin, std::size_t size) {
-    std::reverse(&bytes[begin], &bytes[begin] + size);
+// The file that a machine of the other byte order would write: each number, and each checksum of
+// what is then in the file.
+std::string in_other_byte_order(std::string bytes) {
+  const auto swap = [&](std::size_t at, std::size_t size) {
+    std::reverse(&bytes.at(at), &bytes.at(at) + size);
   };
-  for (const std::size_t at : {offsetof(Header, checksum), offsetof(Header, file_bytes)})
-    swap(at, 8);
-  for (const std::size_t at : {offsetof(Header, byte_order), offsetof(Header, format),
-                               offsetof(Header, header_bytes), offsetof(Header, section_count)}) {
-    swap(at, 4);
+  const auto put_checksum = [&](std::size_t at, std::size_t begin, std::size_t size) {
+    const std::uint64_t sum = checksum(bytes.data() + begin, size);
+    std::memcpy(&bytes.at(at), &sum, sizeof sum);
+    swap(at, sizeof sum);
+  };
+  for (std::size_t place = sizeof(Header); place < kHeaderBytes; place += sizeof(Section)) {
+    Section entry;
+    std::memcpy(&entry, &bytes.at(place), sizeof entry);
+    for (std::size_t i = 0; i < entry.count; ++i) {
+      swap(entry.offset + i * entry.element_bytes, entry.element_bytes);
+    }
+    for (const std::size_t at : {offsetof(Section, count), offsetof(Section, offset)}) {
+      swap(place + at, 8);
+    }
+    for (const std::size_t at : {offsetof(Section, element), offsetof(Section, element_bytes)}) {
+      swap(place + at, 4);
+    }
+    put_checksum(place + offsetof(Section, checksum), entry.offset,
+                 entry.count * entry.element_bytes);
   }
-  const CacheError error = refused(folder.write("swapped", bytes));
-  EXPECT_TRUE(error.stale);
-  EXPECT_THAT(error.what(), HasSubstr("other byte order"));
+  swap(offsetof(Header, file_bytes), 8);
+  for (std::size_t at = offsetof(Header, byte_order); at < offsetof(Header, gliss_version); at += 4)
+    swap(at, 4);
+  for (std::size_t at = offsetof(Header, side_reals); at < offsetof(Header, mesh_hash); at += 4)
+    swap(at, 4);
+  for (std::size_t at = offsetof(Header, mesh_hash); at < sizeof(Header); at += 8) swap(at, 8);
+  put_checksum(offsetof(Header, checksum), kChecksumBegin, kHeaderBytes - kChecksumBegin);
+  return bytes;
+}
+
+TEST(CacheFile, TheOtherByteOrderIsNamed) {
+  const ScratchFolder folder;
+  const std::string path = folder / "scene.gliss";
+  for (const Precision precision : {Precision::kFloat, Precision::kDouble}) {
+    save_cache(dart_cache(precision), path);
+    const std::string bytes = folder.read("scene.gliss");
+    const std::string swapped = in_other_byte_order(bytes);
+    folder.write("scene.gliss", swapped);
+    EXPECT_TRUE(is_cache_file(path));  // so that it is not taken for a mesh
+    const CacheError error = refused(path);
+    EXPECT_TRUE(error.stale);
+    EXPECT_EQ(error.what(),
+              path + ": written by a machine of the other byte order; build it again");
+
+    // All of it was swapped: the byte order alone, put right, leaves a file that is refused.
+    std::string marked = swapped;
+    std::memcpy(&marked[offsetof(Header, byte_order)], &bytes[offsetof(Header, byte_order)], 4);
+    EXPECT_FALSE(refused(folder.write("scene.gliss", marked)).stale);
+  }
 }
 
 TEST(CacheFile, HeadersThatLieAreRefused) {

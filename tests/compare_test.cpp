@@ -9,6 +9,7 @@
 #include "host/names.h"
 #include "host/tessellate.h"
 #include "tests/gliss_process.h"
+#include "tests/places.h"
 #include "tests/surfaces.h"
 
 namespace gliss {
@@ -23,7 +24,7 @@ class Compare : public ::testing::Test {
 
   test::Outcome run(std::vector<std::string> words) const {
     words.insert(words.begin(), {"compare", "torus.obj", "--unit", "mm", "--ticks", "300"});
-    return test::Process(folder_ / "", GLISS_PROGRAM, words).wait();
+    return test::Process(folder_ / "", test::kProgram, words).wait();
   }
   Json json_of(std::vector<std::string> words) const {
     words.insert(words.end(), {"--json", "--quiet"});

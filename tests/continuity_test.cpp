@@ -55,10 +55,9 @@ void expect_smooth(const std::string& name, const Mesh& mesh) {
     const Crossing found = cross_all_edges(mesh, cache, report);
     EXPECT_GT(found.sound_edges, 0);
     EXPECT_LE(found.gap.value, is_float ? 1e-6 : 1e-14);
-    // The goal in float is 1e-5: reached but for an edge each of hand_webxr and
-    // spot_control, 1.5e-5.
-    EXPECT_LE(found.sound_angle.value, is_float ? 1.6e-5 : 1e-10);
-    EXPECT_LE(found.tamed_angle.value, is_float ? 1.6e-5 : 1e-10);
+    // The goal in float is 1e-5: reached but for an edge of fish_control, 1.3e-5.
+    EXPECT_LE(found.sound_angle.value, is_float ? 1.4e-5 : 1e-10);
+    EXPECT_LE(found.tamed_angle.value, is_float ? 1.4e-5 : 1e-10);
     test::record(name + (is_float ? " float" : " double"),
                  "gap {:.2g}, angle {:.2g}; flagged {} of {} faces (folded {}, degenerate {}; "
                  "eased {}, split {}, bent {}); {} edges by tamed {:.2g}, {} by bent {:.2g}",

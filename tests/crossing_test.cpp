@@ -35,6 +35,22 @@ TEST_P(Crossing, of_a_thin_plate_keeps_the_side_it_came_from) {
   }
 }
 
+// Aslant and far in one tick, no step on the way may be longer than the plate is thick.
+TEST_P(Crossing, of_a_thin_plate_aslant_is_felt_at_any_speed) {
+  const PatchCache cache = test::cache_of(thin_plate().mesh);
+  Rng rng(6);
+  for (int i = 0; i < 500; ++i) {
+    const double side = rng() % 2 ? 1 : -1;
+    const auto place = [&](double z) {
+      return Vec3(uniform(rng, -10, 10), uniform(rng, -10, 10), side * z);
+    };
+    const Vec3 from = place(0.25 + uniform(rng, 0, 50)), to = place(0.25 - uniform(rng, 0, 5));
+    const Contact contact = at_end(cache, GetParam(), from, to, 1);
+    ASSERT_TRUE(contact.touching) << from.transpose() << " to " << to.transpose();
+    EXPECT_GT(side * contact.normal.z(), 0.9) << from.transpose() << " to " << to.transpose();
+  }
+}
+
 TEST_P(Crossing, past_a_plate_without_entering_it_is_none) {
   const PatchCache cache = test::cache_of(thin_plate(12, 12, 30, 0.5).mesh);
   const Vec3 middle = 0.5 * (cache.bounds().low + cache.bounds().high);

@@ -6,6 +6,7 @@
 
 #include "host/topology.h"
 #include "tests/mesh_files.h"
+#include "tests/places.h"
 
 namespace gliss {
 namespace {
@@ -113,7 +114,7 @@ TEST_F(GenerateTest, points_without_a_single_nearest_point_get_one) {
 TEST_F(GenerateTest, the_knot_is_that_of_the_paper) {
   for (const auto& [file, made] : {std::pair{"knot_1440.obj", torus_knot()},
                                    std::pair{"knot_23040.obj", torus_knot(480, 48)}}) {
-    const auto path = std::filesystem::path(GLISS_SHARED_DIR) / "knot" / file;
+    const auto path = std::filesystem::path(test::kShared) / "knot" / file;
     if (!std::filesystem::exists(path)) GTEST_SKIP() << "skipped: ../shared is absent";
     const Mesh read = load_mesh(path.string(), {}, &findings_);
     EXPECT_THAT(codes(), IsEmpty());

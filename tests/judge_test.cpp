@@ -8,6 +8,7 @@
 
 #include "runtime/verdict.h"
 #include "tests/gliss_process.h"
+#include "tests/places.h"
 #include "tests/surfaces.h"
 #include "tests/unprivileged.h"
 
@@ -46,7 +47,7 @@ TEST(Judge, judges_by_the_goals) {
 template <class InChild, class Meanwhile>
 Outcome judge_with(std::vector<std::string> words, InChild in_child, Meanwhile meanwhile) {
   words.insert(words.begin(), "judge");
-  test::Process judge("/", GLISS_PROGRAM, words, in_child);
+  test::Process judge("/", test::kProgram, words, in_child);
   meanwhile(judge);
   return judge.wait();
 }

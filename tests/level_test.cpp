@@ -10,6 +10,7 @@
 #include "host/names.h"
 #include "host/tessellate.h"
 #include "tests/gliss_process.h"
+#include "tests/places.h"
 #include "tests/surfaces.h"
 
 namespace gliss {
@@ -294,7 +295,7 @@ TEST(Level, commands_take_it_and_caches_keep_it) {
   save_obj(torus(12, 8).mesh, folder / "torus.obj");
   folder.write("hips.csv", "x,y,z\n38,0,1\n0,25,9\n");
   const auto run = [&](const std::vector<std::string>& words) {
-    return test::Process(folder / "", GLISS_PROGRAM, words).wait();
+    return test::Process(folder / "", test::kProgram, words).wait();
   };
   for (const std::string level : {"exact", "ribbon", "bezier", "table:3"}) {
     ASSERT_EQ(run({"bake", "torus.obj", "--unit", "mm", "--level", level, "-o", "t.gliss"}).code,

@@ -10,6 +10,7 @@
 #include "host/opencl.h"
 #include "tests/bytes.h"
 #include "tests/opencl_fault.h"
+#include "tests/places.h"
 #include "tests/scratch_folder.h"
 #include "tests/surfaces.h"
 
@@ -287,7 +288,7 @@ class OpenClProgram : public ::testing::Test {
     const std::string command = fmt::format(
         "cd '{}' && env {} '{}' sweep knot.obj --unit mm --depth 2mm --samples 2e4 --method flat "
         "-o out.csv {} >/dev/null 2>{} </dev/null",
-        folder_ / "", environment, GLISS_PROGRAM, words, err_ / "err");
+        folder_ / "", environment, test::kProgram, words, err_ / "err");
     const int status = std::system(command.c_str());
     std::string err, all = err_.read("err");
     std::istringstream lines(all);
@@ -323,7 +324,7 @@ class OpenClProgram : public ::testing::Test {
   // A call of the program's that fails.
   void expect_call_handled(const std::string& function, int at, int code,
                            const std::string& reason) const {
-    expect_handled(fmt::format("LD_PRELOAD={} GLISS_TEST_FAULT={}:{}:{}", GLISS_OPENCL_FAULT,
+    expect_handled(fmt::format("LD_PRELOAD={} GLISS_TEST_FAULT={}:{}:{}", test::kOpenClFault,
                                function, at, code),
                    "", reason);
   }
@@ -370,7 +371,7 @@ TEST_F(OpenClProgram, GoesOnWhenCallsFail) {
 TEST_F(OpenClProgram, GoesOnWhenMemoryIsTooSmall) {
   if (!on_pocl()) GTEST_SKIP() << "skipped: the device is not PoCL's";
   // CL_DEVICE_MAX_MEM_ALLOC_SIZE
-  expect_handled(fmt::format("LD_PRELOAD={} GLISS_TEST_DEVICE=0x1010:4096", GLISS_OPENCL_FAULT), "",
+  expect_handled(fmt::format("LD_PRELOAD={} GLISS_TEST_DEVICE=0x1010:4096", test::kOpenClFault), "",
                  "CL_INVALID_BUFFER_SIZE (-61)");
 }
 

@@ -131,6 +131,24 @@ Side<S> side(const Polygon<S>& polygon, int k, std::type_identity_t<S> t) {
           (L_next - L_prev) * direction.value + length * direction.dot};
 }
 
+/// How well (8), (9) and (10) are defined at the ends of edge k: 0 where it is parallel to a normal
+/// or the normals are opposed, 1 at best.
+template <class S>
+S soundness(const Polygon<S>& polygon, int k) {
+  const Vec<S>&n_s = polygon.normal(k), &n_e = polygon.normal(k + 1);
+  const Vec<S> e = (polygon.position(k + 1) - polygon.position(k)).normalized();
+  const Vec<S> across = e.cross(Vec<S>((n_s + n_e) / S(2)));
+  return std::min({n_s.cross(across).norm(), n_e.cross(across).norm(), n_s.cross(e).norm(),
+                   n_e.cross(e).norm()});
+}
+
+template <class S>
+S soundness(const Polygon<S>& polygon) {
+  S least = 1;
+  for (int k = 0; k < polygon.size(); ++k) least = std::min(least, soundness(polygon, k));
+  return least;
+}
+
 // ---- Domain: always in long double, for n^2 eps is lost between X and u, v, w ------------------
 
 /// A function of (xi, eta) with its partial derivatives.

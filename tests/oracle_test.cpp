@@ -10,6 +10,7 @@
 #include <numeric>
 #include <string>
 
+#include "tests/places.h"
 #include "tests/points.h"
 
 namespace gliss::oracle {
@@ -20,7 +21,7 @@ Vec<double> vec(const nlohmann::json& j) {
 }
 
 TEST(Oracle, AgreesWithGoldenPatches) {
-  std::ifstream file(std::string(GLISS_SHARED_DIR) + "/golden/patches.json");
+  std::ifstream file(std::string(test::kShared) + "/golden/patches.json");
   if (!file) GTEST_SKIP() << "skipped: ../shared is absent";
   const nlohmann::json golden = nlohmann::json::parse(file);
   ASSERT_FALSE(golden["patches"].empty());

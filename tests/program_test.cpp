@@ -4,21 +4,20 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <charconv>
-#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <sstream>
-#include <thread>
 
 #include "host/csv_reader.h"
 #include "host/generate.h"
 #include "host/query.h"
 #include "host/sweep.h"
+#include "tests/gliss_process.h"
+#include "tests/places.h"
 #include "tests/scratch_folder.h"
 
 namespace gliss {
@@ -57,8 +56,8 @@ class Program : public ::testing::Test {
   }
 
   Outcome run(const std::string& words) const {
-    const std::string command =
-        fmt::format("cd '{}' && '{}' {} >out 2>err </dev/null", folder_ / "", GLISS_PROGRAM, words);
+    const std::string command = fmt::format("cd '{}' && '{}' {} >out 2>err </dev/null",
+                                            folder_ / "", test::kProgram, words);
     const int status = std::system(command.c_str());
     Outcome outcome{WIFEXITED(status) ? WEXITSTATUS(status) : -1, folder_.read("out"),
                     folder_.read("err")};
@@ -375,31 +374,55 @@ assert f['statistics']['samples'][0] == 144 * 4 * 6 and len(f['statistics']['dep
   EXPECT_EQ(std::system(command.c_str()), 0);
 }
 
+// Some parts' worth.
+std::vector<std::string> words_of_sweep(const char* samples) {
+  return {"sweep",     "knot.obj", "--unit",   "mm",   "--depth", "2mm",
+          "--samples", samples,    "--method", "flat", "-o",      "s.h5"};
+}
+
 TEST_F(Program, AnInterruptedSweepLeavesNothing) {
   const std::size_t files = folder_.file_count();
-  const pid_t child = fork();
-  ASSERT_GE(child, 0);
-  if (child == 0) {
-    signal(SIGINT, SIG_DFL);
-    if (chdir((folder_ / "").c_str()) != 0) _exit(99);
-    (void)!freopen("/dev/null", "w", stderr);
-    execl(GLISS_PROGRAM, "gliss", "sweep", "knot.obj", "--unit", "mm", "--depth", "2mm",
-          "--samples", "1e7", "-o", "s.h5", nullptr);
-    _exit(99);
-  }
+  test::Process sweep(folder_ / "", test::kProgram, words_of_sweep("1e7"));
   // The temporary is there once the sweep is about to begin.
-  const auto start = std::chrono::steady_clock::now();
-  while (folder_.file_count() == files &&
-         std::chrono::steady_clock::now() - start < std::chrono::seconds(60)) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  }
-  EXPECT_GT(folder_.file_count(), files);
-  kill(child, SIGINT);
-  int status = 0;
-  ASSERT_EQ(waitpid(child, &status, 0), child);
-  ASSERT_TRUE(WIFEXITED(status));
-  EXPECT_EQ(WEXITSTATUS(status), 130);
+  EXPECT_TRUE(test::await([&] { return folder_.file_count() > files; }));
+  sweep.kill(SIGINT);
+  const test::Outcome outcome = sweep.wait();
+  EXPECT_EQ(outcome.code, 130);
+  EXPECT_THAT(outcome.err, EndsWith("gliss: interrupted\n"));
   EXPECT_EQ(folder_.file_count(), files);
+}
+
+TEST_F(Program, AKilledSweepGoesOnFromItsParts) {
+  const std::vector<std::string> words = words_of_sweep("2e6");
+  ASSERT_EQ(test::Process(folder_ / "", test::kProgram, words).wait().code, 0);
+  const std::string want = folder_.read("s.h5");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "s.h5.parts"));
+  folder_.write("s.h5", "old");
+
+  const auto parts = [&] {
+    std::error_code none;
+    std::size_t count = 0;
+    for (const auto& file : std::filesystem::directory_iterator(folder_ / "s.h5.parts", none))
+      count += file.path().extension() == ".part";
+    return count;
+  };
+  for (const int signal : {SIGKILL, SIGINT}) {
+    const std::size_t before = parts();
+    test::Process sweep(folder_ / "", test::kProgram, words);
+    EXPECT_TRUE(test::await([&] { return parts() > before; }));
+    sweep.kill(signal);
+    const test::Outcome outcome = sweep.wait();
+    EXPECT_EQ(folder_.read("s.h5"), "old");
+    if (signal == SIGINT) {
+      EXPECT_EQ(outcome.code, 130);
+      EXPECT_THAT(outcome.err, HasSubstr("finished parts are in 's.h5.parts'"));
+    }
+  }
+  const test::Outcome last = test::Process(folder_ / "", test::kProgram, words).wait();
+  EXPECT_EQ(last.code, 0);
+  EXPECT_THAT(last.err, HasSubstr("goes on from 2 finished parts in 's.h5.parts'"));
+  EXPECT_TRUE(folder_.read("s.h5") == want);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "s.h5.parts"));
 }
 
 }  // namespace

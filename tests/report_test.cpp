@@ -1,6 +1,7 @@
 // What gliss report puts into its page, and what it refuses.
 #include <cstring>
 
+#include "tests/places.h"
 #include "tests/run_files.h"
 
 namespace gliss {
@@ -271,7 +272,7 @@ TEST(ReportLess, SaysHowToGetOne) {
   const test::ScratchFolder folder;
   folder.write("a.json", "{}");
   const Outcome outcome =
-      test::Process(folder / "", GLISS_PROGRAM, {"report", "a.json", "-o", "page.html"}).wait();
+      test::Process(folder / "", test::kProgram, {"report", "a.json", "-o", "page.html"}).wait();
   EXPECT_EQ(outcome.code, 4);
   EXPECT_THAT(outcome.err, AllOf(HasSubstr("this build has no report"), HasSubstr("npm")));
 }

@@ -14,6 +14,7 @@
 
 #include "host/generate.h"
 #include "tests/gliss_process.h"
+#include "tests/places.h"
 
 namespace gliss::test {
 
@@ -78,7 +79,7 @@ class RunTest : public ::testing::Test {
       const std::function<bool()>& in_child = [] { return true; }) const {
     auto all = split(words, ' ');
     all.insert(all.begin(), command);
-    return std::make_unique<Process>(folder_ / "", GLISS_PROGRAM, all, in_child);
+    return std::make_unique<Process>(folder_ / "", test::kProgram, all, in_child);
   }
   Outcome run(
       const std::string& words, const std::function<bool()>& in_child = [] { return true; }) const {

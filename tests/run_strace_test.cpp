@@ -1,4 +1,5 @@
 // What the loop's thread asks of the system in a tick: its sleep, and the device.
+#include "tests/places.h"
 #include "tests/run_files.h"
 
 namespace gliss {
@@ -52,7 +53,7 @@ class RunStrace : public test::RunTest {
     if (outcome.code != 0) GTEST_SKIP() << "no strace, or it is refused: " << outcome.err;
   }
   Calls trace(const std::string& device, int& ticks) const {
-    std::vector<std::string> words{"-f", "-o", "told", GLISS_PROGRAM, "run", "scene.toml"};
+    std::vector<std::string> words{"-f", "-o", "told", test::kProgram, "run", "scene.toml"};
     for (const char* word : {"--seconds", "2", "--json", "--device", device.c_str()})
       words.push_back(word);
     Process process(folder_ / "", "strace", words);
@@ -77,7 +78,7 @@ TEST_F(RunStrace, a_tick_is_one_system_call) {
 
 // One to sleep, one to send, and two or three to receive: what has come, and that it was all.
 TEST_F(RunStrace, a_tick_with_a_udp_device_is_few) {
-  Process server(folder_ / "", GLISS_PROGRAM, {"serve", "scene.toml", "--port", "0"});
+  Process server(folder_ / "", test::kProgram, {"serve", "scene.toml", "--port", "0"});
   const auto told = [&] { return server.err().find("udp:") != std::string::npos; };
   ASSERT_TRUE(test::await(told));
   const std::string err = server.err(),

@@ -12,6 +12,7 @@
 #include "host/patch_cache.h"
 #include "host/query.h"
 #include "host/topology.h"
+#include "tests/places.h"
 #include "tests/points.h"
 
 namespace gliss::test {
@@ -20,7 +21,7 @@ using Polygon = oracle::Polygon<double>;
 using Vec2 = oracle::Vec2<double>;
 
 inline std::string shared_path(const std::string& name) {
-  return std::string(GLISS_SHARED_DIR) + "/" + name;
+  return std::string(test::kShared) + "/" + name;
 }
 
 // Skips where the folder of shared meshes is absent.

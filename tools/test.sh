@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # What CI runs: installs packages (as root or with sudo), checks the formatting, builds everything with warnings
-# as errors, runs the tests. Arguments go to ctest: tools/test.sh -R Sweep
+# as errors, runs the tests: some under ASan, UBSan and TSan, with the corpora of the fuzz targets, then all.
+# Arguments go to ctest, and only those tests run: tools/test.sh -R Sweep
 set -euo pipefail
 cd "$(dirname -- "${BASH_SOURCE[0]}")/.."
 source tools/packages.sh
@@ -13,6 +14,13 @@ find kernels host runtime tools tests bench -name '*.h' -o -name '*.cpp' -o -nam
   xargs clang-format-14 --dry-run -Werror
 
 cores=$(nproc)
+if (($# == 0)); then
+  for sanitizers in asan tsan; do
+    cmake --preset "$sanitizers" -DGLISS_TESTS=ON
+    cmake --build --preset "$sanitizers" --parallel "$cores"
+    ctest --preset "$sanitizers" --parallel "$cores"
+  done
+fi
 cmake --preset release -DGLISS_TESTS=ON -DGLISS_BENCH=ON
 cmake --build --preset release --parallel "$cores"
 exec ctest --preset release --parallel "$cores" "$@"

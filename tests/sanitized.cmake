@@ -1,0 +1,40 @@
+# What runs under sanitizers (GLISS_SANITIZE): tests of what reads foreign bytes, walks arrays or is shared by threads.
+# Not what runs programs, measures, or would take minutes: CI has few for this.
+if(GLISS_SANITIZE STREQUAL "thread")
+  set(parts haply_device loop periodic sweep udp_device udp_server)
+else()
+  set(parts atomic_file cache_file csv_file csv_reader guard haply_device loop mesh result_file scene_error scene_file
+    sim_device sweep udp_device udp_protocol udp_server units validate vtp_file)
+endif()
+list(TRANSFORM parts APPEND _test.cpp OUTPUT_VARIABLE sources)
+add_gliss_tests(sanitized_tests ${sources})
+set_source_files_properties(places.cpp PROPERTIES COMPILE_DEFINITIONS
+  "GLISS_TESTS_DIR=\"${CMAKE_CURRENT_SOURCE_DIR}\";GLISS_SHARED_DIR=\"\";GLISS_PROGRAM=\"\";GLISS_OPENCL_FAULT=\"\"")
+# These headers take most of the time, and optimising under sanitizers as much again.
+target_compile_options(sanitized_tests PRIVATE -O0)
+target_precompile_headers(sanitized_tests PRIVATE <gmock/gmock.h> <gtest/gtest.h> <Eigen/Geometry> <fmt/format.h>)
+add_custom_target(sanitized DEPENDS sanitized_tests)  # and no more than is added here, of all that there is
+foreach(shard RANGE 1)
+  set(test sanitized_tests_${shard})
+  add_test(NAME ${test} COMMAND sanitized_tests)
+  list(APPEND tests ${test})
+  list(APPEND environment_${test} GTEST_TOTAL_SHARDS=2 GTEST_SHARD_INDEX=${shard})
+endforeach()
+if(GLISS_SANITIZE STREQUAL "thread")
+  foreach(test seqlock_tsan lazy_tsan)
+    add_executable(${test} ${test}.cpp)
+    target_link_libraries(${test} PRIVATE gliss_runtime gliss_options)
+    add_dependencies(sanitized ${test})
+    add_test(NAME ${test} COMMAND ${test})
+    list(APPEND tests ${test})
+  endforeach()
+endif()
+# Not what asks for speed, and not what builds large surfaces or writes thousands of files.
+set(left_out *within_20_ms* CacheFile.EveryFlippedBit* *KeepsEveryBit* Sweep.gives_* Sweep.hands_* Sweep.meets_* *thousand_ticks* *million_ticks*)
+list(JOIN left_out ":" left_out)
+# Some kernels lay memory out as the sanitizers of an older compiler cannot take it.
+foreach(test IN LISTS tests)
+  set_tests_properties(${test} PROPERTIES TIMEOUT 600
+    SKIP_REGULAR_EXPRESSION "unexpected memory mapping|Shadow memory range interleaves" ENVIRONMENT
+    "${environment_${test}};GTEST_FILTER=-${left_out};UBSAN_OPTIONS=print_stacktrace=1;TSAN_OPTIONS=suppressions=${CMAKE_CURRENT_SOURCE_DIR}/tsan.supp")
+endforeach()
