@@ -173,6 +173,7 @@ class CacheBuilder {
         for (std::size_t p = begin; p < end; ++p) {
           DraftedFace& d = drafted_[c.first + p];
           d.shape = shape_from(&b.shape[p * kShapeReals], b.valence(p));
+          if (may_fold_unseen(d.shape)) d.shape = examine(draft(faces_[c.first + p]), tables_);
           d.folded = is_folded(d.shape);
           d.degenerate = is_degenerate(b.soundness[p]);
           if (d.flagged() && options_.tame) tame(faces_[c.first + p], d);
@@ -182,11 +183,14 @@ class CacheBuilder {
     });
   }
 
+  PatchDraft draft(std::uint32_t face) const {
+    return draft_patch(corners_of(face), all_corners(cache_.face_valence[face]));
+  }
+
   void tame(std::uint32_t face, DraftedFace& d) const {
-    const FaceCorners corners = corners_of(face);
-    PatchDraft exact = draft_patch(corners, all_corners(cache_.face_valence[face]));
+    PatchDraft exact = draft(face);
     exact.shape = d.shape;
-    d.tamer = draft_tamer(corners, std::move(exact), tables_);
+    d.tamer = draft_tamer(corners_of(face), std::move(exact), tables_);
   }
 
   BuildReport report_of() const {

@@ -1,5 +1,8 @@
 #include "host/patch_batch.h"
 
+#include <cmath>
+#include <numbers>
+
 #include "host/kernels.h"
 
 namespace gliss {
@@ -24,6 +27,11 @@ ValenceTables make_valence_tables(std::span<const char> used) {
     k.fill_probes(n, t.domain_of(n), &t.probe[t.probe_begin[n]]);
   }
   return t;
+}
+
+Eigen::Vector2d on_side(std::uint32_t n, std::uint32_t k, double t) {
+  const double a = 2 * std::numbers::pi * k / n, b = 2 * std::numbers::pi * ((k + 1) % n) / n;
+  return {(1 - t) * std::cos(a) + t * std::cos(b), (1 - t) * std::sin(a) + t * std::sin(b)};
 }
 
 void PatchBatch::resize(std::span<const std::uint32_t> valences) {

@@ -1,6 +1,7 @@
 // The exact patches of many faces as flat arrays, for a backend to build and examine at once.
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -25,6 +26,9 @@ struct ValenceTables {
 
 // `used`: [valence], 1 where tables are wanted.
 ValenceTables make_valence_tables(std::span<const char> used);
+
+// The point at t of side k of the domain of n sides.
+Eigen::Vector2d on_side(std::uint32_t n, std::uint32_t k, double t);
 
 struct PatchBatch {
   const ValenceTables* tables = nullptr;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
 
 #include "host/kernels.h"
@@ -12,8 +13,28 @@ namespace gliss {
 namespace {
 
 constexpr double kFarthestReach = 4;
+constexpr std::uint32_t kCloser = 3;  // times as many samples along a line
+
+// The least cosine, as PatchShape::turn, of more samples.
+double closer_turn(const PatchDraft& d, const ValenceTables& tables) {
+  const std::uint32_t n = d.valence(), levels = kCloser * kernels<double>().probe_levels(n);
+  std::vector<Eigen::Vector2d> at;
+  for (std::uint32_t side = 0; side < n; ++side) {
+    for (double ring = 1; ring <= levels; ++ring) {
+      for (double i = 0; i < ring; ++i) at.emplace_back(ring / levels * on_side(n, side, i / ring));
+    }
+  }
+  double turn = 1;
+  for (const Vec3& normal : normals_of(d, tables, at))
+    turn = std::min(turn, normal.normalized().dot(d.frame.normal));
+  return turn;
+}
 
 }  // namespace
+
+bool may_fold_unseen(const PatchShape& s) {
+  return !is_folded(s) && std::acos(s.turn) + s.unseen / 2 > std::numbers::pi / 2;
+}
 
 std::vector<std::uint32_t> all_corners(std::uint32_t n) {
   std::vector<std::uint32_t> all(n);
@@ -78,6 +99,7 @@ PatchShape shape_from(const double* reals, std::uint32_t n) {
   shape.bend = triple(kShapeBend);
   if (!shape.bend.allFinite()) shape.bend.setZero();
   shape.sag = std::sqrt(reals[kShapeSag2]) + slack;
+  shape.unseen = std::sqrt(spacing2) * curvature;
   shape.rho_min = curvature > 0 ? 1 / curvature : std::numeric_limits<double>::infinity();
   // Polygons lie in [-1, 1]^3 of their frame: where cross tangents have hardly a direction, patches
   // shoot out of it.
@@ -109,9 +131,28 @@ PatchShape examine(const PatchFrame& frame, const double* corner, const std::uin
   return shape_from(reals, n);
 }
 
+std::vector<Vec3> normals_of(const PatchDraft& d, const ValenceTables& tables,
+                             std::span<const Eigen::Vector2d> at) {
+  const std::size_t count = at.size();
+  std::vector<double> xi, eta, rows(9 * count);
+  for (const Eigen::Vector2d& X : at) xi.push_back(X.x()), eta.push_back(X.y());
+  kernels<double>().evaluate(tables.domain_of(d.valence()), d.control.data(), kFormExact,
+                             d.valence(), xi.data(), eta.data(), count, count, rows.data());
+  std::vector<Vec3> normals;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto row = [&](std::size_t r) {
+      return Vec3(rows[r * count + i], rows[(r + 1) * count + i], rows[(r + 2) * count + i]);
+    };
+    normals.push_back(row(3).cross(row(6)));
+  }
+  return normals;
+}
+
 PatchShape examine(const PatchDraft& d, const ValenceTables& tables) {
-  return examine(d.frame, d.corner.data(), d.triangle.data(), d.control.data(), kFormExact,
-                 d.valence(), tables);
+  PatchShape shape = examine(d.frame, d.corner.data(), d.triangle.data(), d.control.data(),
+                             kFormExact, d.valence(), tables);
+  if (may_fold_unseen(shape)) shape.turn = std::min(shape.turn, closer_turn(d, tables));
+  return shape;
 }
 
 }  // namespace gliss

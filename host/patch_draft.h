@@ -41,15 +41,19 @@ struct PatchShape {
   double sag = 0;      // distance from the base polygon that no point of the patch exceeds
   double rho_min = 0;  // least radius of curvature
   double turn = 1;     // least cosine between the patch's normal and the base polygon's
+  double unseen = 0;   // rad, by which the normal may turn between two samples
 };
 
 // From kShapeReals numbers of a patch of n sides: bounds are widened by what lies between samples.
 PatchShape shape_from(const double* reals, std::uint32_t n);
 
-inline constexpr double kDegenerate = 1e-4;
+// Below it the slopes of a ribbon lose too many of a float's digits.
+inline constexpr double kDegenerate = 1e-2;
 
 // A patch's normal turns against its face, or its ribbons vanish.
 inline bool is_folded(const PatchShape& shape) { return !(shape.turn > 0); }
+// ... or may between the samples.
+bool may_fold_unseen(const PatchShape& shape);
 inline bool is_degenerate(double soundness) { return !(soundness > kDegenerate); }
 
 // One patch by itself.
@@ -68,6 +72,10 @@ struct PatchDraft {
 
 // The exact patch of some corners of a face, not yet examined.
 PatchDraft draft_patch(const FaceCorners& face, std::vector<std::uint32_t> face_corner);
+// Normals, of any length, at `at`: domain points.
+std::vector<Vec3> normals_of(const PatchDraft& draft, const ValenceTables& tables,
+                             std::span<const Eigen::Vector2d> at);
+// Looks closer where it may fold unseen.
 PatchShape examine(const PatchDraft& draft, const ValenceTables& tables);
 // Of a patch in any form, from its pieces.
 PatchShape examine(const PatchFrame& frame, const double* corner, const std::uint32_t* triangle,

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "host/kernels.h"
 
@@ -13,6 +12,7 @@ namespace {
 // A patch whose normal stays within 84 degrees of its polygon's neither folds nor nearly does.
 constexpr double kSafeTurn = 0.1;
 constexpr std::uint32_t kMaxFan = 64;  // faces of more sides are not cut from their centre: slivers
+constexpr double kFarthestCentre = 2;  // from the middle of a polygon in [-1, 1]^3
 constexpr double kInside = 1 - 1e-5;   // how far from the centre to a side counts as just inside
 
 // The same boundary, with cross tangents shortened until the patch no longer folds; else the best
@@ -89,7 +89,8 @@ std::vector<PatchDraft> split(const FaceCorners& face,
   return parts;
 }
 
-// The face with a centre as its last corner: places and normals to try.
+// The face with a centre as its last corner: places and normals to try. Where ribbons degenerate,
+// the middle of the patch may be anywhere.
 std::vector<FaceCorners> with_centres(const FaceCorners& face, const PatchDraft& exact,
                                       const ValenceTables& tables) {
   Vec3 centroid = Vec3::Zero(), normal = Vec3::Zero();
@@ -103,8 +104,9 @@ std::vector<FaceCorners> with_centres(const FaceCorners& face, const PatchDraft&
   const Vec3 middle = exact.frame.origin + Vec3(at[0], at[1], at[2]) / exact.frame.scale;
   std::vector<FaceCorners> all;
   for (const Vec3& p : {middle, Vec3(0.5 * (middle + centroid)), centroid}) {
+    if (!(((p - exact.frame.origin) * exact.frame.scale).norm() < kFarthestCentre)) continue;
     for (const Vec3& m : {normal, exact.frame.normal}) {
-      if (!p.allFinite() || !(m.norm() > 0.1)) continue;
+      if (!(m.norm() > 0.1)) continue;
       all.push_back(face);
       all.back().position.push_back(p);
       all.back().normal.push_back(m.normalized());
@@ -119,27 +121,17 @@ std::vector<FaceCorners> with_centres(const FaceCorners& face, const PatchDraft&
 bool keeps_normals(const PatchDraft& d, const ValenceTables& tables) {
   const std::uint32_t n = d.valence();
   const std::uint32_t steps = n > 32 ? 2 : 8;
-  std::vector<double> xi, eta;
+  std::vector<Eigen::Vector2d> at;
   for (std::uint32_t side = 0; side < n; ++side) {
-    const double a = 2 * std::numbers::pi * side / n, b = 2 * std::numbers::pi * (side + 1) / n;
-    for (std::uint32_t i = 0; i < steps; ++i) {
-      const double t = (i + 0.5) / steps;
-      xi.push_back(kInside * ((1 - t) * std::cos(a) + t * std::cos(b)));
-      eta.push_back(kInside * ((1 - t) * std::sin(a) + t * std::sin(b)));
-    }
+    for (std::uint32_t i = 0; i < steps; ++i)
+      at.emplace_back(kInside * on_side(n, side, (i + 0.5) / steps));
   }
-  const std::size_t count = xi.size();
-  std::vector<double> rows(9 * count);
-  kernels<double>().evaluate(tables.domain_of(n), d.control.data(), kFormExact, n, xi.data(),
-                             eta.data(), count, count, rows.data());
-  for (std::size_t i = 0; i < count; ++i) {
+  const std::vector<Vec3> normals = normals_of(d, tables, at);
+  for (std::size_t i = 0; i < at.size(); ++i) {
     double normal[3];
     kernels<double>().side_normal(&d.control[i / steps * kSideReals],
                                   (static_cast<double>(i % steps) + 0.5) / steps, normal);
-    const auto row = [&](std::size_t r) {
-      return Vec3(rows[r * count + i], rows[(r + 1) * count + i], rows[(r + 2) * count + i]);
-    };
-    if (!(row(3).cross(row(6)).dot(Vec3(normal[0], normal[1], normal[2])) > 0)) return false;
+    if (!(normals[i].dot(Vec3(normal[0], normal[1], normal[2])) > 0)) return false;
   }
   return true;
 }

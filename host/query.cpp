@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
 #include "host/frames.h"
+#include "host/patch_batch.h"
 #include "host/point_blocks.h"
 
 namespace gliss {
@@ -55,8 +55,8 @@ void evaluate_points(const PatchCache& cache, const Surface<Real>& s,
 }  // namespace
 
 DomainPoint on_side(std::uint32_t face, std::uint32_t n, std::uint32_t k, double t) {
-  const double a = 2 * std::numbers::pi * k / n, b = 2 * std::numbers::pi * ((k + 1) % n) / n;
-  return {face, (1 - t) * std::cos(a) + t * std::cos(b), (1 - t) * std::sin(a) + t * std::sin(b)};
+  const Eigen::Vector2d X = on_side(n, k, t);
+  return {face, X.x(), X.y()};
 }
 
 bool in_domain(const PatchCache& cache, const DomainPoint& point) {

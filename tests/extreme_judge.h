@@ -64,8 +64,8 @@ class Judge {
     const auto exact =
         oracle::with_unit_normals(oracle::cast<long double>(oracle::with_unit_normals(polygon)));
     const double size = oracle::size_of(polygon);
-    // A build flags what is below 1e-4.
-    const bool degenerate = oracle::soundness(exact) < 5e-5L;
+    // A build flags what is below 1e-2.
+    const bool degenerate = oracle::soundness(exact) < 5e-3L;
     if (degenerate && !flagged) {
       found_.degenerate.add([&] {
         return fmt::format("{}, soundness {:.2g}", name,
