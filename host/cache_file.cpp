@@ -1,4 +1,3 @@
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -14,6 +13,7 @@
 #include "host/cache_check.h"
 #include "host/cache_format.h"
 #include "host/kernels.h"
+#include "host/open_file.h"
 
 namespace gliss {
 namespace cache_format {
@@ -51,18 +51,6 @@ Header header_of(const PatchCache& cache) {
   h.scale = cache.scale;
   return h;
 }
-
-struct OpenFile {
-  // Not blocked by a pipe that nobody writes to.
-  explicit OpenFile(const std::string& path)
-      : descriptor(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {}
-  ~OpenFile() {
-    if (descriptor >= 0) close(descriptor);
-  }
-  OpenFile(const OpenFile&) = delete;
-  OpenFile& operator=(const OpenFile&) = delete;
-  const int descriptor;
-};
 
 class Reader {
  public:

@@ -1,6 +1,5 @@
 #include "host/file_seal.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -14,6 +13,8 @@
 #include <system_error>
 #include <vector>
 
+#include "host/open_file.h"
+
 namespace gliss {
 namespace {
 
@@ -22,17 +23,6 @@ constexpr std::size_t kBlock = 1 << 20;
 constexpr std::size_t kNumber = 8;                              // bytes
 constexpr std::size_t kSealBytes = kName.size() + 2 * kNumber;  // name, length before it, checksum
 using SealBytes = std::array<char, kSealBytes>;
-
-struct OpenFile {
-  OpenFile(const std::string& path, int flags)
-      : descriptor(open(path.c_str(), flags | O_CLOEXEC)) {}
-  ~OpenFile() {
-    if (descriptor >= 0) close(descriptor);
-  }
-  OpenFile(const OpenFile&) = delete;
-  OpenFile& operator=(const OpenFile&) = delete;
-  const int descriptor;
-};
 
 bool read_whole(int descriptor, char* to, std::size_t bytes, std::uint64_t at) {
   while (bytes > 0) {
@@ -93,7 +83,7 @@ void append_seal(const std::string& path, const std::string& name) {
 }
 
 Seal check_seal(const std::string& path) {
-  const OpenFile file(path, O_RDONLY | O_NONBLOCK);
+  const OpenFile file(path);
   const auto size = size_of(file.descriptor);
   if (!size || *size < kSealBytes) return Seal::kNone;
   SealBytes found;

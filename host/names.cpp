@@ -1,5 +1,7 @@
 #include "host/names.h"
 
+#include <fmt/format.h>
+
 #include <charconv>
 
 namespace gliss {
@@ -16,6 +18,11 @@ std::optional<Level> find_level(std::string_view name) {
       level.cells > kMostTableCells)
     return std::nullopt;
   return level;
+}
+
+std::string no_level(const std::string& name) {
+  return fmt::format("'{}' is none of {}, table:1 to table:{}", name, listed(kLevelNames),
+                     kMostTableCells);
 }
 
 }  // namespace gliss

@@ -61,6 +61,7 @@ inline std::string level_name(const Level& level) {
              : name;
 }
 std::optional<Level> find_level(std::string_view name);
+std::string no_level(const std::string& name);  // why there is none of that name
 
 inline const char* method_name(Method method) { return name_of(kMethodNames, method); }
 inline const char* precision_name(Precision precision) {

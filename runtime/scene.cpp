@@ -66,8 +66,7 @@ ObjectDescription read_object(TomlTable table, const std::string& scene, std::si
   table.get_positive("stiffness", object.stiffness, parse_stiffness);
   std::string level;
   table.get("level", level);
-  if (!level.empty() && !(object.level = find_level(level)))
-    table.fail("level", fmt::format("'{}' is none of {}", level, listed(kLevelNames)));
+  if (!level.empty() && !(object.level = find_level(level))) table.fail("level", no_level(level));
   table.get("method", object.method, kMethodNames);
   table.get("solver", object.solver, kSolverNames);
   table.get("iterations", object.max_iterations, 1, 10000);

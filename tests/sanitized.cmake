@@ -1,7 +1,7 @@
 # What runs under sanitizers (GLISS_SANITIZE): tests of what reads foreign bytes, walks arrays or is shared by threads.
 # Not what runs programs, measures, or would take minutes: CI has few for this.
 if(GLISS_SANITIZE STREQUAL "thread")
-  set(parts haply_device loop periodic sweep udp_device udp_server)
+  set(parts haply_device loop parallel periodic udp_device udp_server)
 else()
   set(parts atomic_file cache_file csv_file csv_reader guard haply_device loop mesh result_file scene_error scene_file
     sim_device sweep udp_device udp_protocol udp_server units validate vtp_file)

@@ -133,8 +133,7 @@ std::vector<double> parse_depths(const std::string& text) {
 
 Level parse_level(const std::string& option, const std::string& name) {
   if (const auto level = find_level(name)) return *level;
-  throw InputError(fmt::format("{}: '{}' is none of {}, table:1 to table:{}", option, name,
-                               listed(kLevelNames), kMostTableCells));
+  throw InputError(option + ": " + no_level(name));
 }
 
 std::unique_ptr<Engine> make_engine(const CommonOptions& options) {

@@ -9,9 +9,9 @@ build_packages=(cmake ninja-build g++ libtbb-dev libeigen3-dev libhdf5-dev libfm
 command -v npm >/dev/null || build_packages+=(nodejs npm)
 
 # What the tests and benchmarks need besides. clang reads the kernels as OpenCL C; PoCL is an OpenCL
-# device on any processor, oclgrind one that finds what others let pass.
+# device on any processor, oclgrind one that finds what others let pass; of locales one with a decimal comma is made.
 test_packages=(pocl-opencl-icd oclgrind libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev libembree-dev
-  make clang clang-format-14 stress-ng rt-tests strace python3-h5py python3-numpy)
+  make clang clang-format-14 stress-ng rt-tests strace locales python3-h5py python3-numpy)
 # What tools/fuzz.sh needs besides: clang with libFuzzer and its sanitizers.
 fuzz_packages=(clang libclang-rt-dev libgtest-dev)
 # Tests that need these are skipped without them; on Ubuntu a snap holds the browser.
