@@ -15,15 +15,16 @@ FN triangle_foot foot_on_triangle(real3 a, real3 b, real3 c, real3 x) {
              d5 = dot3(ab, cx), d6 = dot3(ac, cx);
   const real vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
   const real zero = splat(K(0)), one = splat(K(1)), along = d4 - d3, back = d5 - d6;
-  const mask on_bc = (va <= zero) & (along >= zero) & (back >= zero);
-  const mask on_ac = (vb <= zero) & (d2 >= zero) & (d6 <= zero);
-  const mask on_ab = (vc <= zero) & (d1 >= zero) & (d3 <= zero);
+  // An edge of no length holds nothing that its neighbour does not.
+  const mask on_bc = (va <= zero) & (along >= zero) & (back >= zero) & (along + back > zero);
+  const mask on_ac = (vb <= zero) & (d2 >= zero) & (d6 <= zero) & (d2 - d6 > zero);
+  const mask on_ab = (vc <= zero) & (d1 >= zero) & (d3 <= zero) & (d1 - d3 > zero);
   const mask at_c = (d6 >= zero) & (d5 <= d6), at_b = (d3 >= zero) & (d4 <= d3),
              at_a = (d1 <= zero) & (d2 <= zero);
   const real over = pick(on_ab, d1, pick(on_ac, d2, pick(on_bc, along, one)));
   const real under =
       pick(on_ab, d1 - d3, pick(on_ac, d2 - d6, pick(on_bc, along + back, va + vb + vc)));
-  const real t = over / under;
+  const real t = pick(under > zero, over / under, zero);  // 0: by rounding, of a sliver
   triangle_foot r;
   r.v = pick(on_ab, t, pick(on_ac, zero, pick(on_bc, one - t, vb * t)));
   r.w = pick(on_ab, zero, pick(on_ac | on_bc, t, vc * t));
