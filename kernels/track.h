@@ -162,7 +162,9 @@ FN int in_sector(surface_view view, uint side, real3 w) {
   const real3 p = t.p, q = t.q;
   const real pp = dot3(p, p), pq = dot3(p, q), qq = dot3(q, q), wp = dot3(w, p), wq = dot3(w, q);
   const real a = wp * qq - wq * pq, b = wq * pp - wp * pq;
-  return a >= K(0) && b >= K(0) && a + b > K(0);
+  // Along an edge rounding leaves no gap between the patches on its sides.
+  const real gap = K(-16) * EPSILON * norm3(w);
+  return a >= gap * sqrt(pp) * qq && b >= gap * sqrt(qq) * pp && a + b > K(0);
 }
 
 // The side that starts at the same vertex as `side` and whose patch w points into, anticlockwise
@@ -183,14 +185,43 @@ FN_LARGE uint fan_sector(surface_view view, uint side, real3 w) {
   return NONE;
 }
 
-// -model^-1 gradient, where the model falls back to the Gauss-Newton part wherever the whole is not
-// safely positive.
+FN sym2 add_sym2(sym2 a, sym2 b) {
+  sym2 r = {a.a + b.a, a.b + b.b, a.c + b.c};
+  return r;
+}
+
+// The step where first + second is flat or indefinite: of its curvatures relative to `first`, those
+// that rise are kept, so that flat minima are not crept to; 1 stands for the others, as in the
+// Gauss-Newton step.
+FN domain_vector saddle_step(sym2 first, sym2 second, domain_vector gradient) {
+  // first = L L^T; of L^-1 second L^-T the eigenvalues, and 1 more those of the whole.
+  const real l = sqrt(first.a), m = first.b / l;
+  const real k = sqrt(larger(first.c - m * m, TINY));
+  const real a = second.a / (l * l), b = (second.b / l - a * m) / k,
+             c = (second.c - m * (K(2) * second.b / l - a * m)) / (k * k);
+  const real mean = K(1) + (a + c) / K(2), half_gap = (a - c) / K(2);
+  const real apart = sqrt(fma(half_gap, half_gap, b * b));
+  const real least = K(0x1p-20f);
+  const real high = mean + apart > least ? mean + apart : K(1),
+             low = mean - apart > least ? mean - apart : K(1);
+  // 1 / |.| of a matrix is mix + slope times it.
+  const real slope = apart > TINY ? (K(1) / high - K(1) / low) / (K(2) * apart) : K(0);
+  const real mix = (K(1) / high + K(1) / low) / K(2);
+  const real x = gradient.xi / l, y = (gradient.eta - m * x) / k;
+  const real p = fma(mix, x, slope * fma(half_gap, x, b * y)),
+             q = fma(mix, y, slope * fma(b, x, -half_gap * y));
+  const real eta = -q / k;
+  return make_vector((-p - m * eta) / l, eta);
+}
+
+// -model^-1 gradient; damped where the parametrisation is singular.
 FN domain_vector newton_step(sym2 first, sym2 second, domain_vector gradient) {
   const real least = EPSILON * (first.a + first.c) * (first.a + first.c);
-  sym2 m = {first.a + second.a, first.b + second.b, first.c + second.c};
+  sym2 m = add_sym2(first, second);
   const real whole = first.a * first.c - first.b * first.b;
   real det = m.a * m.c - m.b * m.b;
   if (!(det > K(0.0009765625f) * whole && m.a + m.c > K(0))) {
+    if (whole > least) return saddle_step(first, second, gradient);
     m = first;
     det = whole;
   }
@@ -207,7 +238,7 @@ FN domain_vector newton_step(sym2 first, sym2 second, domain_vector gradient) {
 
 // Best step along a side that holds the point, away from the corner where there is one; (0, 0) if
 // none descends.
-FN domain_vector edge_step(GLOBAL scalar* domain, int n, held_sides held, sym2 model,
+FN domain_vector edge_step(GLOBAL scalar* domain, int n, held_sides held, sym2 first, sym2 bend,
                            domain_vector gradient) {
   domain_vector best = make_vector(K(0), K(0));
   real gain = K(0);
@@ -219,7 +250,8 @@ FN domain_vector edge_step(GLOBAL scalar* domain, int n, held_sides held, sym2 m
     const real slope = fma(gradient.xi, along.xi, gradient.eta * along.eta);
     // At corner b only side b may be followed forwards and side a backwards.
     if (held.b >= 0 && (which == 0 ? slope < K(0) : slope > K(0))) continue;
-    const real t = -slope / larger(quadratic(model, along), TINY);
+    const real flat = quadratic(first, along), whole = flat + quadratic(bend, along);
+    const real t = -slope / larger(whole > flat / K(16) ? whole : flat, TINY);
     if (-t * slope > gain) {
       gain = -t * slope;
       best = make_vector(t * along.xi, t * along.eta);
@@ -229,11 +261,17 @@ FN domain_vector edge_step(GLOBAL scalar* domain, int n, held_sides held, sym2 m
 }
 
 // Secant update of the curvature term sum r . G_ij after a step, sized first, so that an estimate
-// that was far too large does not linger (Dennis, Gay and Welsch 1981, section 3).
-FN sym2 secant_update(sym2 s, domain_vector step, domain_vector y, domain_vector v) {
-  const real vs = fma(v.xi, step.xi, v.eta * step.eta);
-  const real size = fma(step.xi, step.xi, step.eta * step.eta);
-  if (!(fabs(vs) > TINY + EPSILON * size)) return s;
+// that was far too large does not linger (Dennis, Gay and Welsch 1981, section 3). Where the change
+// v of the gradient says little of the step, `first` weighs instead, or the estimate would explode.
+FN sym2 secant_update(sym2 s, sym2 first, domain_vector step, domain_vector y, domain_vector v) {
+  real vs = fma(v.xi, step.xi, v.eta * step.eta);
+  const real size = quadratic(first, step);
+  if (!(size > TINY)) return s;
+  if (!(vs > size / K(8))) {
+    v = make_vector(fma(first.a, step.xi, first.b * step.eta),
+                    fma(first.b, step.xi, first.c * step.eta));
+    vs = size;
+  }
   const real seen = fabs(fma(step.xi, y.xi, step.eta * y.eta)), held = fabs(quadratic(s, step));
   if (seen < held) {
     const real sizing = seen / held;
@@ -301,6 +339,24 @@ FN sym2 start_bend(surface_view view, foot f, track_options options) {
   return s;
 }
 
+// The curvature term of `from` in the domain of `to`, across an edge or a corner where the tangent
+// planes are the same.
+FN sym2 carry_bend(surface_view view, foot from, foot to, track_options options) {
+  const real3 u = from.at.g_xi, v = from.at.g_eta;
+  const real a = dot3(u, u), b = dot3(u, v), c = dot3(v, v), det = a * c - b * b;
+  if (options.solver != SOLVER_NEWTON || !(det > EPSILON * (a + c) * (a + c)))
+    return start_bend(view, to, options);
+  const real over = K(1) / det;
+  const real3 du = mul3(over, fma3(c, u, mul3(-b, v))), dv = mul3(over, fma3(a, v, mul3(-b, u)));
+  const domain_vector x = make_vector(dot3(du, to.at.g_xi), dot3(dv, to.at.g_xi)),
+                      y = make_vector(dot3(du, to.at.g_eta), dot3(dv, to.at.g_eta));
+  const sym2 s = from.bend;
+  sym2 r = {quadratic(s, x),
+            fma(x.xi, fma(s.a, y.xi, s.b * y.eta), x.eta * fma(s.b, y.xi, s.c * y.eta)),
+            quadratic(s, y)};
+  return r;
+}
+
 typedef struct {
   uint patch;
   real distance2;
@@ -312,7 +368,8 @@ typedef struct {
 FN_LARGE foot track_foot(surface_view view, hip_point h, foot f, track_options options,
                          known_minimum known) {
   int just_crossed = 0;
-  real last2 = -K(1);  // squared length of the last step, in the same patch
+  real last2 = -K(1);    // squared length of the last step, in the same patch
+  real before2 = -K(1);  // of the last whole step, in any
   while (f.iterations < options.max_iterations) {
     const int n = valence_of(view, f.patch);
     const uint first_side = view.side_begin[f.patch];
@@ -321,13 +378,25 @@ FN_LARGE foot track_foot(surface_view view, hip_point h, foot f, track_options o
     const sym2 first = {dot3(f.at.g_xi, f.at.g_xi), dot3(f.at.g_xi, f.at.g_eta),
                         dot3(f.at.g_eta, f.at.g_eta)};
     domain_vector step = newton_step(first, f.bend, gradient);
+    real length2 = quadratic(first, step);
+    // A patch away the curvature is another: no farther than the tangent plane says.
+    if (length2 > K(1)) {
+      const sym2 none = {K(0), K(0), K(0)};
+      const domain_vector flat = newton_step(first, none, gradient);
+      const real flat2 = quadratic(first, flat);
+      if (flat2 < length2) {
+        step = flat;
+        length2 = flat2;
+      }
+    }
     const real tolerance2 = options.tolerance * options.tolerance;
     const held_sides held = sides_at(domain, n, f.xi, f.eta);
     const int leaves_a = held.a >= 0 && outward(domain, held.a, step) > K(0);
     const int leaves_b = held.b >= 0 && outward(domain, held.b, step) > K(0);
     held_sides along = {-1, -1};
-    const real length2 = quadratic(first, step);
     if (length2 <= tolerance2) {
+      if (held.a < 0 && cut_at_sides(domain, n, held, f.xi, f.eta, step).side < 0)
+        f = slide(view, f, step);
       f.flags |= FOOT_CONVERGED;
       break;
     }
@@ -358,16 +427,17 @@ FN_LARGE foot track_foot(surface_view view, hip_point h, foot f, track_options o
         if (next != NONE) to = cross_edge(view, first_side + (uint)held.a, next, f.xi, f.eta);
       }
       if (next != NONE && !just_crossed) {
+        const foot from = f;
         f = move_foot(view, h, f, to.patch, to.xi, to.eta);
         ++f.iterations;
         ++f.crossings;
         just_crossed = 1;
         if (f.patch == known.patch && f.distance2 >= known.distance2) break;
-        f.bend = start_bend(view, f, options);
+        f.bend = carry_bend(view, from, f, options);
         last2 = -K(1);
         continue;
       }
-      step = edge_step(domain, n, held, first, gradient);
+      step = edge_step(domain, n, held, first, f.bend, gradient);
       along = held;
       f.flags |= next == NONE ? FOOT_BORDER : FOOT_CREASE;
       if (quadratic(first, step) <= tolerance2) {
@@ -378,7 +448,7 @@ FN_LARGE foot track_foot(surface_view view, hip_point h, foot f, track_options o
     // Near the minimum the distance no longer tells better from worse; steps that still shrink do.
     const real fall = -fma(gradient.xi, step.xi, gradient.eta * step.eta);
     const int at_rounding = fall <= K(16) * EPSILON * dot3(f.r, f.r);
-    if (at_rounding && last2 > K(0) && length2 >= last2) {
+    if (at_rounding && before2 > K(0) && length2 >= before2) {
       f.flags |= FOOT_CONVERGED;
       break;
     }
@@ -418,16 +488,18 @@ FN_LARGE foot track_foot(surface_view view, hip_point h, foot f, track_options o
     to.iterations = f.iterations;
     to.crossings = f.crossings + crossed;
     to.flags = f.flags;
+    before2 = length2;
     last2 = crossed || along.a >= 0 ? -K(1) : length * length * length2;
     if (crossed) {
       if (to.patch == known.patch && to.distance2 >= known.distance2) return to;
-      to.bend = start_bend(view, to, options);
+      to.bend = carry_bend(view, f, to, options);
     } else if (options.solver == SOLVER_NEWTON) {
       const domain_vector after = gradient_of(to);
       const domain_vector change = make_vector(after.xi - gradient.xi, after.eta - gradient.eta);
       const domain_vector y =
           make_vector(after.xi - dot3(f.at.g_xi, to.r), after.eta - dot3(f.at.g_eta, to.r));
-      to.bend = secant_update(f.bend, make_vector(length * step.xi, length * step.eta), y, change);
+      to.bend =
+          secant_update(f.bend, first, make_vector(length * step.xi, length * step.eta), y, change);
     }
     just_crossed = crossed;
     f = to;

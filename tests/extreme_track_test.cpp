@@ -156,7 +156,7 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(Loop{"over faces", over_faces, 1e-6, 1e-6, 1e-5, 1e-8, 0},
                       Loop{"round a vertex", round_a_vertex, 5e-6, 1e-6, 1e-4, 1e-6},
                       Loop{"through a vertex", through_a_vertex, 1e-6, 1e-6, 1e-5},
-                      Loop{"along edges", along_edges, 1e-3, 1e-6, 1e-5, 1e-6, 1e-4}),
+                      Loop{"along edges", along_edges, 2e-6, 1e-6, 1e-5, 2e-7, 1e-4}),
     [](const auto& info) {
       std::string name = info.param.name;
       std::replace(name.begin(), name.end(), ' ', '_');
