@@ -99,6 +99,15 @@ FN foot track_from(surface_view view, hip_point h, uint patch, real xi, real eta
                                         : track_foot(view, h, f, options, known);
 }
 
+// Whether to go on with `a`. What has converged is not given up for a rounding.
+FN int is_nearer(foot a, foot b) {
+  const real rounding = K(64) * EPSILON * b.distance2;
+  const int a_converged = (a.flags & FOOT_CONVERGED) != 0u,
+            b_converged = (b.flags & FOOT_CONVERGED) != 0u;
+  const real give = a_converged == b_converged ? K(0) : a_converged ? rounding : -rounding;
+  return a.distance2 < b.distance2 + give;
+}
+
 // The better of a known minimum and those reached from a patch: from where the nearest point of its
 // base polygon lies (4.1); where the HIP is so far that the patch may have several, also from its
 // centre and from near its corners.
@@ -123,10 +132,12 @@ FN_LARGE foot search_patch(surface_view view, hip_point h, base_point base, trac
       const real part = K(0.375f);  // of their sum
       at = make_vector(part * (a.xi + b.xi), part * (a.eta + b.eta));
     }
-    known_minimum known = {best.patch, best.distance2};
-    foot f = track_from(view, h, p, at.xi, at.eta, options, known);
+    // A far one may have two minima in the known patch as well: not every start stops there.
+    const int is_far = best.distance2 > rho * rho;
+    known_minimum known = {is_far && i <= 1 ? NONE : best.patch, best.distance2};
+    const foot f = track_from(view, h, p, at.xi, at.eta, options, known);
     iterations += f.iterations;
-    if (best.patch == NONE || f.distance2 < best.distance2) best = f;
+    if (best.patch == NONE || is_nearer(f, best)) best = f;
     if (i == 0 && best.distance2 > rho * rho) starts = 2 * corners + 2;
   }
   best.iterations = iterations;
