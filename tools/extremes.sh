@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Measures the worst value of every bound and writes tests/EXTREMES.md. Takes an hour or two; GLISS_LONG_TESTS= makes
-# that minutes, with the samples of CI.
+# Measures the worst value of every bound and writes tests/EXTREMES.md. Takes some hours; GLISS_LONG_TESTS=20 takes
+# twenty times the samples of CI instead, GLISS_LONG_TESTS= those of CI: minutes.
 set -euo pipefail
 cd "$(dirname -- "${BASH_SOURCE[0]}")/.."
 source tools/packages.sh
