@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "bench/benches.h"
 #include "bench/device_peak.h"
 #include "bench/setup.h"
 #include "host/opencl.h"
