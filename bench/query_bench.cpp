@@ -76,7 +76,7 @@ Work make_nearest(const QueryOptions& options, Precision precision, Search order
   return work;
 }
 
-// Half of what is good enough, for a step left out says little more than the order of the error;
+// A quarter of what is good enough, for what a solver leaves is up to three times its tolerance;
 // relative to the patches' size.
 double patch_tolerance(const PatchCache& cache) {
   double most = 0;
@@ -86,7 +86,7 @@ double patch_tolerance(const PatchCache& cache) {
           most = std::max(most, static_cast<double>(s.patch[p * kPatchReals + kPatchUnscale]));
       },
       cache.surface);
-  return 0.5 * kGoodEnough * size_of(cache) * cache.scale / most;
+  return 0.25 * kGoodEnough * size_of(cache) * cache.scale / most;
 }
 
 // HIPs that moved since their contacts were found; errors are distances to where each contact ends,
