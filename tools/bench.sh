@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Measures Gliss beside peers and the machine's limits, and writes the section of bench/RESULTS.md between its two
-# markers. Nothing fails for a figure. Takes a quarter of an hour; --quick is for trying it: a short run, printed only.
+# markers. No figure fails it. Takes a quarter of an hour; --quick is for trying it: a short run, printed only.
 # Further arguments go to gliss_bench: tools/bench.sh --size=100000
 set -euo pipefail
 cd "$(dirname -- "${BASH_SOURCE[0]}")/.."
