@@ -122,8 +122,11 @@ void register_machine() {
   for (const int threads : {1, 2}) {
     const std::string end = "/" + std::to_string(threads);
     for (const Precision p : {Precision::kFloat, Precision::kDouble}) {
-      add_work(std::string("machine/fma/") + precision_name(p) + end, threads,
-               [=] { return fma_work(p, threads); });
+      std::vector<Rival> rivals;
+      if (threads > 1) rivals.push_back({"x_one_thread", [=] { return fma_work(p, 1); }});
+      add_work(
+          std::string("machine/fma/") + precision_name(p) + end, threads,
+          [=] { return fma_work(p, threads); }, rivals);
     }
     add_work("machine/read" + end, threads, [=] { return read_work(threads); });
     add_work("machine/write" + end, threads, [=] { return write_work(threads); });

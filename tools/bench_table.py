@@ -123,12 +123,12 @@ def processor():
 
 def section(data):
     r, context = medians(data["benchmarks"]), data["context"]
-    # Of the wall's time, what a thread had of its core.
-    own = statistics.median(of["cpu_time"] / of["real_time"] for name, of in r.items() if name.endswith("/1"))
-    lines = [f"Made by `tools/bench.sh` on {context['date'][:10]}: {os.cpu_count()} cores of {processor()}, medians of the "
-             "repetitions. Ratios are of turns",
-             f"taken in one run and carry over, absolute figures do not. One thread had its core for {percent(own)} of the time"
-             + (": **others used the machine**." if own < 0.97 else "."), ""]
+    two = r.get("machine/fma/float/2", {}).get("x_one_thread")
+    lines = [f"Made by `tools/bench.sh` on {context['date'][:10]}: {os.cpu_count()} cores of {processor()}, medians of the",
+             "repetitions. Ratios are of turns taken in one run and carry over, absolute figures do not."]
+    if two is not None and two < 1.9:
+        lines.append(f"Two threads do {times(two)} the fma of one: **others used the machine**.")
+    lines.append("")
     for title, part in (("Beside peers", peers(r) + peer_rates(r)), ("Evaluation", evaluate(r)), ("The other paths", paths(r) + ticks(r)),
                         ("Roofline", roofline(r))):
         if part:
