@@ -2,6 +2,7 @@
 // tracker, guard. Back to back, and woken 1000 times a second, when its memory has gone cold.
 #include <benchmark/benchmark.h>
 
+#include "bench/benches.h"
 #include "bench/setup.h"
 #include "runtime/loop.h"
 #include "runtime/realtime.h"

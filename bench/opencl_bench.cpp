@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <memory>
 
+#include "bench/benches.h"
 #include "bench/device_peak.h"
 #include "bench/setup.h"
 #include "host/opencl.h"
@@ -20,7 +21,6 @@ constexpr double kQuadOperations = 42 + 40 + 359 + 15 + 8 + 2 * 742;
 
 struct Engines {
   std::unique_ptr<Engine> tbb = make_tbb_engine(), opencl;
-  DevicePeak peak;
 };
 
 double seconds() {
@@ -64,7 +64,6 @@ void register_opencl(const std::string& device) {
   const auto engines = std::make_shared<Engines>();
   try {
     engines->opencl = make_opencl_engine(options);
-    engines->peak = measure_peak(device);
   } catch (const DeviceError& error) {
     std::fprintf(stderr, "skipped: %s\n", error.what());
     return;
@@ -84,6 +83,7 @@ void register_opencl(const std::string& device) {
               [&](const Engine& engine) { benchmark::DoNotOptimize(engine.build(s.mesh, build)); });
     });
     add("evaluate", precision, [=](benchmark::State& state) {
+      static const DevicePeak peak = measure_peak(device);
       const Setup& s = setup();
       const auto tbb = engines->tbb->reside(s.cache), opencl = engines->opencl->reside(s.cache);
       std::vector<SurfacePoint> out(count);
@@ -93,8 +93,8 @@ void register_opencl(const std::string& device) {
       const double real = precision == Precision::kFloat ? 4 : 8;
       const double rate = state.counters["kernel_per_s"];
       if (precision == Precision::kFloat)
-        state.counters["of_peak"] = rate * kQuadOperations / engines->peak.operations;
-      state.counters["of_bandwidth"] = rate * 11 * real / engines->peak.bandwidth;
+        state.counters["of_peak"] = rate * kQuadOperations / peak.operations;
+      state.counters["of_bandwidth"] = rate * 11 * real / peak.bandwidth;
     });
     add("nearest", precision, [=](benchmark::State& state) {
       const Setup& s = setup();

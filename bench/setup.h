@@ -40,9 +40,4 @@ inline std::string name_of(Precision precision) {
   return precision == Precision::kFloat ? "float" : "double";
 }
 
-// Of the OpenCL engine, each beside oneTBB's in the same run.
-void register_opencl(const std::string& device);
-
-void register_loop();
-
 }  // namespace gliss::bench

@@ -12,6 +12,8 @@ command -v npm >/dev/null || build_packages+=(nodejs npm)
 # device on any processor, oclgrind one that finds what others let pass; of locales one with a decimal comma is made.
 test_packages=(pocl-opencl-icd oclgrind libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev libembree-dev
   make clang clang-format-14 stress-ng rt-tests strace locales python3-h5py python3-numpy)
+# Peers that tools/bench.sh compares with, where they can be had.
+bench_packages=(libosd-dev libembree-dev)
 # What tools/fuzz.sh needs besides: clang with libFuzzer and its sanitizers.
 fuzz_packages=(clang libclang-rt-dev libgtest-dev)
 # Tests that need these are skipped without them; on Ubuntu a snap holds the browser.

@@ -1,0 +1,34 @@
+// The same work done by other libraries, where they are installed: on our quads, at our points, in
+// float.
+#pragma once
+
+#include <vector>
+
+#include "bench/work.h"
+#include "host/mesh.h"
+
+namespace gliss::bench {
+
+#ifdef GLISS_WITH_OPENSUBDIV
+inline constexpr bool kOpenSubdiv = true;
+#else
+inline constexpr bool kOpenSubdiv = false;
+#endif
+#ifdef GLISS_WITH_EMBREE
+inline constexpr bool kEmbree = true;
+#else
+inline constexpr bool kEmbree = false;
+#endif
+
+// By patch, as many points of each as ours; or one point a patch, in random order.
+enum class Order { kByPatch, kShuffled };
+
+// Positions and both derivatives of the Catmull-Clark surface of a mesh of quads. Its patches are
+// Gregory's where a corner is not of four faces: Osd's CpuEvaluator without subdivision.
+Work opensubdiv_evaluate(const Mesh& quads, Order order);
+// The same by rtcInterpolateN, its irregular patches in a cache that holds them all.
+Work embree_evaluate(const Mesh& quads, Order order);
+// The nearest point of triangles to each HIP, by rtcPointQuery.
+Work embree_nearest(const Mesh& triangles, const std::vector<Vec3>& hips);
+
+}  // namespace gliss::bench

@@ -1,0 +1,200 @@
+// Nearest points: cold, warm, and tick by tick.
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <chrono>
+#include <numeric>
+#include <random>
+
+#include "bench/benches.h"
+#include "bench/meshes.h"
+#include "bench/peers/peers.h"
+#include "host/names.h"
+
+namespace gliss::bench {
+namespace {
+
+constexpr std::size_t kHips = 4096;
+constexpr double kOffset = 0.02, kMove = 0.001;  // of the mesh's size
+constexpr double kGoodEnough = 1e-6;             // ... as an error of a tracked contact
+
+// HIPs beneath the surface, in the order of faces, with the points that they lie beneath.
+struct Hips {
+  std::vector<DomainPoint> points;
+  std::vector<Vec3> hips;
+};
+
+Hips hips_beneath(const PatchCache& cache) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> uniform(-0.4, 0.4);
+  Hips h;
+  for (std::size_t i = 0; i < kHips; ++i) {
+    const auto face = static_cast<std::uint32_t>(i * cache.mesh_face_count / kHips);
+    const double xi = uniform(random), eta = uniform(random);
+    h.points.push_back({face, xi, eta});
+  }
+  std::vector<SurfacePoint> at(kHips);
+  evaluate(cache, h.points, at);
+  const double offset = kOffset * size_of(cache);
+  for (const SurfacePoint& p : at) h.hips.push_back(p.position - offset * p.normal);
+  return h;
+}
+
+std::vector<Vec3> shuffled(std::vector<Vec3> hips) {
+  std::shuffle(hips.begin(), hips.end(), std::mt19937(2));
+  return hips;
+}
+
+enum class Search { kRandom, kSpatial };
+
+std::vector<Vec3> hips_of(Search order) {
+  // The same whatever is asked for them.
+  std::vector<Vec3> hips = hips_beneath(cache_of(Shape::kKnot, Precision::kDouble)).hips;
+  return order == Search::kRandom ? shuffled(std::move(hips)) : hips;
+}
+
+double quantile(const std::vector<double>& sorted, double q) {
+  const auto at = static_cast<std::size_t>(q * static_cast<double>(sorted.size()));
+  return sorted[std::min(sorted.size() - 1, at)];
+}
+
+double iterations_of(const std::vector<Contact>& contacts) {
+  double sum = 0;
+  for (const Contact& c : contacts) sum += c.iterations;
+  return sum / static_cast<double>(contacts.size());
+}
+
+Work make_nearest(const QueryOptions& options, Precision precision, Search order, int threads) {
+  std::shared_ptr<ResidentSurface> surface =
+      engine_of(threads).reside(cache_of(Shape::kKnot, precision));
+  std::vector<Contact> contacts(kHips);
+  const auto hips = hips_of(order);
+  surface->project(hips, options, contacts);
+  Work work{static_cast<double>(kHips), nullptr};
+  work.counters["solver_iterations"] = iterations_of(contacts);
+  work.run = [=]() mutable { surface->project(hips, options, contacts); };
+  return work;
+}
+
+// A quarter of what is good enough, for what a solver leaves is up to three times its tolerance;
+// relative to the patches' size.
+double patch_tolerance(const PatchCache& cache) {
+  double most = 0;
+  std::visit(
+      [&](const auto& s) {
+        for (std::uint32_t p = 0; p < s.patch_count(); ++p)
+          most = std::max(most, static_cast<double>(s.patch[p * kPatchReals + kPatchUnscale]));
+      },
+      cache.surface);
+  return 0.25 * kGoodEnough * size_of(cache) * cache.scale / most;
+}
+
+// HIPs that moved since their contacts were found; errors are distances to where each contact ends,
+// of the size.
+Work make_track(Precision precision, int threads) {
+  const PatchCache& cache = cache_of(Shape::kKnot, precision);
+  std::shared_ptr<ResidentSurface> surface = engine_of(threads).reside(cache);
+  Hips h = hips_beneath(cache);
+  const double size = size_of(cache);
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  for (Vec3& hip : h.hips) {
+    const Vec3 way(normal(random), normal(random), normal(random));
+    hip += kMove * size * way.normalized();
+  }
+  QueryOptions options;
+  std::vector<Contact> contacts(kHips), exact(kHips);
+  ContactTracker reference(cache_of(Shape::kKnot, Precision::kDouble), {});
+  options.tolerance = patch_tolerance(cache);
+  surface->track(h.hips, h.points, options, contacts);
+  Work work{static_cast<double>(kHips), nullptr};
+  std::vector<double> errors;
+  for (std::size_t i = 0; i < kHips; ++i) {
+    const Contact there = reference.track(h.hips[i], h.points[i]);
+    errors.push_back((contacts[i].scp - there.scp).norm() / size);
+  }
+  std::sort(errors.begin(), errors.end());
+  work.counters["error_p999"] = quantile(errors, 0.999);
+  work.counters["error_worst"] = errors.back();
+  work.counters["solver_iterations"] = iterations_of(contacts);
+  work.run = [=]() mutable { surface->track(h.hips, h.points, options, contacts); };
+  return work;
+}
+
+// One contact that slides 2 mm beneath the surface, 0.15 mm a tick; each tick by itself.
+void tick(benchmark::State& state, Precision precision) {
+  using Clock = std::chrono::steady_clock;
+  const KnotGrid grid = knot_grid(mesh_faces);
+  const std::vector<Vec3> path =
+      path_beneath(torus_knot(grid.along, grid.around), grid.along, grid.around, 2, 0.15);
+  ContactTracker tracker(cache_of(Shape::kKnot, precision), {});
+  for (const Vec3& hip : path) tracker.tick(hip);
+  std::vector<double> us;
+  std::size_t next = 0;
+  for (auto _ : state) {
+    const Clock::time_point start = Clock::now();
+    benchmark::DoNotOptimize(tracker.tick(path[next]));
+    const std::chrono::duration<double> took = Clock::now() - start;
+    us.push_back(1e6 * took.count());
+    next = next + 1 < path.size() ? next + 1 : 0;
+  }
+  state.counters["items_per_second"] =
+      1e6 * static_cast<double>(us.size()) / std::accumulate(us.begin(), us.end(), 0.0);
+  std::sort(us.begin(), us.end());
+  state.counters["p50_us"] = quantile(us, 0.5);
+  state.counters["p99_us"] = quantile(us, 0.99);
+}
+
+void add_nearest(const std::string& path, const std::string& level, const QueryOptions& options,
+                 Precision p, Search order, int threads) {
+  std::vector<Rival> rivals;
+  if (threads > 1) {
+    rivals.push_back({"x_one_thread", [=] { return make_nearest(options, p, order, 1); }});
+  } else if (kEmbree && options.method == Method::kGregory && options.solver == Solver::kNewton) {
+    if constexpr (kEmbree) {
+      rivals.push_back(
+          {"x_embree", [=] { return embree_nearest(mesh_of(Shape::kDense), hips_of(order)); }});
+    }
+  }
+  add_work(
+      path + "/" + level + "/" + precision_name(p) + "/4/tbb/" + std::to_string(threads), threads,
+      [=] { return make_nearest(options, p, order, threads); }, rivals);
+}
+
+}  // namespace
+
+void register_queries() {
+  for (const Precision p : {Precision::kFloat, Precision::kDouble}) {
+    for (const int threads : {1, 2}) {
+      add_nearest("nearest", "exact", {}, p, Search::kRandom, threads);
+      add_nearest("nearest_spatial", "exact", {}, p, Search::kSpatial, threads);
+      std::vector<Rival> rivals;
+      if (threads > 1) rivals.push_back({"x_one_thread", [=] { return make_track(p, 1); }});
+      add_work(
+          work_name("track", {}, p, 4, threads), threads, [=] { return make_track(p, threads); },
+          rivals);
+    }
+    for (const auto& [name, method] : kMethodNames) {
+      QueryOptions options;
+      options.method = method;
+      if (method != Method::kGregory) add_nearest("nearest", name, options, p, Search::kRandom, 1);
+    }
+    for (const auto& [name, solver] : kSolverNames) {
+      QueryOptions options;
+      options.solver = solver;
+      if (solver != Solver::kNewton)
+        add_nearest("nearest", std::string("exact-") + name, options, p, Search::kRandom, 1);
+    }
+    benchmark::RegisterBenchmark(work_name("tick", {}, p, 4, 1).c_str(), tick, p)
+        ->Unit(benchmark::kMicrosecond);
+  }
+  if constexpr (kEmbree) {
+    for (const auto& [name, order] : {std::pair{"nearest_46080", Search::kRandom},
+                                      {"nearest_46080_spatial", Search::kSpatial}}) {
+      add_work(std::string("peer/embree/") + name + "/1", 1,
+               [order = order] { return embree_nearest(mesh_of(Shape::kDense), hips_of(order)); });
+    }
+  }
+}
+
+}  // namespace gliss::bench

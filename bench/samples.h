@@ -1,0 +1,58 @@
+// The points at which patches are sampled: the same for us and for peers.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+#include <random>
+#include <vector>
+
+namespace gliss::bench {
+
+inline constexpr std::size_t kPatchPoints = 256;  // of a patch, when many are asked for at once
+inline constexpr std::size_t kCallPatches =
+    1024;  // a call of a benchmark takes about so many patches
+inline constexpr std::size_t kShuffledPoints = 65536;  // or so many points, each of another patch
+
+// A quad's own parameters: u from corner 0 to 1, v from corner 0 to 3.
+struct QuadPoint {
+  float u, v;
+};
+inline QuadPoint quad_point(double xi, double eta) {
+  return {static_cast<float>(0.5 * (1 - xi + eta)), static_cast<float>(0.5 * (1 - xi - eta))};
+}
+
+// A grid: all over a quad, for near corners peers do more; else well within the domain.
+template <class Real>
+struct PatchGrid {
+  std::vector<Real> xi, eta;
+  explicit PatchGrid(std::uint32_t n) {
+    const double size = n == 4 ? 1 : 0.3;
+    for (std::size_t i = 0; i < kPatchPoints; ++i) {
+      const double u = (static_cast<double>(i % 16) + 0.5) / 16,
+                   v = (static_cast<double>(i / 16) + 0.5) / 16;
+      xi.push_back(static_cast<Real>(size * (1 - u - v)));
+      eta.push_back(static_cast<Real>(size * (u - v)));
+    }
+  }
+};
+
+// One point each of quads in random order, as those of unrelated HIPs are.
+template <class Real>
+struct ShuffledPoints {
+  std::vector<std::uint32_t> patch;
+  std::vector<Real> xi, eta;
+  explicit ShuffledPoints(std::size_t patches) {
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> uniform(0.01, 0.99);
+    for (std::size_t i = 0; i < kShuffledPoints; ++i) {
+      const double u = uniform(random), v = uniform(random);
+      patch.push_back(static_cast<std::uint32_t>(i % patches));
+      xi.push_back(static_cast<Real>(1 - u - v));
+      eta.push_back(static_cast<Real>(u - v));
+    }
+    std::shuffle(patch.begin(), patch.end(), random);
+  }
+};
+
+}  // namespace gliss::bench
