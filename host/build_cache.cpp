@@ -173,7 +173,8 @@ class CacheBuilder {
         for (std::size_t p = begin; p < end; ++p) {
           DraftedFace& d = drafted_[c.first + p];
           d.shape = shape_from(&b.shape[p * kShapeReals], b.valence(p));
-          if (may_fold_unseen(d.shape)) d.shape = examine(draft(faces_[c.first + p]), tables_);
+          if (may_fold_unseen(d.shape))
+            d.shape.turn = std::min(d.shape.turn, closer_turn(draft(faces_[c.first + p]), tables_));
           d.folded = is_folded(d.shape);
           d.degenerate = is_degenerate(b.soundness[p]);
           if (d.flagged() && options_.tame) tame(faces_[c.first + p], d);

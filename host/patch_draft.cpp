@@ -15,21 +15,6 @@ namespace {
 constexpr double kFarthestReach = 4;
 constexpr std::uint32_t kCloser = 3;  // times as many samples along a line
 
-// The least cosine, as PatchShape::turn, of more samples.
-double closer_turn(const PatchDraft& d, const ValenceTables& tables) {
-  const std::uint32_t n = d.valence(), levels = kCloser * kernels<double>().probe_levels(n);
-  std::vector<Eigen::Vector2d> at;
-  for (std::uint32_t side = 0; side < n; ++side) {
-    for (double ring = 1; ring <= levels; ++ring) {
-      for (double i = 0; i < ring; ++i) at.emplace_back(ring / levels * on_side(n, side, i / ring));
-    }
-  }
-  double turn = 1;
-  for (const Vec3& normal : normals_of(d, tables, at))
-    turn = std::min(turn, normal.normalized().dot(d.frame.normal));
-  return turn;
-}
-
 }  // namespace
 
 bool may_fold_unseen(const PatchShape& s) {
@@ -149,10 +134,22 @@ std::vector<Vec3> normals_of(const PatchDraft& d, const ValenceTables& tables,
 }
 
 PatchShape examine(const PatchDraft& d, const ValenceTables& tables) {
-  PatchShape shape = examine(d.frame, d.corner.data(), d.triangle.data(), d.control.data(),
-                             kFormExact, d.valence(), tables);
-  if (may_fold_unseen(shape)) shape.turn = std::min(shape.turn, closer_turn(d, tables));
-  return shape;
+  return examine(d.frame, d.corner.data(), d.triangle.data(), d.control.data(), kFormExact,
+                 d.valence(), tables);
+}
+
+double closer_turn(const PatchDraft& d, const ValenceTables& tables) {
+  const std::uint32_t n = d.valence(), levels = kCloser * kernels<double>().probe_levels(n);
+  std::vector<Eigen::Vector2d> at;
+  for (std::uint32_t side = 0; side < n; ++side) {
+    for (double ring = 1; ring <= levels; ++ring) {
+      for (double i = 0; i < ring; ++i) at.emplace_back(ring / levels * on_side(n, side, i / ring));
+    }
+  }
+  double turn = 1;
+  for (const Vec3& normal : normals_of(d, tables, at))
+    turn = std::min(turn, normal.normalized().dot(d.frame.normal));
+  return turn;
 }
 
 }  // namespace gliss

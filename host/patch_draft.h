@@ -75,11 +75,12 @@ PatchDraft draft_patch(const FaceCorners& face, std::vector<std::uint32_t> face_
 // Normals, of any length, at `at`: domain points.
 std::vector<Vec3> normals_of(const PatchDraft& draft, const ValenceTables& tables,
                              std::span<const Eigen::Vector2d> at);
-// Looks closer where it may fold unseen.
 PatchShape examine(const PatchDraft& draft, const ValenceTables& tables);
 // Of a patch in any form, from its pieces.
 PatchShape examine(const PatchFrame& frame, const double* corner, const std::uint32_t* triangle,
                    const double* control, std::uint32_t form, std::uint32_t n,
                    const ValenceTables& tables);
+// PatchShape::turn of more samples.
+double closer_turn(const PatchDraft& draft, const ValenceTables& tables);
 
 }  // namespace gliss

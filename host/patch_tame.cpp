@@ -9,8 +9,8 @@
 namespace gliss {
 namespace {
 
-// A patch whose normal stays within 88 degrees of its polygon's neither folds nor nearly does.
-constexpr double kSafeTurn = 0.03;
+// A patch whose normal stays within 84 degrees of its polygon's neither folds nor nearly does.
+constexpr double kSafeTurn = 0.1;
 constexpr std::uint32_t kMaxFan = 64;  // faces of more sides are not cut from their centre: slivers
 constexpr double kFarthestCentre = 2;  // from the middle of a polygon in [-1, 1]^3
 constexpr double kInside = 1 - 1e-5;   // how far from the centre to a side counts as just inside

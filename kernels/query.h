@@ -99,13 +99,12 @@ FN foot track_from(surface_view view, hip_point h, uint patch, real xi, real eta
                                         : track_foot(view, h, f, options, known);
 }
 
-// Whether to go on with `a`. What has converged is not given up for a rounding.
+// Whether to go on with `a`: not for a rounding, by which other patches would decide, but where it
+// alone has converged.
 FN int is_nearer(foot a, foot b) {
-  const real rounding = K(64) * EPSILON * b.distance2;
-  const int a_converged = (a.flags & FOOT_CONVERGED) != 0u,
-            b_converged = (b.flags & FOOT_CONVERGED) != 0u;
-  const real give = a_converged == b_converged ? K(0) : a_converged ? rounding : -rounding;
-  return a.distance2 < b.distance2 + give;
+  const real rounding = K(8) * EPSILON * b.distance2;
+  const int converges = (a.flags & FOOT_CONVERGED) && !(b.flags & FOOT_CONVERGED);
+  return a.distance2 < b.distance2 + (converges ? rounding : -rounding);
 }
 
 // The better of a known minimum and those reached from a patch: from where the nearest point of its
