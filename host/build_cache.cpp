@@ -174,7 +174,8 @@ class CacheBuilder {
           DraftedFace& d = drafted_[c.first + p];
           d.shape = shape_from(&b.shape[p * kShapeReals], b.valence(p));
           if (may_fold_unseen(d.shape))
-            d.shape.turn = std::min(d.shape.turn, closer_turn(draft(faces_[c.first + p]), tables_));
+            d.shape.turn = std::min(d.shape.turn,
+                                    closer_turn(draft(corners_of(faces_[c.first + p])), tables_));
           d.folded = is_folded(d.shape);
           d.degenerate = is_degenerate(b.soundness[p]);
           if (d.flagged() && options_.tame) tame(faces_[c.first + p], d);
@@ -184,14 +185,15 @@ class CacheBuilder {
     });
   }
 
-  PatchDraft draft(std::uint32_t face) const {
-    return draft_patch(corners_of(face), all_corners(cache_.face_valence[face]));
+  static PatchDraft draft(const FaceCorners& face) {
+    return draft_patch(face, all_corners(static_cast<std::uint32_t>(face.position.size())));
   }
 
   void tame(std::uint32_t face, DraftedFace& d) const {
-    PatchDraft exact = draft(face);
+    const FaceCorners corners = corners_of(face);
+    PatchDraft exact = draft(corners);
     exact.shape = d.shape;
-    d.tamer = draft_tamer(corners_of(face), std::move(exact), tables_);
+    d.tamer = draft_tamer(corners, std::move(exact), tables_);
   }
 
   BuildReport report_of() const {
