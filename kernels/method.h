@@ -108,26 +108,31 @@ FN contact contact_of_base(surface_view view, hip_point h, base_point b, int met
 // A thousand sizes of the mesh away, rounding of the offset may be more than parts are thick.
 #define FAR_OUTSIDE K(1024)
 
-// Global: the nearest point of the surface, given that of the base polygons.
-FN_LARGE contact nearest_contact(surface_view view, hip_point h, base_point base, int method,
-                                 track_options options) {
-  contact c = method == METHOD_GREGORY ? contact_of_foot(view, nearest_foot(view, h, base, options))
-                                       : contact_of_base(view, h, base, method, 0);
+FN contact within_reach(hip_point h, contact c) {
   const real reach = fabs(h.high.x) + fabs(h.high.y) + fabs(h.high.z);
   if (!(reach <= FAR_OUTSIDE)) c.state = CONTACT_FREE;
   if (!(reach - reach == K(0))) c.flags &= ~FOOT_CONVERGED;  // it is no place
   return c;
 }
 
+// Global: the nearest point of the surface, given that of the base polygons.
+FN_LARGE contact nearest_contact(surface_view view, hip_point h, base_point base, int method,
+                                 track_options options) {
+  return within_reach(h, method == METHOD_GREGORY
+                             ? contact_of_foot(view, nearest_foot(view, h, base, options))
+                             : contact_of_base(view, h, base, method, 0));
+}
+
 // Local: the point that `last` was, after the HIP has moved to h.
 FN_LARGE contact track_contact(surface_view view, hip_point h, contact last,
                                track_options options) {
-  if (last.method == METHOD_GREGORY) {
-    const known_minimum none = {NONE, K(0)};
-    return contact_of_foot(view, track_from(view, h, last.patch, last.xi, last.eta, options, none));
-  }
-  return contact_of_base(view, h, track_base(view, h, last.patch, options.max_iterations),
-                         last.method, 0);
+  const known_minimum none = {NONE, K(0)};
+  return within_reach(
+      h, last.method == METHOD_GREGORY
+             ? contact_of_foot(
+                   view, track_from(view, h, last.patch, last.xi, last.eta, options, none))
+             : contact_of_base(view, h, track_base(view, h, last.patch, options.max_iterations),
+                               last.method, 0));
 }
 
 // Where the contact would be had it gone on as in the last tick; where it was, if that is outside.
@@ -158,7 +163,7 @@ FN_LARGE contact follow_contact(surface_view view, hip_point h, contact last,
     again.iterations += f.iterations;
     return again;
   }
-  contact c = contact_of_foot(view, f);
+  contact c = within_reach(h, contact_of_foot(view, f));
   if (c.patch == last.patch) c.drift = make_vector(c.xi - last.xi, c.eta - last.eta);
   return c;
 }

@@ -26,8 +26,10 @@ FN triangle_foot foot_on_triangle(real3 a, real3 b, real3 c, real3 x) {
       pick(on_ab, d1 - d3, pick(on_ac, d2 - d6, pick(on_bc, along + back, va + vb + vc)));
   const real t = pick(under > zero, over / under, zero);  // 0: by rounding, of a sliver
   triangle_foot r;
-  r.v = pick(on_ab, t, pick(on_ac, zero, pick(on_bc, one - t, vb * t)));
-  r.w = pick(on_ab, zero, pick(on_ac | on_bc, t, vc * t));
+  // Where rounding is more than the triangle, the inside may be anywhere.
+  const real v = larger(smaller(vb * t, one), zero), w = larger(smaller(vc * t, one - v), zero);
+  r.v = pick(on_ab, t, pick(on_ac, zero, pick(on_bc, one - t, v)));
+  r.w = pick(on_ab, zero, pick(on_ac | on_bc, t, w));
   r.v = pick(at_a, zero, pick(at_b, one, pick(at_c, zero, r.v)));
   r.w = pick(at_a | at_b, zero, pick(at_c, one, r.w));
   r.p = fma3(r.v, ab, fma3(r.w, ac, a));

@@ -108,7 +108,7 @@ const std::vector<const char*> kRound{"knot", "torus", "goldberg", "banana", "sp
 
 INSTANTIATE_TEST_SUITE_P(
     , ExtremeDepth,
-    ::testing::Values(Parts{"round parts", kRound, Precision::kDouble, 1e-9, 5e-5},
+    ::testing::Values(Parts{"round parts", kRound, Precision::kDouble, 1e-9, 2e-4},
                       Parts{"sharp parts", kSharp, Precision::kDouble, 1e-9, 0.012, 0, 5e-9},
                       Parts{"round parts, float", kRound, Precision::kFloat, 1e-6, 0, 0, 5e-5},
                       Parts{"sharp parts, float", kSharp, Precision::kFloat, 1e-6, 5e-3, 1e-4,

@@ -104,7 +104,7 @@ WorstPlace weights_against_oracle(Precision precision) {
 TEST(ExtremeWeights, are_those_of_long_double) {
   hold({"Numbers: patches", "weights of 3 to 1000 sides, double", 1e-13},
        weights_against_oracle<double>(Precision::kDouble));
-  hold({"Numbers: patches", "weights of 3 to 1000 sides, float", 2e-6, 1e-5,
+  hold({"Numbers: patches", "weights of 3 to 1000 sides, float", 2e-6, 2e-5,
         "that of the nearest side is read as 1 less the sum of all others"},
        weights_against_oracle<float>(Precision::kFloat));
 }
@@ -132,7 +132,9 @@ TEST(ExtremeWeights, leave_the_boundary_where_it_is) {
       }
     }
   }
-  hold({"Numbers: patches", "boundary curves, of size, 3 to 1000 sides, double", 1e-14}, side);
+  hold({"Numbers: patches", "boundary curves, of size, 3 to 1000 sides, double", 1e-14, 2e-14,
+        "n^2 roundings are lost between the sides next to a side"},
+       side);
   hold({"Numbers: patches", "corners, of size, 3 to 1000 sides, double", 2e-15}, corner);
 }
 

@@ -88,10 +88,14 @@ void evaluate_all(const PatchCache& cache) {
 
 double size_of(const Box& box) { return (box.high - box.low).norm(); }
 
+// Of what faces use.
 Box box_of(const Mesh& mesh) {
-  Box box{mesh.positions[0], mesh.positions[0]};
-  for (const Vec3& p : mesh.positions)
-    box.low = box.low.cwiseMin(p), box.high = box.high.cwiseMax(p);
+  const Vec3& any = mesh.positions[mesh.corner_vertex[0]];
+  Box box{any, any};
+  for (const std::uint32_t v : mesh.corner_vertex) {
+    box.low = box.low.cwiseMin(mesh.positions[v]);
+    box.high = box.high.cwiseMax(mesh.positions[v]);
+  }
   return box;
 }
 
