@@ -147,4 +147,5 @@ def main():
     file.write_text(f"{before}{BEGIN}\n{text}\n{END}{after}", encoding="utf-8")
 
 
-main()
+if __name__ == "__main__":
+    main()
