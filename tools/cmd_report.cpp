@@ -19,13 +19,14 @@ struct ReportingOptions : ReportOptions {
 };
 
 void describe(Command& command, ReportingOptions& options) {
-  command.list(
-      {"RESULTS", "FILE...",
-       "files left by gliss trace, sweep, compare --json, run --report or run --record", true},
-      [&options](const std::string& path) {
-        check_input("RESULTS", path);
-        options.results.push_back(path);
-      });
+  command.list({"RESULTS", "FILE...",
+                "files left by gliss trace, sweep, compare --json, run --report or run --record, "
+                "or by bench/growth.py",
+                true},
+               [&options](const std::string& path) {
+                 check_input("RESULTS", path);
+                 options.results.push_back(path);
+               });
   command.option({"-o,--output", "FILE", "page to write: .html", true},
                  [&options](const std::string& path) {
                    if (!path.ends_with(".html") && !path.ends_with(".htm"))

@@ -11,7 +11,7 @@
 namespace gliss::tools {
 namespace {
 
-constexpr char kWhat[] = "a result of gliss trace, sweep, compare or run";
+constexpr char kWhat[] = "a result of gliss trace, sweep, compare or run, or of bench/growth.py";
 
 [[noreturn]] void refuse(const ReportSource& source, const std::string& why) {
   throw InputError(fmt::format("'{}' is not {}: {}", source.path, kWhat, why));
@@ -43,7 +43,10 @@ Json read_json(const ReportSource& source) {
   };
   if (holds("rows", &Json::is_array)) return read_comparison(json, source);
   if (holds("histograms", &Json::is_object)) return read_run_report(json, source);
-  refuse(source, "JSON without a list 'rows' (gliss compare) or 'histograms' (gliss run --report)");
+  if (holds("growth", &Json::is_object)) return read_growth(json["growth"], source);
+  refuse(source,
+         "JSON without a list 'rows' (gliss compare), 'histograms' (gliss run --report) or "
+         "'growth' (bench/growth.py)");
 }
 
 Json read_csv(const ReportSource& source) {

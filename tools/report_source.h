@@ -26,5 +26,6 @@ Json provenance(const Hdf5Reader& file);
 Json read_sweep(const Hdf5Reader& file, const ReportSource& source);
 Json read_run_report(const Json& json, const ReportSource& source);
 Json read_comparison(const Json& json, const ReportSource& source);
+Json read_growth(const Json& growth, const ReportSource& source);
 
 }  // namespace gliss::tools

@@ -3,6 +3,7 @@ import './page.css';
 import {compareSection} from './compare.js';
 import {readResults} from './data.js';
 import {el} from './dom.js';
+import {growthSection} from './growth.js';
 import {recordingSection, runSection} from './run.js';
 import {sweepSection} from './sweep.js';
 import {startTheme, themeButton} from './theme.js';
@@ -13,6 +14,7 @@ const kinds = {
   trace: traceSection,
   sweep: sweepSection,
   compare: compareSection,
+  growth: growthSection,
   run: runSection,
   recording: recordingSection,
 };
@@ -20,7 +22,8 @@ const kinds = {
 // Where a result comes from, as far as its file says.
 function provenance({origin, faces}) {
   const known = [['Mesh', origin.surface], ['Polygons', faces], ['Scene', origin.scene], ['Device', origin.device],
-    ['Unit', origin.unit], ['Precision', origin.precision], ['Mesh hash', origin.mesh_hash]].filter(([, value]) => value);
+    ['Unit', origin.unit], ['Precision', origin.precision], ['Mesh hash', origin.mesh_hash],
+    ['Machine', origin.machine], ['Version', origin.gliss], ['Backend', origin.backend]].filter(([, value]) => value);
   const command = origin.command_line;
   return el('.origin', {},
       known.length ? el('dl', {}, known.map(([term, value]) => el('div', {}, el('dt', {}, term), el('dd', {}, String(value))))) : null,
