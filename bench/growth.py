@@ -5,7 +5,7 @@ Prints a line a measurement, then tables: time per sample and per polygon, the p
 cache per polygon, and what loading it costs beside reading its bytes, warm: into new memory, which a load has to take
 too and which costs most on some machines, and into memory in place. Each is the best of 3 runs, or of as many as fit
 into 1 s; what takes 5 s runs once. A load is all of `gliss eval` of one point, less what that takes on a cache of 8
-faces. Ctrl-C keeps what is there. `gliss report growth.json -o growth.html` draws it.
+faces. Ctrl-C and failures keep what is there. `gliss report growth.json -o growth.html` draws it.
 Usage: bench/growth.py build/gliss [--samples 1e4:1e9] [--faces 1e3:1e7] [--backend tbb] [--json growth.json]
 """
 
@@ -174,19 +174,20 @@ def main():
     version, _ = measured([options.gliss, "--version"])
     growth = {"machine": f"{os.cpu_count()} cores of {processor()}", "gliss": version.decode().split()[-1],
               "backend": options.backend, "sweeps": [], "meshes": []}
-    stopped = False
+    stopped = None
     with tempfile.TemporaryDirectory() as name:
         bench = Bench(options.gliss, options.backend, pathlib.Path(name))
         try:
             sweeps(bench, options.samples, growth["sweeps"])
             meshes(bench, options.faces, growth["meshes"])
         except KeyboardInterrupt:
-            stopped = True
+            stopped = 130
+        except subprocess.CalledProcessError as error:  # out of memory, say
+            stopped = str(error)
     tables(growth)
     if options.json:
         options.json.write_text(json.dumps({"growth": growth}, indent=2) + "\n")
-    if stopped:
-        sys.exit(130)
+    sys.exit(stopped)
 
 
 if __name__ == "__main__":
