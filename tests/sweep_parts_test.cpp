@@ -105,7 +105,8 @@ TEST_F(SweepPartsTest, survive_kills) {
       SweepParts parts = open();
       _exit(swept(cache_, *serial, options_, &parts) == want ? 0 : 1);
     }
-    std::this_thread::sleep_for(share(rng) * whole);
+    // Longer and longer: a part and its fsync may take most of the whole.
+    std::this_thread::sleep_for(share(rng) * (1 + kills / 20.0) * whole);
     kill(child, SIGKILL);
     int status = 0;
     ASSERT_EQ(waitpid(child, &status, 0), child);
