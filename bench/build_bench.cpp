@@ -11,7 +11,7 @@
 namespace gliss::bench {
 namespace {
 
-constexpr std::size_t kGrain = 256, kMostSides = 8;
+constexpr std::size_t kGrain = 64, kMostSides = 8;
 
 // Faces of n sides, each in the frame of its first corner.
 template <class Real>
@@ -27,11 +27,11 @@ Work control_work(std::uint32_t n, int threads) {
   work.counters["bytes"] = static_cast<double>(n * (6 + kSideReals) * sizeof(Real));
   work.run = [&mesh, n, threads, control, faces = std::move(faces)] {
     engine_of(threads).for_each(faces.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      Real corners[kGrain * 6 * kMostSides], soundness[kGrain];
+      Real* next = corners;
       for (std::size_t i = begin; i < end; ++i) {
         const std::uint32_t first = mesh.face_begin[faces[i]];
         const Vec3& origin = mesh.positions[mesh.corner_vertex[first]];
-        Real corners[6 * kMostSides];
-        Real* next = corners;
         for (std::uint32_t c = first; c < first + n; ++c) {
           const Vec3 position = mesh.positions[mesh.corner_vertex[c]] - origin;
           const Vec3& normal = mesh.normals[mesh.corner_normal[c]];
@@ -39,8 +39,9 @@ Work control_work(std::uint32_t n, int threads) {
             for (int k = 0; k < 3; ++k) *next++ = static_cast<Real>((*v)[k]);
           }
         }
-        kernels<Real>().build_patch(corners, n, control->data() + i * n * kSideReals);
       }
+      kernels<Real>().build_patches(corners, n, end - begin,
+                                    control->data() + begin * n * kSideReals, soundness);
     });
     benchmark::DoNotOptimize(control->data());
   };

@@ -74,9 +74,8 @@ Work shuffled(const Surface<Real>& s, const Case& c) {
   for (std::uint32_t& p : points.patch) p = patches[p];
   const auto run = [&s, c, points = std::move(points), out] {
     engine_of(c.threads).for_each(kShuffledPoints, 1024, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        evaluate_at(s, points.patch[i], &points.xi[i], &points.eta[i], 1, kStride, out->data() + i);
-      }
+      kernels<Real>().evaluate_each(s, &points.patch[begin], &points.xi[begin], &points.eta[begin],
+                                    end - begin, kStride, out->data() + begin);
     });
     benchmark::DoNotOptimize(out->data());
   };

@@ -135,7 +135,7 @@ namespace counted {
 #include "kernels/quad.h"
 #include "kernels/bezier.h"
 #include "kernels/table.h"
-#include "kernels/view.h"
+#include "kernels/forms.h"
 #include "kernels/build.h"
 // clang-format on
 }  // namespace counted
@@ -172,7 +172,8 @@ double flops_of_evaluate(std::uint32_t form, std::uint32_t n) {
   const std::vector<double> corners = polygon(n);
   std::vector<double> domain(k.domain_reals(n)), control(n * kSideReals);
   k.fill_domain(n, domain.data());
-  k.build_patch(corners.data(), n, control.data());
+  double soundness = 0;
+  k.build_patches(corners.data(), n, 1, control.data(), &soundness);
   if (form != kFormExact) {
     std::vector<double> baked(k.control_reals(form, n));
     k.bake(domain.data(), corners.data(), control.data(), form, n, baked.data());

@@ -31,19 +31,17 @@ class HostSurface final : public ResidentSurface {
   void nearest(std::span<const Vec3> hips, std::span<const Method> methods,
                const QueryOptions& options, std::span<Contact> out) const override {
     engine_.for_each(hips.size(), kHipGrain, [&](std::size_t begin, std::size_t end) {
-      std::array<Contact, kMethods> found;
-      for (std::size_t i = begin; i < end; ++i) {
-        gliss::nearest(cache_, hips[i], methods, options, found);
-        for (std::size_t m = 0; m < methods.size(); ++m) out[m * hips.size() + i] = found[m];
-      }
+      gliss::nearest(cache_, hips.subspan(begin, end - begin), methods, options, hips.size(),
+                     out.data() + begin);
     });
   }
 
   void track(std::span<const Vec3> hips, std::span<const DomainPoint> starts,
              const QueryOptions& options, std::span<Contact> out) const override {
     engine_.for_each(hips.size(), kHipGrain, [&](std::size_t begin, std::size_t end) {
-      ContactTracker tracker(cache_, options);
-      for (std::size_t i = begin; i < end; ++i) out[i] = tracker.track(hips[i], starts[i]);
+      const std::size_t count = end - begin;
+      gliss::track(cache_, hips.subspan(begin, count), starts.subspan(begin, count), options,
+                   out.subspan(begin, count));
     });
   }
 

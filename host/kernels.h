@@ -74,10 +74,11 @@ struct Kernels {
   std::uint32_t (*probe_count)(std::uint32_t n);
   std::size_t (*probe_reals)(std::uint32_t n);
   void (*fill_probes)(std::uint32_t n, const Real* domain, Real* table);
-  // Control data [n][kSideReals] of a polygon from its corners [n][2][3] (position, unit normal).
-  // Returns the soundness of its weakest ribbon: 0 where the edge is parallel to a normal, 1 at
-  // right angles.
-  Real (*build_patch)(const Real* corners, std::uint32_t n, Real* control);
+  // Control data [count][n][kSideReals] of polygons from their corners [count][n][2][3] (position,
+  // unit normal); the soundness [count] of their weakest ribbons: 0 where an edge is parallel to a
+  // normal, 1 at right angles.
+  void (*build_patches)(const Real* corners, std::uint32_t n, std::size_t count, Real* control,
+                        Real* soundness);
   // Shortens the cross tangents to (1 - ease) of their length at mid-side.
   void (*ease_patch)(Real* control, std::uint32_t n, Real ease);
   // Turns the cross tangents into the plane across `normal` (unit, 3 numbers).
@@ -91,6 +92,9 @@ struct Kernels {
   void (*evaluate)(const Real* domain, const Real* control, std::uint32_t form, std::uint32_t n,
                    const Real* xi, const Real* eta, std::size_t count, std::size_t stride,
                    Real* out);
+  // The same at a point of each of `patch`[count], patch by patch: out[row * stride + i].
+  void (*evaluate_each)(const Surface<Real>&, const std::uint32_t* patch, const Real* xi,
+                        const Real* eta, std::size_t count, std::size_t stride, Real* out);
   // What sampling finds of a patch (kShapeReals numbers) from its base polygon's corners and
   // triangles, its frame (unit normal and tangent) and its control data; `count` probes, or none
   // for the base polygon alone.
@@ -99,14 +103,15 @@ struct Kernels {
                   const Real* frame, std::uint32_t n, Real* shape);
   // Surface normal (not unit) along side data at t: n_c of eq. 10.
   void (*side_normal)(const Real* side, Real t, Real* out);
-  // Global: the nearest point for each of `count` methods, which share the search of the base
-  // polygons.
-  void (*nearest)(const Surface<Real>&, const Method* methods, std::size_t count,
-                  const TrackOptions<Real>&, const RawHip<Real>& hip, RawContact<Real>* out);
-  // Local: what `state` became after the HIP moved; tick is Algorithm 1, track follows whatever the
-  // state.
-  void (*track)(const Surface<Real>&, Method, const TrackOptions<Real>&, const RawHip<Real>& hip,
-                RawContact<Real>* state);
+  // Global: the nearest point of each of `count` HIPs for each of the methods, which share the
+  // search of the base polygons: out[hip][method].
+  void (*nearest)(const Surface<Real>&, const Method* methods, std::size_t method_count,
+                  const TrackOptions<Real>&, const RawHip<Real>* hips, std::size_t count,
+                  RawContact<Real>* out);
+  // Local: what each state became after its HIP moved; tick is Algorithm 1, track follows whatever
+  // the state.
+  void (*track)(const Surface<Real>&, Method, const TrackOptions<Real>&, const RawHip<Real>* hips,
+                std::size_t count, RawContact<Real>* states);
   void (*tick)(const Surface<Real>&, Method, const TrackOptions<Real>&, const RawHip<Real>& hip,
                RawContact<Real>* state);
 };

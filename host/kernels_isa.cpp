@@ -1,5 +1,4 @@
-// The C++ instances of the kernels for one instruction set, GLISS_ISA: scalar for queries, lanes
-// for evaluation.
+// The C++ instances of the kernels for one instruction set, GLISS_ISA.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -21,26 +20,16 @@
 namespace {
 namespace f32 {
 #define GLISS_SCALAR float
-#define GLISS_LANES 1
-#include "host/kernels_scalar.inc"
-#undef GLISS_LANES
-namespace wide {
-#define GLISS_LANES (GLISS_VECTOR_BYTES / 4)
-#include "host/kernels_lanes.inc"
-#undef GLISS_LANES
-}  // namespace wide
+#define GLISS_SCALAR_BYTES 4
+#include "host/kernels_precision.inc"
+#undef GLISS_SCALAR_BYTES
 #undef GLISS_SCALAR
 }  // namespace f32
 namespace f64 {
 #define GLISS_SCALAR double
-#define GLISS_LANES 1
-#include "host/kernels_scalar.inc"
-#undef GLISS_LANES
-namespace wide {
-#define GLISS_LANES (GLISS_VECTOR_BYTES / 8)
-#include "host/kernels_lanes.inc"
-#undef GLISS_LANES
-}  // namespace wide
+#define GLISS_SCALAR_BYTES 8
+#include "host/kernels_precision.inc"
+#undef GLISS_SCALAR_BYTES
 #undef GLISS_SCALAR
 }  // namespace f64
 }  // namespace
@@ -56,12 +45,12 @@ namespace gliss::GLISS_ISA {
         SPACE::domain_reals,     SPACE::fill_domain,                                  \
         SPACE::probe_rings,      SPACE::probes_of,                                    \
         SPACE::probe_reals,      SPACE::fill_probes,                                  \
-        SPACE::build_patch,      SPACE::ease_patch,                                   \
+        SPACE::build_patches,    SPACE::ease_patch,                                   \
         SPACE::bend_patch,       SPACE::control_reals_of,                             \
         SPACE::bake_patch,       SPACE::wide::evaluate_points,                        \
-        SPACE::wide::shape_of,   SPACE::side_normal_at,                               \
-        SPACE::nearest,          SPACE::track,                                        \
-        SPACE::tick_state};                                                           \
+        SPACE::evaluate_each,    SPACE::wide::shape_of,                               \
+        SPACE::side_normal_at,   SPACE::nearest_each,                                 \
+        SPACE::track_each,       SPACE::tick_state};                                  \
     return table;                                                                     \
   }
 GLISS_TABLE(kernels_f32, float, f32)

@@ -49,15 +49,20 @@ void PatchBatch::resize(std::span<const std::uint32_t> valences) {
 void build_patches(PatchBatch& b, BatchStep step, const ParallelFor& parallel) {
   const Kernels<double>& k = kernels<double>();
   parallel(b.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t first = begin, last; first < end; first = last) {  // of one valence
+      const std::uint32_t n = b.valence(first);
+      for (last = first + 1; last < end && b.valence(last) == n;) ++last;
+      const std::size_t side = b.side_begin[first];
+      k.build_patches(&b.corner[side * 6], n, last - first, &b.control[side * kSideReals],
+                      &b.soundness[first]);
+    }
+    if (step == BatchStep::kControl) return;
     for (std::size_t p = begin; p < end; ++p) {
       const std::uint32_t n = b.valence(p);
-      const double* corner = &b.corner[b.side_begin[p] * 6];
-      double* control = &b.control[b.side_begin[p] * kSideReals];
-      b.soundness[p] = k.build_patch(corner, n, control);
-      if (step == BatchStep::kControl) continue;
-      k.examine(b.tables->domain_of(n), b.tables->probes_of(n), b.tables->probe_count[n], control,
-                kFormExact, corner, &b.triangle[3 * b.first_triangle(p)], &b.frame[p * kFrameReals],
-                n, &b.shape[p * kShapeReals]);
+      k.examine(b.tables->domain_of(n), b.tables->probes_of(n), b.tables->probe_count[n],
+                &b.control[b.side_begin[p] * kSideReals], kFormExact,
+                &b.corner[b.side_begin[p] * 6], &b.triangle[3 * b.first_triangle(p)],
+                &b.frame[p * kFrameReals], n, &b.shape[p * kShapeReals]);
     }
   });
 }

@@ -102,7 +102,7 @@ PatchDraft draft_patch(const FaceCorners& face, std::vector<std::uint32_t> face_
   d.triangle.resize(3 * (n - 2));
   d.control.resize(n * kSideReals);
   d.frame = place_polygon(face, d.face_corner, d.corner.data(), d.triangle.data());
-  d.soundness = kernels<double>().build_patch(d.corner.data(), d.valence(), d.control.data());
+  kernels<double>().build_patches(d.corner.data(), d.valence(), 1, d.control.data(), &d.soundness);
   return d;
 }
 

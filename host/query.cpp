@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <vector>
 
 #include "host/frames.h"
@@ -32,6 +33,27 @@ SurfacePoint evaluate_point(const PatchCache& cache, const Surface<Real>& s,
   return point;
 }
 
+constexpr std::size_t kSparse = 3;
+
+template <class Real>
+void evaluate_each(const PatchCache& cache, const Surface<Real>& s,
+                   std::span<const DomainPoint> points, std::span<SurfacePoint> out) {
+  thread_local std::vector<std::uint32_t> patch, slot;
+  thread_local std::vector<Real> xi, eta, rows;
+  const std::size_t count = points.size(), stride = row_stride(count);
+  patch.resize(count), slot.resize(count), xi.resize(count), eta.resize(count);
+  rows.resize(9 * stride);
+  for (std::size_t i = 0; i < count; ++i) {
+    const PatchPlace place = place_of(cache, s, points[i]);
+    patch[i] = place.patch;
+    xi[i] = static_cast<Real>(place.xi);
+    eta[i] = static_cast<Real>(place.eta);
+  }
+  std::iota(slot.begin(), slot.end(), 0u);
+  kernels<Real>().evaluate_each(s, patch.data(), xi.data(), eta.data(), count, stride, rows.data());
+  surface_points<Real>(cache, s, patch, slot, rows.data(), stride, out);
+}
+
 template <class Real>
 void evaluate_points(const PatchCache& cache, const Surface<Real>& s,
                      std::span<const DomainPoint> points, std::span<SurfacePoint> out) {
@@ -39,6 +61,8 @@ void evaluate_points(const PatchCache& cache, const Surface<Real>& s,
   thread_local std::vector<Real> rows;
   const auto lanes = static_cast<std::size_t>(kernels<Real>().lanes);
   block_points(cache, s, points, lanes, blocks);
+  // A block of a few points of one patch costs as much as a full one.
+  if (blocks.slots() > kSparse * points.size()) return evaluate_each(cache, s, points, out);
   const std::size_t stride = row_stride(blocks.slots()), count = blocks.patch.size();
   rows.resize(9 * stride);
   for (std::size_t first = 0, end; first < count; first = end) {
@@ -50,6 +74,20 @@ void evaluate_points(const PatchCache& cache, const Surface<Real>& s,
                              &rows[at]);
   }
   surface_points<Real>(cache, s, blocks.patch_of, blocks.slot, rows.data(), stride, out);
+}
+
+template <class Real>
+std::vector<RawHip<Real>> raw_hips(const PatchCache& cache, std::span<const Vec3> hips) {
+  std::vector<RawHip<Real>> raw(hips.size());
+  for (std::size_t i = 0; i < hips.size(); ++i) raw[i] = raw_hip<Real>(cache, hips[i]);
+  return raw;
+}
+
+template <class Real>
+void place_at(const PatchPlace& place, RawContact<Real>& state) {
+  state.uints[kContactPatch] = place.patch;
+  state.reals[kContactXi] = static_cast<Real>(place.xi);
+  state.reals[kContactEta] = static_cast<Real>(place.eta);
 }
 
 }  // namespace
@@ -92,9 +130,37 @@ void nearest(const PatchCache& cache, const Vec3& hip, std::span<const Method> m
              const QueryOptions& options, std::span<Contact> out) {
   with_surface(cache, [&]<class Real>(const Surface<Real>& s) {
     std::array<RawContact<Real>, kMethods> raw;
-    kernels<Real>().nearest(s, methods.data(), methods.size(), track_options<Real>(options),
-                            raw_hip<Real>(cache, hip), raw.data());
+    const RawHip<Real> there = raw_hip<Real>(cache, hip);
+    kernels<Real>().nearest(s, methods.data(), methods.size(), track_options<Real>(options), &there,
+                            1, raw.data());
     for (std::size_t i = 0; i < methods.size(); ++i) out[i] = contact_of(cache, s, raw[i]);
+  });
+}
+
+void nearest(const PatchCache& cache, std::span<const Vec3> hips, std::span<const Method> methods,
+             const QueryOptions& options, std::size_t stride, Contact* out) {
+  with_surface(cache, [&]<class Real>(const Surface<Real>& s) {
+    const std::vector<RawHip<Real>> there = raw_hips<Real>(cache, hips);
+    std::vector<RawContact<Real>> raw(hips.size() * methods.size());
+    kernels<Real>().nearest(s, methods.data(), methods.size(), track_options<Real>(options),
+                            there.data(), there.size(), raw.data());
+    for (std::size_t i = 0; i < raw.size(); ++i) {
+      const std::size_t hip = i / methods.size(), method = i % methods.size();
+      out[method * stride + hip] = contact_of(cache, s, raw[i]);
+    }
+  });
+}
+
+void track(const PatchCache& cache, std::span<const Vec3> hips, std::span<const DomainPoint> starts,
+           const QueryOptions& options, std::span<Contact> out) {
+  with_surface(cache, [&]<class Real>(const Surface<Real>& s) {
+    const std::vector<RawHip<Real>> there = raw_hips<Real>(cache, hips);
+    std::vector<RawContact<Real>> states(hips.size());
+    for (std::size_t i = 0; i < states.size(); ++i)
+      place_at(place_of(cache, s, starts[i]), states[i]);
+    kernels<Real>().track(s, options.method, track_options<Real>(options), there.data(),
+                          there.size(), states.data());
+    for (std::size_t i = 0; i < states.size(); ++i) out[i] = contact_of(cache, s, states[i]);
   });
 }
 
@@ -113,18 +179,20 @@ bool ContactTracker::meet(const Surface<Real>& s, const Vec3& hip, RawContact<Re
   constexpr int kMostSteps = 32;
   const double length = (hip - last_).norm(), on_surface = 1e-6 / cache_->scale;
   const TrackOptions<Real> options = track_options<Real>(options_);
+  const RawHip<Real> end = raw_hip<Real>(*cache_, hip);
   double at = clear_;
   for (int i = 0; i < kMostSteps && at < length; ++i) {
     RawContact<Real> there;
     const Vec3 x = last_ + (at / length) * (hip - last_);
-    kernels<Real>().nearest(s, &options_.method, 1, options, raw_hip<Real>(*cache_, x), &there);
+    const RawHip<Real> raw_x = raw_hip<Real>(*cache_, x);
+    kernels<Real>().nearest(s, &options_.method, 1, options, &raw_x, 1, &there);
     iterations += static_cast<int>(there.uints[kContactIterations]);
     const Contact found = contact_of(*cache_, s, there);
     const double distance = std::abs(found.distance);
     double least = length / kMostSteps;  // it may glide on the surface
     if (there.uints[kContactState] != 0 || distance <= on_surface) {
       RawContact<Real> inside = there;
-      kernels<Real>().track(s, options_.method, options, raw_hip<Real>(*cache_, hip), &inside);
+      kernels<Real>().track(s, options_.method, options, &end, 1, &inside);
       iterations += static_cast<int>(inside.uints[kContactIterations]);
       if (inside.uints[kContactState] != 0) {
         state = inside;
@@ -178,12 +246,9 @@ Contact ContactTracker::tick(const Vec3& hip) noexcept {
 Contact ContactTracker::track(const Vec3& hip, const DomainPoint& start) noexcept {
   return with_surface(*cache_, [&]<class Real>(const Surface<Real>& s) {
     RawContact<Real>& state = *std::get_if<RawContact<Real>>(&state_);
-    const PatchPlace place = place_of(*cache_, s, start);
-    state.uints[kContactPatch] = place.patch;
-    state.reals[kContactXi] = static_cast<Real>(place.xi);
-    state.reals[kContactEta] = static_cast<Real>(place.eta);
-    kernels<Real>().track(s, options_.method, track_options<Real>(options_),
-                          raw_hip<Real>(*cache_, hip), &state);
+    place_at(place_of(*cache_, s, start), state);
+    const RawHip<Real> there = raw_hip<Real>(*cache_, hip);
+    kernels<Real>().track(s, options_.method, track_options<Real>(options_), &there, 1, &state);
     if (hip.allFinite()) {
       last_ = hip;
       clear_ = 0;

@@ -64,6 +64,14 @@ Contact nearest(const PatchCache& cache, const Vec3& hip, const QueryOptions& op
 // share the search.
 void nearest(const PatchCache& cache, const Vec3& hip, std::span<const Method> methods,
              const QueryOptions& options, std::span<Contact> out);
+// Of many HIPs, several lanes at a time: HIP i with method m at out[m * stride + i]. Allocates.
+void nearest(const PatchCache& cache, std::span<const Vec3> hips, std::span<const Method> methods,
+             const QueryOptions& options, std::size_t stride, Contact* out);
+
+// Local: the nearest point that each HIP slides to from its start, several lanes at a time.
+// Allocates.
+void track(const PatchCache& cache, std::span<const Vec3> hips, std::span<const DomainPoint> starts,
+           const QueryOptions& options, std::span<Contact> out);
 
 // Algorithm 1 for one HIP: a search while free, local tracking in contact, so that it stays on the
 // side that it came in by, however deep and thin the part. Between two ticks a free HIP moves along

@@ -22,7 +22,7 @@ FN corner_blend blend_corner(real p, real q) {
 }
 
 // The polynomial of `count` triples from `first`, with its derivative (Horner).
-FN curve_point polynomial(GLOBAL scalar* control, int first, int count, real t) {
+FN curve_point polynomial(control_data control, int first, int count, real t) {
   curve_point r;
   r.f = load3(control, first + count - 1);
   r.d = make3(splat(K(0)), splat(K(0)), splat(K(0)));
@@ -40,7 +40,7 @@ FN curve_point polynomial(GLOBAL scalar* control, int first, int count, real t) 
 #define QUAD_DIFFERENCE 16
 
 // f stands for the derivatives along u and v in xi and eta.
-FN patch_point add_quad_corner(patch_point p, GLOBAL scalar* control, int k, jet a, jet b,
+FN patch_point add_quad_corner(patch_point p, control_data control, int k, jet a, jet b,
                                corner_blend g, real along_u, real along_v) {
   const real ab = a.f * b.f;
   const jet f = make_jet(ab * g.f, b.f * fma(a.xi, g.f, a.f * g.p * along_u),
@@ -48,7 +48,7 @@ FN patch_point add_quad_corner(patch_point p, GLOBAL scalar* control, int k, jet
   return add_constant(p, f, load3(control, QUAD_DIFFERENCE + k));
 }
 
-FN patch_point gregory_quad(GLOBAL scalar* control, real xi, real eta) {
+FN patch_point gregory_quad(control_data control, real xi, real eta) {
   const real one = splat(K(1));
   const real u = K(0.5f) * (one - xi + eta), v = K(0.5f) * (one - xi - eta);
   const curve_point r0 = polynomial(control, 0, 4, u), r1 = polynomial(control, 4, 4, u),
@@ -86,13 +86,13 @@ FN patch_point gregory_quad(GLOBAL scalar* control, real xi, real eta) {
 #define TRIANGLE_DIFFERENCE 12
 
 // G += l abc g x, with the derivatives along a and b in xi and eta; l and abc as jets.
-FN patch_point add_triangle_corner(patch_point p, GLOBAL scalar* control, int k, jet l, real g,
+FN patch_point add_triangle_corner(patch_point p, control_data control, int k, jet l, real g,
                                    real g_a, real g_b) {
   const jet f = make_jet(l.f * g, fma(l.xi, g, l.f * g_a), fma(l.eta, g, l.f * g_b));
   return add_constant(p, f, load3(control, TRIANGLE_DIFFERENCE + k));
 }
 
-FN patch_point gregory_triangle(GLOBAL scalar* domain, GLOBAL scalar* control, real xi, real eta) {
+FN patch_point gregory_triangle(GLOBAL scalar* domain, control_data control, real xi, real eta) {
   GLOBAL scalar* corner = domain + DOMAIN_HEAD + 4;
   const real third = splat(K(1) / K(3)), two_thirds = splat(K(2) / K(3));
   real at[3];

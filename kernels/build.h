@@ -15,7 +15,7 @@ typedef struct {
 // Of the edge's length, along s; along the edge where s has no direction.
 FN real3 end_tangent(real3 s, real3 edge, real length) {
   const real size = norm3(s);
-  return size > K(1e-6f) ? mul3(length / size, s) : edge;
+  return pick3(size > splat(K(1e-6f)), mul3(length / size, s), edge);
 }
 
 FN side_data build_side(corner before, corner start, corner end, corner after) {
@@ -53,37 +53,44 @@ FN side_data build_side(corner before, corner start, corner end, corner after) {
   return r;
 }
 
-// T and T' at the ends of a side, once the rest of its control data stands.
-FN void store_ends(GLOBAL_OUT scalar* side) {
-  const side_point start = side_at(side, K(0), K(1)), end = side_at(side, K(1), K(0));
-  store3(side + 3 * SIDE_T_0, 1, start.t);
-  store3(side + 3 * SIDE_T_1, 1, end.t);
-  store3(side + 3 * SIDE_TWIST_0, 1, start.dt);
-  store3(side + 3 * SIDE_TWIST_1, 1, end.dt);
+FN void put3(control_out side, int i, real3 a) {
+  side[3 * i] = a.x;
+  side[3 * i + 1] = a.y;
+  side[3 * i + 2] = a.z;
 }
 
-FN corner load_corner(GLOBAL scalar* corners, int k) {
+// T and T' at the ends of a side, once the rest of its control data stands.
+FN void store_ends(control_out side) {
+  const real zero = splat(K(0)), one = splat(K(1));
+  const side_point start = side_at(side, zero, one), end = side_at(side, one, zero);
+  put3(side, SIDE_T_0, start.t);
+  put3(side, SIDE_T_1, end.t);
+  put3(side, SIDE_TWIST_0, start.dt);
+  put3(side, SIDE_TWIST_1, end.dt);
+}
+
+FN corner load_corner(control_data corners, int k) {
   const corner r = {load3(corners, 2 * k), load3(corners, 2 * k + 1)};
   return r;
 }
 
 // Control data of side k of a polygon from its corners [n][2][3]: position, unit normal. Returns
 // the soundness of its ribbon: 0 where the edge is parallel to a normal, 1 at right angles.
-FN real store_side(GLOBAL scalar* corners, int n, int k, GLOBAL_OUT scalar* side) {
+FN real store_side(control_data corners, int n, int k, control_out side) {
   const int next = wrap(k + 1, n);
   const side_data data =
       build_side(load_corner(corners, wrap(k - 1, n)), load_corner(corners, k),
                  load_corner(corners, next), load_corner(corners, wrap(next + 1, n)));
   for (int i = 0; i < 4; ++i) {
-    store3(side + 3 * (SIDE_C + i), 1, data.curve[i]);
-    store3(side + 3 * (SIDE_NORMAL + i), 1, data.normal[i]);
+    put3(side, SIDE_C + i, data.curve[i]);
+    put3(side, SIDE_NORMAL + i, data.normal[i]);
   }
   for (int i = 0; i < 2; ++i) {
-    store3(side + 3 * (SIDE_INNER + i), 1, data.inner[i]);
-    store3(side + 3 * (SIDE_ACROSS + i), 1, data.across[i]);
+    put3(side, SIDE_INNER + i, data.inner[i]);
+    put3(side, SIDE_ACROSS + i, data.across[i]);
     side[SIDE_LENGTH + i] = data.length[i];
   }
-  side[SIDE_EASE] = K(0);
+  side[SIDE_EASE] = splat(K(0));
   store_ends(side);
   return data.sound;
 }

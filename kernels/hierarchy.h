@@ -35,14 +35,13 @@ FN_LARGE uint next_patch(surface_view view, walk* w, real3 x, real limit2) {
     const uint left = view.child[2 * (ulong)node], right = view.child[2 * (ulong)node + 1];
     const int left_first = a <= b;
     const real near = left_first ? a : b, far = left_first ? b : a;
-    if (far < limit2) {
-      w->node[w->count] = left_first ? right : left;
-      w->distance2[w->count++] = far;
-    }
-    if (near < limit2) {
-      w->node[w->count] = left_first ? left : right;
-      w->distance2[w->count++] = near;
-    }
+    // Written whether they count or not: which ones do is not to be foreseen.
+    w->node[w->count] = left_first ? right : left;
+    w->distance2[w->count] = far;
+    w->count += far < limit2;
+    w->node[w->count] = left_first ? left : right;
+    w->distance2[w->count] = near;
+    w->count += near < limit2;
   }
   return NONE;
 }

@@ -9,12 +9,20 @@
 #include "kernels/patch.h"
 #include "kernels/quad.h"
 #include "kernels/bezier.h"
+#ifndef GLISS_PACKED
 #include "kernels/table.h"
+#endif
+#include "kernels/forms.h"
+#if GLISS_LANES == 1 || defined(GLISS_PACKED)
+#include "kernels/build.h"
+#include "kernels/descent.h"
+#endif
+#ifndef GLISS_PACKED
 #include "kernels/view.h"
 #include "kernels/triangle.h"
 #include "kernels/examine.h"
+#endif
 #if GLISS_LANES == 1
-#include "kernels/build.h"
 #include "kernels/polygon.h"
 #include "kernels/track.h"
 #include "kernels/hierarchy.h"

@@ -1,6 +1,9 @@
 // fma and sqrt over the lanes of GCC and Clang vector types, for the C++ instances of the kernels.
 #pragma once
 
+#include <cstddef>
+#include <utility>
+
 #if defined(__AVX2__) || defined(__AVX512F__)
 #include <immintrin.h>
 #endif
@@ -55,5 +58,40 @@ GLISS_LANES_FORM(__m512, _mm512_fmadd_ps, _mm512_sqrt_ps)
 GLISS_LANES_FORM(__m512d, _mm512_fmadd_pd, _mm512_sqrt_pd)
 #endif
 #undef GLISS_LANES_FORM
+
+// Of what a comparison says.
+template <class Mask>
+inline bool any(Mask mask) {
+  unsigned long long parts[sizeof(Mask) / 8], sum = 0;
+  __builtin_memcpy(parts, &mask, sizeof mask);
+  for (const unsigned long long part : parts) sum |= part;
+  return sum != 0;
+}
+
+// Rows and columns swapped: `rows` has as many vectors as a vector has numbers.
+template <unsigned kStep, class V, std::size_t... kJ>
+inline void exchange(V& a, V& b, std::index_sequence<kJ...>) {
+  constexpr std::size_t kCount = sizeof...(kJ);
+#if defined(__has_builtin) && __has_builtin(__builtin_shufflevector)
+  const V low = __builtin_shufflevector(a, b, (kJ & kStep ? kCount + (kJ ^ kStep) : kJ)...);
+  b = __builtin_shufflevector(a, b, (kJ & kStep ? kCount + kJ : kJ | kStep)...);
+#else
+  using Index = decltype(V{} < V{});
+  const V low = __builtin_shuffle(a, b, Index{(kJ & kStep ? kCount + (kJ ^ kStep) : kJ)...});
+  b = __builtin_shuffle(a, b, Index{(kJ & kStep ? kCount + kJ : kJ | kStep)...});
+#endif
+  a = low;
+}
+template <unsigned kStep = 1, class V>
+inline void transpose(V* rows) {
+  constexpr std::size_t kCount = sizeof(V) / sizeof(rows[0][0]);
+  if constexpr (kStep < kCount) {
+    for (std::size_t i = 0; i < kCount; ++i) {
+      if (!(i & kStep))
+        exchange<kStep>(rows[i], rows[i | kStep], std::make_index_sequence<kCount>());
+    }
+    transpose<2 * kStep>(rows);
+  }
+}
 
 }  // namespace gliss::lanes

@@ -115,24 +115,34 @@ FN contact within_reach(hip_point h, contact c) {
   return c;
 }
 
+FN_LARGE contact nearest_contact_from(surface_view view, hip_point h, foot first,
+                                      const near_patches* near, track_options options) {
+  return within_reach(h, contact_of_foot(view, nearest_foot(view, h, first, near, options)));
+}
+
 // Global: the nearest point of the surface, given that of the base polygons.
-FN_LARGE contact nearest_contact(surface_view view, hip_point h, base_point base, int method,
-                                 track_options options) {
-  return within_reach(h, method == METHOD_GREGORY
-                             ? contact_of_foot(view, nearest_foot(view, h, base, options))
-                             : contact_of_base(view, h, base, method, 0));
+FN_LARGE contact nearest_contact(surface_view view, hip_point h, base_point base,
+                                 const near_patches* near, int method, track_options options) {
+  if (method != METHOD_GREGORY) return within_reach(h, contact_of_base(view, h, base, method, 0));
+  const foot first = begin_foot(view, h, start_on_base(view, base), options);
+  return nearest_contact_from(view, h, first, near, options);
+}
+
+FN_LARGE contact track_contact_from(surface_view view, hip_point h, foot first,
+                                    track_options options) {
+  const known_minimum none = {NONE, K(0)};
+  return within_reach(h, contact_of_foot(view, end_foot(view, h, first, options, none)));
 }
 
 // Local: the point that `last` was, after the HIP has moved to h.
 FN_LARGE contact track_contact(surface_view view, hip_point h, contact last,
                                track_options options) {
-  const known_minimum none = {NONE, K(0)};
-  return within_reach(
-      h, last.method == METHOD_GREGORY
-             ? contact_of_foot(
-                   view, track_from(view, h, last.patch, last.xi, last.eta, options, none))
-             : contact_of_base(view, h, track_base(view, h, last.patch, options.max_iterations),
-                               last.method, 0));
+  if (last.method != METHOD_GREGORY) {
+    const base_point base = track_base(view, h, last.patch, options.max_iterations);
+    return within_reach(h, contact_of_base(view, h, base, last.method, 0));
+  }
+  const domain_point at = {last.patch, last.xi, last.eta};
+  return track_contact_from(view, h, begin_foot(view, h, at, options), options);
 }
 
 // Where the contact would be had it gone on as in the last tick; where it was, if that is outside.
@@ -171,8 +181,11 @@ FN_LARGE contact follow_contact(surface_view view, hip_point h, contact last,
 // A tick, Algorithm 1: free, search everywhere; in contact, follow it until the HIP is outside
 // again. Outside there is no force.
 FN contact tick(surface_view view, hip_point h, contact last, track_options options) {
-  if (last.state != CONTACT_TOUCHING)
-    return nearest_contact(view, h, nearest_base(view, h), last.method, options);
+  if (last.state != CONTACT_TOUCHING) {
+    near_patches near;
+    const base_point base = nearest_base(view, h, last.method == METHOD_GREGORY, &near);
+    return nearest_contact(view, h, base, &near, last.method, options);
+  }
   return last.warm && options.solver == SOLVER_NEWTON ? follow_contact(view, h, last, options)
                                                       : track_contact(view, h, last, options);
 }

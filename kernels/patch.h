@@ -52,7 +52,7 @@ FN patch_point add_twist(patch_point p, jet w, jet u, jet v, real3 a, real3 b) {
 //     2n.
 // Weights change by n^2 over the domain, and so do roundings of what they multiply: with many sides
 // all positions are measured from a corner of the nearest one, which leaves n of them.
-FN patch_point evaluate(GLOBAL scalar* domain, GLOBAL scalar* control, uint form, int n, real xi,
+FN patch_point evaluate(GLOBAL scalar* domain, control_data control, uint form, int n, real xi,
                         real eta) {
   const int reals = side_reals(form);
   const real3 zero = make3(splat(K(0)), splat(K(0)), splat(K(0)));
@@ -67,8 +67,8 @@ FN patch_point evaluate(GLOBAL scalar* domain, GLOBAL scalar* control, uint form
   UNROLL
   for (int k = 0; k < n; ++k) {
     const int after = wrap(k + 1, n);
-    GLOBAL scalar* side = control + k * reals;
-    GLOBAL scalar* before = control + wrap(k - 1, n) * reals;
+    control_data side = control + k * reals;
+    control_data before = control + wrap(k - 1, n) * reals;
     const jet u = here.u;
     const corner_parameter next = corner_u(domain, n, after, xi, eta);
     const jet w_next = corner_weight(domain, n, after, near, xi, eta);

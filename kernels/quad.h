@@ -6,7 +6,7 @@
 
 // What eq. 2 subtracts at a corner, V + v T(0) + u T_before(1) + twist, with its derivatives along
 // u and v. The twist as in add_twist.
-FN patch_point corner_excess(GLOBAL scalar* side, GLOBAL scalar* before, real u, real v) {
+FN patch_point corner_excess(control_data side, control_data before, real u, real v) {
   const real one = splat(K(1)), inverse = one / larger(u + v, splat(TINY));
   const real r = u * inverse, s = v * inverse, uv = u * v;
   const real3 p = load3(before, SIDE_T_1), q = load3(side, SIDE_T_0);
@@ -18,7 +18,7 @@ FN patch_point corner_excess(GLOBAL scalar* side, GLOBAL scalar* before, real u,
   return e;
 }
 
-FN patch_point evaluate_quad(GLOBAL scalar* control, uint form, real xi, real eta) {
+FN patch_point evaluate_quad(control_data control, uint form, real xi, real eta) {
   const int reals = side_reals(form);
   const real one = splat(K(1)), one_half = splat(K(0.5f)), zero = splat(K(0));
   const real u[4] = {
@@ -36,8 +36,8 @@ FN patch_point evaluate_quad(GLOBAL scalar* control, uint form, real xi, real et
   UNROLL
   for (int k = 0; k < 4; ++k) {  // derivatives of the sum along u_k and v_k
     const int next = (k + 1) & 3;
-    GLOBAL scalar* side = control + k * reals;
-    GLOBAL scalar* before = control + ((k + 3) & 3) * reals;
+    control_data side = control + k * reals;
+    control_data before = control + ((k + 3) & 3) * reals;
     const side_point at =
         form == FORM_RIBBON ? ribbon_at(side, u[k]) : side_at(side, u[k], u[(k + 2) & 3]);
     const real av = a[next], dv = slope[next & 1], w = a[k] * av;

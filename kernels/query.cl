@@ -11,11 +11,12 @@ __kernel GROUP void nearest(SURFACE_ARGUMENTS, uint count, __global const scalar
   const surface_view view = SURFACE_VIEW;
   const track_options options = {solver, max_iterations, tolerance};
   const hip_point h = load_hip(hip + i, count);
-  const base_point base = nearest_base(view, h);
+  near_patches near;
+  const base_point base = nearest_base(view, h, 1, &near);
   for (uint m = 0; m < method_count; ++m) {
     const ulong at = m * (ulong)count + i;
     store_contact(reals + at, uints + at, stride,
-                  nearest_contact(view, h, base, (int)(methods >> 4 * m & 15u), options));
+                  nearest_contact(view, h, base, &near, (int)(methods >> 4 * m & 15u), options));
   }
 }
 

@@ -2,8 +2,9 @@
 // instance. The includer defines GLISS_SCALAR (float or double) and GLISS_LANES (1, or the number
 // of samples a `real` holds: load_lanes and store_lanes move that many neighbours of an array,
 // `lane` reads one, `gather` each one's own number of an array; a `mask` holds what a comparison of
-// two says, and masks meet in &). Only
-// + - * / sqrt fma and comparisons are used: IEEE gives them the same bits in every language.
+// two says, and masks meet in &, | and `without`), and in C++ GLISS_PACKED where the samples are of
+// as many patches. Only + - * / sqrt fma and comparisons are used: IEEE gives them the same bits in
+// every language.
 
 typedef GLISS_SCALAR scalar;
 
@@ -15,12 +16,15 @@ typedef GLISS_SCALAR scalar;
 #if GLISS_LANES == 1
 typedef scalar real;
 typedef int mask;
+#define any(m) (m)
+#define without(a, b) ((a) & !(b))
 #define pick(condition, a, b) ((condition) ? (a) : (b))
 #else
 typedef GLISS_JOIN(GLISS_SCALAR, GLISS_LANES) real;
 #define GLISS_MASK_float int
 #define GLISS_MASK_double long
 typedef GLISS_JOIN(GLISS_JOIN(GLISS_MASK_, GLISS_SCALAR), GLISS_LANES) mask;
+#define without(a, b) ((a) & ~(b))
 #define pick(condition, a, b) select((real)(b), (real)(a), condition)
 #endif
 #define splat(s) ((real)(s))
@@ -62,6 +66,8 @@ typedef unsigned long ulong;
 #if GLISS_LANES == 1
 typedef scalar real;
 typedef bool mask;
+FN bool any(mask m) { return m; }
+FN mask without(mask a, mask b) { return a && !b; }
 FN real fma(real a, real b, real c) {
   return sizeof(real) == 4 ? (real)__builtin_fmaf((float)a, (float)b, (float)c)
                            : (real)__builtin_fma((double)a, (double)b, (double)c);
@@ -78,8 +84,11 @@ FN real gather(const scalar* at, real index) { return at[(int)index]; }
 #else
 typedef scalar real __attribute__((vector_size(GLISS_LANES * sizeof(GLISS_SCALAR))));
 typedef decltype(real{} < real{}) mask;
+FN bool any(mask m) { return gliss::lanes::any(m); }
+FN mask without(mask a, mask b) { return a & ~b; }
 FN real fma(real a, real b, real c) { return gliss::lanes::fma(a, b, c); }
 FN real sqrt(real a) { return gliss::lanes::sqrt(a); }
+FN real fabs(real a) { return a < 0 ? -a : a; }
 FN real splat(scalar s) { return s - (real){}; }
 FN real load_lanes(const scalar* at) {
   real r;
@@ -98,8 +107,23 @@ FN real gather(const scalar* at, real index) {
 
 #endif
 
-// Loops over the sides are unrolled where the valence is a constant.
-#ifdef __clang__
+// The control data of a patch, which all lanes share; packed, each lane has its own of every
+// number.
+#ifdef GLISS_PACKED
+typedef const real* control_data;
+typedef real* control_out;
+FN real number_at(control_data at, int i) { return at[i]; }
+#else
+typedef GLOBAL scalar* control_data;
+typedef GLOBAL_OUT scalar* control_out;
+FN real number_at(control_data at, int i) { return splat(at[i]); }
+#endif
+
+// Loops over the sides are unrolled where the valence is a constant; not where every fma is a call,
+// which only takes the compiler minutes.
+#if defined(__x86_64__) && !defined(__FMA__) && !defined(__OPENCL_C_VERSION__)
+#define UNROLL
+#elif defined(__clang__)
 #define UNROLL _Pragma("unroll 6")
 #else
 #define UNROLL _Pragma("GCC unroll 6")

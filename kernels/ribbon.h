@@ -26,7 +26,7 @@ FN hermite_basis hermite_at(real t) {
   return r;
 }
 
-FN side_point ribbon_at(GLOBAL scalar* side, real t) {
+FN side_point ribbon_at(control_data side, real t) {
   const curve_point c = cubic_at(side, SIDE_C, t);
   const hermite_basis ends = hermite_at(t);
   const real s = K(1) - t, st = s * t;

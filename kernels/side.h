@@ -2,7 +2,7 @@
 // made by build.h.
 
 // Control data of a side, in the patch's local frame. Polynomials ascend in powers of t. What both
-// forms that blend sides (view.h) begin with:
+// forms that blend sides (forms.h) begin with:
 #define SIDE_C 0        // boundary curve, cubic: 4 triples
 #define SIDE_T_0 4      // T(0), the corner's Q'(0): 1 triple (eq. 1)
 #define SIDE_T_1 5      // T(1), the next corner's P'(0): 1 triple
@@ -27,10 +27,10 @@ typedef struct {
 } curve_point;
 
 // Of the cubic of the four triples from `first`, what it has risen since t = 0, over t.
-FN real3 cubic_rise(GLOBAL scalar* side, int first, real t) {
+FN real3 cubic_rise(control_data side, int first, real t) {
   return fma3(t, fma3(t, load3(side, first + 3), load3(side, first + 2)), load3(side, first + 1));
 }
-FN curve_point cubic_at(GLOBAL scalar* side, int first, real t) {
+FN curve_point cubic_at(control_data side, int first, real t) {
   const real3 c1 = load3(side, first + 1), c2 = load3(side, first + 2), c3 = load3(side, first + 3);
   curve_point r;
   r.f = fma3(t, cubic_rise(side, first, t), load3(side, first));
@@ -39,13 +39,13 @@ FN curve_point cubic_at(GLOBAL scalar* side, int first, real t) {
 }
 
 // Surface normal along the side, not of unit length (eq. 10).
-FN real3 side_normal(GLOBAL scalar* side, real t) { return cubic_at(side, SIDE_NORMAL, t).f; }
+FN real3 side_normal(control_data side, real t) { return cubic_at(side, SIDE_NORMAL, t).f; }
 
 // Eq. 11 and 13 with a unit n_c, times a positive factor:
 //   t_c = N x (v x b),  b = |N| a + N,  a = (1-t) n_(s-) + t n_(e+),  v = v_int,
 //   v = (1-t) (v_(s-) - v_s) + t (v_(e+) - v_e) + t (1-t) (c_2 + (1+t) c_3):
 // differences of positions, for v may be small beside them. `rest` is 1 - t, to its own precision.
-FN side_point side_at(GLOBAL scalar* side, real t, real rest) {
+FN side_point side_at(control_data side, real t, real rest) {
   const curve_point c = cubic_at(side, SIDE_C, t), n = cubic_at(side, SIDE_NORMAL, t);
   const real3 da = load3(side, SIDE_INNER + 1);
   const real3 a = fma3(t, da, load3(side, SIDE_INNER));
@@ -59,8 +59,8 @@ FN side_point side_at(GLOBAL scalar* side, real t, real rest) {
   const real3 vb = cross3(v, b), dvb = cross_add3(dv, b, cross3(v, db));
   const real3 tc = cross3(n.f, vb), dtc = cross_add3(n.d, vb, cross3(n.f, dvb));
   const real inverse = K(1) / larger(norm3(tc), tiny);
-  const real l0 = splat(side[SIDE_LENGTH]), l1 = splat(side[SIDE_LENGTH + 1]);
-  const real ease = splat(K(4) * side[SIDE_EASE]);
+  const real l0 = number_at(side, SIDE_LENGTH), l1 = number_at(side, SIDE_LENGTH + 1);
+  const real ease = K(4) * number_at(side, SIDE_EASE);
   const real shorter = fma(-ease, t * rest, splat(K(1)));
   const real straight = fma(t, l1, rest * l0);
   const real length = straight * shorter;

@@ -2,24 +2,14 @@
 // steps in the domain that never increase the distance, over edges where the neighbour is nearer
 // (4.2, 4.3).
 
-#define SOLVER_NEWTON \
-  0  // Gauss-Newton with a secant estimate of the curvature term (Dennis, Gay, Welsch 1981)
-#define SOLVER_GAUSS_NEWTON 1  // tangent plane only
-#define SOLVER_PAPER 2         // section 4.2 as printed: secants of 0.1, no safeguard
+typedef struct {
+  uint patch;
+  real xi, eta;
+} domain_point;
 
 #define FOOT_CONVERGED 1u  // the next step is shorter than the tolerance
 #define FOOT_BORDER 2u     // held by an open border
 #define FOOT_CREASE 4u     // held by an edge that is not smooth, or by a corner
-
-typedef struct {
-  int solver, max_iterations;
-  real tolerance;  // length of the last step, local frame: relative to the size of the patch
-} track_options;
-
-// Symmetric 2 x 2 matrix.
-typedef struct {
-  real a, b, c;
-} sym2;
 
 typedef struct {
   uint patch;
@@ -30,21 +20,9 @@ typedef struct {
   int iterations;  // evaluations after the first
   int crossings;   // edges and corners crossed
   uint flags;      // FOOT_*
-  sym2 bend;       // estimate of the curvature term sum r . G_ij
+  sym2 bend;       // as a descent has it, like the next two
+  real last2, before2;
 } foot;
-
-typedef struct {
-  real xi, eta;
-} domain_vector;
-
-FN domain_vector make_vector(real xi, real eta) {
-  domain_vector r = {xi, eta};
-  return r;
-}
-
-FN real quadratic(sym2 m, domain_vector v) {
-  return fma(v.xi, fma(m.a, v.xi, K(2) * m.b * v.eta), m.c * v.eta * v.eta);
-}
 
 FN foot move_foot(surface_view view, hip_point h, foot from, uint patch, real xi, real eta) {
   foot f = from;
@@ -63,6 +41,7 @@ FN foot start_foot(surface_view view, hip_point h, uint patch, real xi, real eta
   f.iterations = 0;
   f.crossings = 0;
   f.flags = 0u;
+  f.last2 = f.before2 = -K(1);
   return move_foot(view, h, f, patch, xi, eta);
 }
 
@@ -73,7 +52,7 @@ typedef struct {
 
 FN held_sides sides_at(GLOBAL scalar* domain, int n, real xi, real eta) {
   held_sides r = {-1, -1};
-  const real near = smaller(K(32) * EPSILON, (K(1) - domain[0]) / K(64));
+  const real near = on_side_within(domain);
   for (int k = 0; k < n; ++k) {
     if (side_distance(domain, n, k, xi, eta).f > near) continue;
     if (r.a < 0) {
@@ -88,10 +67,6 @@ FN held_sides sides_at(GLOBAL scalar* domain, int n, real xi, real eta) {
   return r;
 }
 
-FN real outward(GLOBAL scalar* domain, int side, domain_vector step) {
-  GLOBAL scalar* m = domain + DOMAIN_HEAD + DOMAIN_STRIDE * side;
-  return fma(m[0], step.xi, m[1] * step.eta);
-}
 FN domain_vector domain_corner(GLOBAL scalar* domain, int k) {
   GLOBAL scalar* c = domain + DOMAIN_HEAD + DOMAIN_STRIDE * k + 4;
   return make_vector(c[0], c[1]);
@@ -99,11 +74,6 @@ FN domain_vector domain_corner(GLOBAL scalar* domain, int k) {
 
 // Eq. 15: the point of side `twin` at the same ratio as (xi, eta) on its own side, which runs the
 // other way.
-typedef struct {
-  uint patch;
-  real xi, eta;
-} domain_point;
-
 FN domain_point cross_edge(surface_view view, uint side, uint twin, real xi, real eta) {
   const uint from = view.side_patch[side];
   const int n = valence_of(view, from), k = (int)(side - view.side_begin[from]);
@@ -185,11 +155,6 @@ FN_LARGE uint fan_sector(surface_view view, uint side, real3 w) {
   return NONE;
 }
 
-FN sym2 add_sym2(sym2 a, sym2 b) {
-  sym2 r = {a.a + b.a, a.b + b.b, a.c + b.c};
-  return r;
-}
-
 // The step where first + second is flat or indefinite: of its curvatures relative to `first`, those
 // that rise are kept, so that flat minima are not crept to; 1 stands for the others, as in the
 // Gauss-Newton step.
@@ -216,24 +181,14 @@ FN domain_vector saddle_step(sym2 first, sym2 second, domain_vector gradient) {
 
 // -model^-1 gradient; damped where the parametrisation is singular.
 FN domain_vector newton_step(sym2 first, sym2 second, domain_vector gradient) {
-  const real least = EPSILON * (first.a + first.c) * (first.a + first.c);
-  sym2 m = add_sym2(first, second);
-  const real whole = first.a * first.c - first.b * first.b;
-  real det = m.a * m.c - m.b * m.b;
-  if (!(det > K(0.0009765625f) * whole && m.a + m.c > K(0))) {
-    if (whole > least) return saddle_step(first, second, gradient);
-    m = first;
-    det = whole;
-  }
-  if (!(det > least)) {  // singular parametrisation: damp
-    const real damp = K(0.0009765625f) * (first.a + first.c) + TINY;
-    m.a = first.a + damp;
-    m.c = first.c + damp;
-    det = m.a * m.c - m.b * m.b;
-  }
-  const real inverse = -K(1) / det;
-  return make_vector((m.c * gradient.xi - m.b * gradient.eta) * inverse,
-                     (m.a * gradient.eta - m.b * gradient.xi) * inverse);
+  newton_model model = model_of(first, second);
+  if (model.is_sound) return solve(model.m, model.det, gradient);
+  if (model.whole > model.least) return saddle_step(first, second, gradient);
+  const real damp = K(0.0009765625f) * (first.a + first.c) + TINY;
+  sym2 m = first;
+  m.a += damp;
+  m.c += damp;
+  return solve(m, m.a * m.c - m.b * m.b, gradient);
 }
 
 // Best step along a side that holds the point, away from the corner where there is one; (0, 0) if
@@ -260,51 +215,6 @@ FN domain_vector edge_step(GLOBAL scalar* domain, int n, held_sides held, sym2 f
   return best;
 }
 
-// Secant update of the curvature term sum r . G_ij after a step, sized first, so that an estimate
-// that was far too large does not linger (Dennis, Gay and Welsch 1981, section 3). Where the change
-// v of the gradient says little of the step, `first` weighs instead, or the estimate would explode.
-FN sym2 secant_update(sym2 s, sym2 first, domain_vector step, domain_vector y, domain_vector v) {
-  real vs = fma(v.xi, step.xi, v.eta * step.eta);
-  const real size = quadratic(first, step);
-  if (!(size > TINY)) return s;
-  if (!(vs > size / K(8))) {
-    v = make_vector(fma(first.a, step.xi, first.b * step.eta),
-                    fma(first.b, step.xi, first.c * step.eta));
-    vs = size;
-  }
-  const real seen = fabs(fma(step.xi, y.xi, step.eta * y.eta)), held = fabs(quadratic(s, step));
-  if (seen < held) {
-    const real sizing = seen / held;
-    s.a *= sizing;
-    s.b *= sizing;
-    s.c *= sizing;
-  }
-  const real over = K(1) / vs;
-  const real ex = y.xi - fma(s.a, step.xi, s.b * step.eta),
-             ey = y.eta - fma(s.b, step.xi, s.c * step.eta);
-  const real es = fma(ex, step.xi, ey * step.eta) * over;
-  s.a = fma(over, K(2) * ex * v.xi - es * v.xi * v.xi, s.a);
-  s.b = fma(over, ex * v.eta + ey * v.xi - es * v.xi * v.eta, s.b);
-  s.c = fma(over, K(2) * ey * v.eta - es * v.eta * v.eta, s.c);
-  return s;
-}
-
-FN domain_vector gradient_of(foot f) {
-  return make_vector(dot3(f.at.g_xi, f.r), dot3(f.at.g_eta, f.r));
-}
-
-// A step so short that the surface is its tangent plane.
-FN foot slide(surface_view view, foot f, domain_vector step) {
-  const real3 move = fma3(step.xi, f.at.g_xi, mul3(step.eta, f.at.g_eta));
-  const real unscale = numbers_of(view, f.patch)[PATCH_UNSCALE];
-  f.xi += step.xi;
-  f.eta += step.eta;
-  f.at.g = add3(f.at.g, move);
-  f.r = add3(f.r, move);
-  f.distance2 = dot3(f.r, f.r) * unscale * unscale;
-  return f;
-}
-
 // The step, cut where it leaves the domain; `side` is where (-1: it stays inside).
 typedef struct {
   real length;
@@ -326,17 +236,10 @@ FN cut_step cut_at_sides(GLOBAL scalar* domain, int n, held_sides held, real xi,
   return r;
 }
 
-// The curvature term as the second fundamental form at the patch's centre has it.
 FN sym2 start_bend(surface_view view, foot f, track_options options) {
-  sym2 s = {K(0), K(0), K(0)};
-  if (options.solver != SOLVER_NEWTON) return s;
-  GLOBAL scalar* numbers = numbers_of(view, f.patch);
-  const real3 normal = patch_normal(f.at);
-  const real depth = dot3(f.r, normal) / larger(norm3(normal), TINY);
-  s.a = depth * numbers[PATCH_BEND];
-  s.b = depth * numbers[PATCH_BEND + 1];
-  s.c = depth * numbers[PATCH_BEND + 2];
-  return s;
+  GLOBAL scalar* numbers = numbers_of(view, f.patch) + PATCH_BEND;
+  const sym2 second = {numbers[0], numbers[1], numbers[2]};
+  return bend_of(f.at, f.r, second, options.solver);
 }
 
 // The curvature term of `from` in the domain of `to`, across an edge or a corner where the tangent
@@ -362,21 +265,44 @@ typedef struct {
   real distance2;
 } known_minimum;
 
+// Follows the surface inside the patch as far as that goes.
+FN foot descend_foot(surface_view view, hip_point h, foot f, track_options options) {
+  const int n = valence_of(view, f.patch);
+  descent d = {f.xi, f.eta, f.at, f.r, f.distance2, f.bend, f.last2, f.before2, (real)f.iterations,
+               0};
+  d = descend(domain_of(view, n), control_of(view, f.patch), view.form[f.patch], n,
+              local_hip(view, h, f.patch), numbers_of(view, f.patch)[PATCH_UNSCALE], options, d);
+  if ((int)d.evaluations > f.iterations) f.flags &= ~(FOOT_BORDER | FOOT_CREASE);
+  if (d.converged) f.flags |= FOOT_CONVERGED;
+  f.xi = d.xi;
+  f.eta = d.eta;
+  f.at = d.at;
+  f.r = d.r;
+  f.distance2 = d.distance2;
+  f.bend = d.bend;
+  f.last2 = d.last2;
+  f.before2 = d.before2;
+  f.iterations = (int)d.evaluations;
+  return f;
+}
+
 // Tracks the local nearest point from a start with its bend. An edge is crossed where the distance
 // falls on its other side; having crossed, not again before it has fallen. Gives up on entering the
 // patch of `known`, a minimum found before, at no less than its distance (patch NONE: never).
 FN_LARGE foot track_foot(surface_view view, hip_point h, foot f, track_options options,
                          known_minimum known) {
   int just_crossed = 0;
-  real last2 = -K(1);    // squared length of the last step, in the same patch
-  real before2 = -K(1);  // of the last whole step, in any
-  while (f.iterations < options.max_iterations) {
+  while (!(f.flags & FOOT_CONVERGED) && f.iterations < options.max_iterations) {
+    const int so_far = f.iterations;
+    f = descend_foot(view, h, f, options);
+    if (f.iterations > so_far) just_crossed = 0;
+    if ((f.flags & FOOT_CONVERGED) || f.iterations >= options.max_iterations) break;
+    // What is left: a side, a saddle, or a step that is too long.
     const int n = valence_of(view, f.patch);
     const uint first_side = view.side_begin[f.patch];
     GLOBAL scalar* domain = domain_of(view, n);
-    const domain_vector gradient = gradient_of(f);
-    const sym2 first = {dot3(f.at.g_xi, f.at.g_xi), dot3(f.at.g_xi, f.at.g_eta),
-                        dot3(f.at.g_eta, f.at.g_eta)};
+    const domain_vector gradient = gradient_of(f.at, f.r);
+    const sym2 first = first_form(f.at);
     domain_vector step = newton_step(first, f.bend, gradient);
     real length2 = quadratic(first, step);
     // A patch away the curvature is another: no farther than the tangent plane says.
@@ -391,24 +317,13 @@ FN_LARGE foot track_foot(surface_view view, hip_point h, foot f, track_options o
     }
     const real tolerance2 = options.tolerance * options.tolerance;
     const held_sides held = sides_at(domain, n, f.xi, f.eta);
+    if (length2 <= tolerance2) {
+      f.flags |= FOOT_CONVERGED;
+      break;
+    }
     const int leaves_a = held.a >= 0 && outward(domain, held.a, step) > K(0);
     const int leaves_b = held.b >= 0 && outward(domain, held.b, step) > K(0);
     held_sides along = {-1, -1};
-    if (length2 <= tolerance2) {
-      if (held.a < 0 && cut_at_sides(domain, n, held, f.xi, f.eta, step).side < 0)
-        f = slide(view, f, step);
-      f.flags |= FOOT_CONVERGED;
-      break;
-    }
-    // Steps shrink faster than linearly: what this one leaves is at most its square over the last.
-    // Then it is taken on the tangent plane, which saves an evaluation.
-    if (last2 > K(0) && held.a < 0 && length2 * length2 <= tolerance2 * last2 &&
-        length2 <= options.tolerance / K(64) &&
-        cut_at_sides(domain, n, held, f.xi, f.eta, step).side < 0) {
-      f = slide(view, f, step);
-      f.flags |= FOOT_CONVERGED;
-      break;
-    }
     if (leaves_a || leaves_b) {
       uint next = NONE;
       domain_point to;
@@ -434,7 +349,7 @@ FN_LARGE foot track_foot(surface_view view, hip_point h, foot f, track_options o
         just_crossed = 1;
         if (f.patch == known.patch && f.distance2 >= known.distance2) break;
         f.bend = carry_bend(view, from, f, options);
-        last2 = -K(1);
+        f.last2 = -K(1);
         continue;
       }
       step = edge_step(domain, n, held, first, f.bend, gradient);
@@ -445,10 +360,8 @@ FN_LARGE foot track_foot(surface_view view, hip_point h, foot f, track_options o
         break;
       }
     }
-    // Near the minimum the distance no longer tells better from worse; steps that still shrink do.
-    const real fall = -fma(gradient.xi, step.xi, gradient.eta * step.eta);
-    const int at_rounding = fall <= K(16) * EPSILON * dot3(f.r, f.r);
-    if (at_rounding && before2 > K(0) && length2 >= before2) {
+    const int at_rounding = is_at_rounding(gradient, step, f.r);
+    if (at_rounding && f.before2 > K(0) && length2 >= f.before2) {
       f.flags |= FOOT_CONVERGED;
       break;
     }
@@ -488,18 +401,14 @@ FN_LARGE foot track_foot(surface_view view, hip_point h, foot f, track_options o
     to.iterations = f.iterations;
     to.crossings = f.crossings + crossed;
     to.flags = f.flags;
-    before2 = length2;
-    last2 = crossed || along.a >= 0 ? -K(1) : length * length * length2;
+    to.before2 = length2;
+    to.last2 = crossed || along.a >= 0 ? -K(1) : length * length * length2;
     if (crossed) {
       if (to.patch == known.patch && to.distance2 >= known.distance2) return to;
       to.bend = carry_bend(view, f, to, options);
     } else if (options.solver == SOLVER_NEWTON) {
-      const domain_vector after = gradient_of(to);
-      const domain_vector change = make_vector(after.xi - gradient.xi, after.eta - gradient.eta);
-      const domain_vector y =
-          make_vector(after.xi - dot3(f.at.g_xi, to.r), after.eta - dot3(f.at.g_eta, to.r));
-      to.bend =
-          secant_update(f.bend, first, make_vector(length * step.xi, length * step.eta), y, change);
+      const domain_vector taken = make_vector(length * step.xi, length * step.eta);
+      to.bend = bend_after(f.bend, f.at, gradient, taken, to.at, to.r);
     }
     just_crossed = crossed;
     f = to;

@@ -25,6 +25,9 @@ FN real3 cross_add3(real3 a, real3 b, real3 c) {
   return make3(fma(a.y, b.z, fma(-a.z, b.y, c.x)), fma(a.z, b.x, fma(-a.x, b.z, c.y)),
                fma(a.x, b.y, fma(-a.y, b.x, c.z)));
 }
+FN real3 pick3(mask m, real3 a, real3 b) {
+  return make3(pick(m, a.x, b.x), pick(m, a.y, b.y), pick(m, a.z, b.z));
+}
 FN real norm3(real3 a) { return sqrt(dot3(a, a)); }
 FN real3 unit3(real3 a) { return mul3(K(1) / larger(norm3(a), splat(TINY)), a); }
 
@@ -37,6 +40,20 @@ FN real3 load3(GLOBAL scalar* at, int i) {
 FN real3 gather3(GLOBAL scalar* at, real index) {
   return make3(gather(at, index), gather(at + 1, index), gather(at + 2, index));
 }
+
+#ifdef GLISS_PACKED
+FN real3 load3(control_data at, int i) { return make3(at[3 * i], at[3 * i + 1], at[3 * i + 2]); }
+FN real3 gather3(control_data at, real index) {
+  real3 r;
+  for (int i = 0; i < GLISS_LANES; ++i) {
+    const control_data own = at + (int)index[i];
+    r.x[i] = own[0][i];
+    r.y[i] = own[1][i];
+    r.z[i] = own[2][i];
+  }
+  return r;
+}
+#endif
 
 // Three rows of `stride` numbers.
 FN void store3(GLOBAL_OUT scalar* at, ulong stride, real3 a) {

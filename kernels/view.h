@@ -76,32 +76,6 @@ FN real3 local_hip(surface_view view, hip_point h, uint patch) {
   return mul3(splat(numbers[PATCH_SCALE]), add3(from_origin, h.low));
 }
 
-// The common valences with their loops unrolled.
-FN patch_point evaluate_valence(GLOBAL scalar* domain, GLOBAL scalar* control, uint form, int n,
-                                real xi, real eta) {
-  if (n == 4) return evaluate_quad(control, form, xi, eta);
-  if (n == 3) return evaluate(domain, control, form, 3, xi, eta);
-  if (n == 5) return evaluate(domain, control, form, 5, xi, eta);
-  if (n == 6) return evaluate(domain, control, form, 6, xi, eta);
-  return evaluate(domain, control, form, n, xi, eta);
-}
-
-// Which forms there are code for: those that a device's surface has, else all.
-#ifndef GLISS_FORMS
-#define GLISS_FORMS 15u
-#endif
-#define IS_FORM(form, which) ((GLISS_FORMS >> (which)&1u) && ((form)&255u) == (which))
-
-FN_LARGE patch_point evaluate_form(GLOBAL scalar* domain, GLOBAL scalar* control, uint form, int n,
-                                   real xi, real eta) {
-  if (IS_FORM(form, FORM_BEZIER))
-    return n == 4 ? gregory_quad(control, xi, eta) : gregory_triangle(domain, control, xi, eta);
-  if (IS_FORM(form, FORM_TABLE))
-    return evaluate_table(domain, control, (int)(form >> 8), n, xi, eta);
-  if (IS_FORM(form, FORM_RIBBON)) return evaluate_valence(domain, control, FORM_RIBBON, n, xi, eta);
-  return evaluate_valence(domain, control, FORM_EXACT, n, xi, eta);
-}
-
 FN patch_point evaluate_patch(surface_view view, uint patch, real xi, real eta) {
   const int n = valence_of(view, patch);
   return evaluate_form(domain_of(view, n), control_of(view, patch), view.form[patch], n, xi, eta);

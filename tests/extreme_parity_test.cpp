@@ -171,7 +171,8 @@ Bits answers(const Kernels<Real>& kernels, const PatchCache& cache, const Questi
   const TrackOptions<Real> options = track_options<Real>(QueryOptions{});
   for (const Vec3& hip : q.hips) {
     RawContact<Real> raw;
-    kernels.nearest(s, kGregory, 1, options, raw_hip<Real>(cache, hip), &raw);
+    const RawHip<Real> there = raw_hip<Real>(cache, hip);
+    kernels.nearest(s, kGregory, 1, options, &there, 1, &raw);
     const Contact contact = contact_of(cache, s, raw);
     add(bits, {&contact, 1});
   }
@@ -181,7 +182,8 @@ Bits answers(const Kernels<Real>& kernels, const PatchCache& cache, const Questi
     raw.uints[kContactPatch] = place.patch;
     raw.reals[kContactXi] = static_cast<Real>(place.xi);
     raw.reals[kContactEta] = static_cast<Real>(place.eta);
-    kernels.track(s, Method::kGregory, options, raw_hip<Real>(cache, q.hips[i]), &raw);
+    const RawHip<Real> there = raw_hip<Real>(cache, q.hips[i]);
+    kernels.track(s, Method::kGregory, options, &there, 1, &raw);
     const Contact contact = contact_of(cache, s, raw);
     add(bits, {&contact, 1});
   }

@@ -31,7 +31,8 @@ class Blend {
     }
     control_.resize(n_ * kSideReals);
     const Real up[] = {0, 0, 1};
-    kernels<Real>().build_patch(corners.data(), n_, control_.data());
+    Real soundness = 0;
+    kernels<Real>().build_patches(corners.data(), n_, 1, control_.data(), &soundness);
     for (std::uint32_t k = 0; k < n_; ++k) {
       Real* side = &control_[k * kSideReals];
       side[kSideLength] = side[kSideLength + 1] = 0;
