@@ -31,7 +31,7 @@ Asked asked(const Mesh& mesh, const PatchCache& cache, std::size_t count) {
     const int side = static_cast<int>(rng() % static_cast<std::uint64_t>(n));
     // Near sides too, which tracking crosses, and on them.
     const double inward = i % 7 == 0 ? 1 : i % 7 == 1 ? 0.999 : uniform(rng, 0, 1);
-    const auto X = inward * oracle::on_side(n, side, uniform(rng, 0, 1));
+    const Eigen::Vector2d X = inward * oracle::on_side(n, side, uniform(rng, 0, 1));
     a.points.push_back({face, X.x(), X.y()});
     const SurfacePoint at = evaluate(cache, a.points.back());
     const double size = test::size_of(mesh);
