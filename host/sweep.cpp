@@ -19,7 +19,8 @@ struct Piece {
   std::vector<SweepBlock> blocks;           // [depth][method]; empty: not kept
 };
 
-// Chunks that are computed together: as many as keep the engine busy.
+// Chunks that are computed together: as many as keep the engine busy. Its memory is used again: new
+// pages cost as much as what is computed in them.
 struct Window {
   std::vector<Piece> pieces;
   std::vector<DomainPoint> points;
@@ -44,7 +45,9 @@ class Sweeper {
     result.statistics = no_statistics();
     auto of_part = no_statistics();
     std::uint64_t done = 0;
-    std::future<void> counting;  // the last window is counted while the next is computed
+    Window windows[2];  // the last one is counted while the next is computed
+    std::size_t turn = 0;
+    std::future<void> counting;
     const auto finish = [&] {
       if (counting.valid()) counting.get();
     };
@@ -61,14 +64,15 @@ class Sweeper {
         }
       }
       while (first < part_end && result.complete) {
-        const auto window = std::make_shared<Window>(next_window(first, part_end));
-        feel(*window);
+        Window& window = windows[turn++ % 2];
+        collect(first, part_end, window);
+        feel(window);
         finish();
-        const std::size_t next = first + window->pieces.size();
+        const std::size_t next = first + window.pieces.size();
         const bool saves = parts != nullptr && next == part_end && next < end;
-        counting = std::async(policy, [=, this, &sink, &result, &of_part] {
-          count(*window, sink != nullptr);
-          for (const Piece& piece : window->pieces) {
+        counting = std::async(policy, [=, this, &window, &sink, &result, &of_part] {
+          count(window, sink != nullptr);
+          for (const Piece& piece : window.pieces) {
             merge(piece.statistics, of_part);
             for (const SweepBlock& block : piece.blocks) {
               if (parts != nullptr) parts->add(block);
@@ -122,21 +126,22 @@ class Sweeper {
     return c;
   }
 
-  Window next_window(std::size_t first, std::size_t last) const {
-    Window window;
+  void collect(std::size_t first, std::size_t last, Window& window) const {
+    window.pieces.clear();
+    window.points.clear();
     const std::size_t enough = std::max<std::size_t>(engine_.batch() / options_.depths.size(), 1);
     for (std::size_t c = first; c < last && window.points.size() < enough; ++c) {
       const SweepChunk& chunk = grid_.chunks()[c];
       window.pieces.push_back({&chunk, window.points.size(), {}, {}});
       grid_.add_points(chunk, window.points);
     }
-    return window;
   }
 
   void feel(Window& window) const {
     const std::size_t points = window.points.size(), depths = options_.depths.size();
     window.surface.resize(points);
     surface_->evaluate(window.points, window.surface);
+    window.hips.clear();
     window.hips.reserve(depths * points);
     for (const double depth : options_.depths) {
       for (const SurfacePoint& p : window.surface)
