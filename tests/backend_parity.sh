@@ -36,9 +36,8 @@ same() {
 
 for precision in double float; do
   want=
-  same baseline serial
-  same baseline tbb --threads 2
-  for isa in v3 v4; do
+  same v3 serial
+  for isa in baseline v3 v4; do
     same $isa tbb --threads 2
   done
   for threads in 1 4; do
