@@ -35,23 +35,23 @@ SurfacePoint evaluate_point(const PatchCache& cache, const Surface<Real>& s,
 
 constexpr std::size_t kSparse = 3;
 
+// As many points as patches, nearly: not block by block.
 template <class Real>
-void evaluate_each(const PatchCache& cache, const Surface<Real>& s,
-                   std::span<const DomainPoint> points, std::span<SurfacePoint> out) {
-  thread_local std::vector<std::uint32_t> patch, slot;
+void evaluate_each(const PatchCache& cache, const Surface<Real>& s, const PointBlocks<Real>& blocks,
+                   std::span<SurfacePoint> out) {
+  thread_local std::vector<std::uint32_t> slot;
   thread_local std::vector<Real> xi, eta, rows;
-  const std::size_t count = points.size(), stride = row_stride(count);
-  patch.resize(count), slot.resize(count), xi.resize(count), eta.resize(count);
+  const std::size_t count = out.size(), stride = row_stride(count);
+  slot.resize(count), xi.resize(count), eta.resize(count);
   rows.resize(9 * stride);
   for (std::size_t i = 0; i < count; ++i) {
-    const PatchPlace place = place_of(cache, s, points[i]);
-    patch[i] = place.patch;
-    xi[i] = static_cast<Real>(place.xi);
-    eta[i] = static_cast<Real>(place.eta);
+    xi[i] = blocks.xi[blocks.slot[i]];
+    eta[i] = blocks.eta[blocks.slot[i]];
   }
   std::iota(slot.begin(), slot.end(), 0u);
-  kernels<Real>().evaluate_each(s, patch.data(), xi.data(), eta.data(), count, stride, rows.data());
-  surface_points<Real>(cache, s, patch, slot, rows.data(), stride, out);
+  kernels<Real>().evaluate_each(s, blocks.patch_of.data(), xi.data(), eta.data(), count, stride,
+                                rows.data());
+  surface_points<Real>(cache, s, blocks.patch_of, slot, rows.data(), stride, out);
 }
 
 template <class Real>
@@ -62,7 +62,7 @@ void evaluate_points(const PatchCache& cache, const Surface<Real>& s,
   const auto lanes = static_cast<std::size_t>(kernels<Real>().lanes);
   block_points(cache, s, points, lanes, blocks);
   // A block of a few points of one patch costs as much as a full one.
-  if (blocks.slots() > kSparse * points.size()) return evaluate_each(cache, s, points, out);
+  if (blocks.slots() > kSparse * points.size()) return evaluate_each(cache, s, blocks, out);
   const std::size_t stride = row_stride(blocks.slots()), count = blocks.patch.size();
   rows.resize(9 * stride);
   for (std::size_t first = 0, end; first < count; first = end) {

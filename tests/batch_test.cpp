@@ -4,10 +4,9 @@
 
 #include <cstring>
 
-#include "host/engine.h"
 #include "host/generate.h"
-#include "host/kernels.h"
 #include "host/names.h"
+#include "host/query.h"
 #include "tests/oracle.h"
 #include "tests/places.h"
 #include "tests/surfaces.h"
