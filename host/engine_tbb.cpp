@@ -1,5 +1,6 @@
 // The only file that knows oneTBB.
 #include <tbb/global_control.h>
+#include <tbb/info.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -28,7 +29,9 @@ Handover work, results;  // of all loops: to find one of its own would be a read
 
 class TbbEngine final : public Engine {
  public:
-  explicit TbbEngine(int threads) : arena_(threads > 0 ? threads : tbb::task_arena::automatic) {
+  explicit TbbEngine(int threads)
+      : threads_(threads > 0 ? threads : tbb::info::default_concurrency()),
+        arena_(threads_ + kCallers - 1, kCallers) {
     // More threads than cores are allowed when they are asked for.
     if (threads > 0) {
       limit_.emplace(tbb::global_control::max_allowed_parallelism,
@@ -38,7 +41,7 @@ class TbbEngine final : public Engine {
     }
   }
   const char* name() const override { return "tbb"; }
-  int threads() const override { return arena_.max_concurrency(); }
+  int threads() const override { return threads_; }
   std::size_t batch() const override { return 16384 * static_cast<std::size_t>(threads()); }
   void for_each(std::size_t count, std::size_t grain,
                 const std::function<void(std::size_t, std::size_t)>& body) const override {
@@ -58,6 +61,11 @@ class TbbEngine final : public Engine {
   }
 
  private:
+  // Loops that may be under way at once, such as a sweep's two. With a place for one alone, the
+  // thread that helps would leave it to the second caller, and not be called back after.
+  static constexpr int kCallers = 2;
+
+  const int threads_;
   std::optional<tbb::global_control> limit_;
   mutable tbb::task_arena arena_;
 };
