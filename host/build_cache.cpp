@@ -352,7 +352,7 @@ class CacheBuilder {
   PatchCache cache_;
   ValenceTables tables_;
   std::vector<std::uint32_t> faces_;
-  std::vector<DraftedFace> drafted_;  // [faces_]
+  LargeArray<DraftedFace> drafted_;  // [faces_]
   PatchLayout layout_;
 };
 

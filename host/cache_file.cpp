@@ -29,7 +29,7 @@ using namespace cache_format;
 // Stays in a core's own cache from read to checksum to copy.
 constexpr std::size_t kBlockBytes = 1 << 18;
 
-static_assert(sizeof(Surface<float>) == 13 * sizeof(std::vector<float>),
+static_assert(sizeof(Surface<float>) == 13 * sizeof(LargeArray<float>),
               "an array was added: list it in for_each_section and check_cache, and raise kFormat");
 
 // The header of a cache of this program, with sizes and checksum still to come.
@@ -168,8 +168,9 @@ class Reader {
     }
   }
 
-  template <class T>
-  void read_section(const Section& section, const char* name, std::vector<T>& values) {
+  template <class Array>
+  void read_section(const Section& section, const char* name, Array& values) {
+    using T = typename Array::value_type;
     Section expected = section_of<T>(name, section.count, position_);
     expected.checksum = section.checksum;
     if (std::memcmp(&section, &expected, sizeof(section)) != 0) {
@@ -203,10 +204,12 @@ void save_cache(const PatchCache& cache, const std::string& path) {
   std::array<Section, kSections> table;
   std::size_t next = 0;
   std::uint64_t end = kHeaderBytes;
-  for_each_section(cache, [&]<class T>(const char* name, const std::vector<T>& values) {
-    Section& section = table.at(next++) = section_of<T>(name, values.size(), end);
-    section.checksum = checksum(values.data(), values.size() * sizeof(T));
-    end += values.size() * sizeof(T);
+  for_each_section(cache, [&](const char* name, const auto& values) {
+    const std::size_t bytes = values.size() * sizeof(values[0]);
+    Section& section = table.at(next++) =
+        section_of<std::decay_t<decltype(values[0])>>(name, values.size(), end);
+    section.checksum = checksum(values.data(), bytes);
+    end += bytes;
   });
   Header header = header_of(cache);
   header.section_count = kSections;
@@ -219,8 +222,8 @@ void save_cache(const PatchCache& cache, const std::string& path) {
   const std::uint64_t sum = checksum(&head[kChecksumBegin], head.size() - kChecksumBegin);
   std::memcpy(&head[offsetof(Header, checksum)], &sum, sizeof(sum));
   file.write(head.data(), head.size());
-  for_each_section(cache, [&]<class T>(const char*, const std::vector<T>& values) {
-    file.write(values.data(), values.size() * sizeof(T));
+  for_each_section(cache, [&](const char*, const auto& values) {
+    file.write(values.data(), values.size() * sizeof(values[0]));
   });
   file.commit();
 }

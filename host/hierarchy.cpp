@@ -38,7 +38,7 @@ void store(const Box& box, Real* at) {
 template <class Real>
 class Builder {
  public:
-  Builder(const std::vector<Box>& boxes, std::vector<Real>& node, std::vector<std::uint32_t>& child)
+  Builder(const std::vector<Box>& boxes, LargeArray<Real>& node, LargeArray<std::uint32_t>& child)
       : boxes_(boxes), order_(boxes.size()), node_(node), child_(child) {
     std::iota(order_.begin(), order_.end(), 0u);
     node_.assign((boxes.size() - 1) * kNodeReals, Real(0));
@@ -107,21 +107,21 @@ class Builder {
 
   const std::vector<Box>& boxes_;
   std::vector<std::uint32_t> order_;
-  std::vector<Real>& node_;
-  std::vector<std::uint32_t>& child_;
+  LargeArray<Real>& node_;
+  LargeArray<std::uint32_t>& child_;
 };
 
 }  // namespace
 
 template <class Real>
-void build_hierarchy(const std::vector<Box>& boxes, std::vector<Real>& node,
-                     std::vector<std::uint32_t>& child, const ParallelFor& parallel) {
+void build_hierarchy(const std::vector<Box>& boxes, LargeArray<Real>& node,
+                     LargeArray<std::uint32_t>& child, const ParallelFor& parallel) {
   Builder<Real>(boxes, node, child).run(parallel);
 }
 
-template void build_hierarchy(const std::vector<Box>&, std::vector<float>&,
-                              std::vector<std::uint32_t>&, const ParallelFor&);
-template void build_hierarchy(const std::vector<Box>&, std::vector<double>&,
-                              std::vector<std::uint32_t>&, const ParallelFor&);
+template void build_hierarchy(const std::vector<Box>&, LargeArray<float>&,
+                              LargeArray<std::uint32_t>&, const ParallelFor&);
+template void build_hierarchy(const std::vector<Box>&, LargeArray<double>&,
+                              LargeArray<std::uint32_t>&, const ParallelFor&);
 
 }  // namespace gliss

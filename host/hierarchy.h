@@ -12,7 +12,7 @@ namespace gliss {
 // axis, so that its depth is at most log2 of their number and a bit. The same boxes give the same
 // tree on any number of threads.
 template <class Real>
-void build_hierarchy(const std::vector<Box>& boxes, std::vector<Real>& node,
-                     std::vector<std::uint32_t>& child, const ParallelFor& parallel);
+void build_hierarchy(const std::vector<Box>& boxes, LargeArray<Real>& node,
+                     LargeArray<std::uint32_t>& child, const ParallelFor& parallel);
 
 }  // namespace gliss

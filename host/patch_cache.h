@@ -87,14 +87,14 @@ struct PatchCache {
   std::uint32_t mesh_face_count = 0;
   std::uint64_t mesh_hash = 0;  // XXH3 of the mesh's arrays and unit
   std::variant<Surface<float>, Surface<double>> surface;
-  std::vector<std::uint32_t> patch_face;  // [patch]
-  std::vector<std::uint32_t> face_patch;  // [face], its first patch; kNone: not built
-  std::vector<PatchKind> kind;            // [patch]
-  std::vector<std::uint8_t> folded;       // [patch], 1: the exact patch folds or degenerates
-  std::vector<double> rho_min;            // [patch], least radius of curvature, mesh's unit
-  std::vector<std::uint32_t>
+  LargeArray<std::uint32_t> patch_face;  // [patch]
+  LargeArray<std::uint32_t> face_patch;  // [face], its first patch; kNone: not built
+  LargeArray<PatchKind> kind;            // [patch]
+  LargeArray<std::uint8_t> folded;       // [patch], 1: the exact patch folds or degenerates
+  LargeArray<double> rho_min;            // [patch], least radius of curvature, mesh's unit
+  LargeArray<std::uint32_t>
       corner_of_face;  // [side], which corner of its face it starts at; valence: the centre
-  std::vector<std::uint32_t> face_valence;  // [face]
+  LargeArray<std::uint32_t> face_valence;  // [face]
 
   Precision precision() const {
     return surface.index() == 0 ? Precision::kFloat : Precision::kDouble;

@@ -50,8 +50,8 @@ std::uint32_t patch_side(const Mesh& mesh, const Topology& topology, const Patch
 }  // namespace
 
 PatchLayout lay_out(const Mesh& mesh, const Topology& topology,
-                    const std::vector<std::uint32_t>& faces,
-                    const std::vector<DraftedFace>& drafted, PatchCache& cache) {
+                    const std::vector<std::uint32_t>& faces, const LargeArray<DraftedFace>& drafted,
+                    PatchCache& cache) {
   PatchLayout l;
   cache.face_patch.assign(mesh.face_count(), kNone);
   for (std::size_t i = 0; i < faces.size(); ++i) {

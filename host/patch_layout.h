@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "host/large_array.h"
 #include "host/patch_draft.h"
 
 namespace gliss {
@@ -17,14 +18,14 @@ struct DraftedFace {
 };
 
 struct PatchLayout {
-  std::vector<std::uint32_t> side_begin{0};  // [patch + 1]
-  std::vector<std::uint32_t> side_twin;      // [side]
+  LargeArray<std::uint32_t> side_begin{0};  // [patch + 1]
+  LargeArray<std::uint32_t> side_twin;      // [side]
 };
 
 // Numbers the patches of `faces`, which are `drafted` in the same order, and fills what the cache
 // knows of each besides its shape.
 PatchLayout lay_out(const Mesh& mesh, const Topology& topology,
-                    const std::vector<std::uint32_t>& faces,
-                    const std::vector<DraftedFace>& drafted, PatchCache& cache);
+                    const std::vector<std::uint32_t>& faces, const LargeArray<DraftedFace>& drafted,
+                    PatchCache& cache);
 
 }  // namespace gliss

@@ -4,23 +4,25 @@
 #include <cstdint>
 #include <vector>
 
+#include "host/large_array.h"
+
 namespace gliss {
 
 template <class Real>
 struct Surface {
-  std::vector<Real> domain;                  // tables of the valences in use
-  std::vector<std::uint32_t> domain_begin;   // [valence]
-  std::vector<std::uint32_t> side_begin;     // [patch + 1]
-  std::vector<std::uint32_t> side_patch;     // [side]
-  std::vector<std::uint32_t> side_twin;      // [side], kNone: border
-  std::vector<Real> control;                 // of all patches, by their forms
-  std::vector<std::uint32_t> control_begin;  // [patch], where its own begins, in triples
-  std::vector<std::uint32_t> form;           // [patch], kForm...; of a table with r << 8
-  std::vector<Real> corner;                  // [side][2][3]
-  std::vector<Real> patch;                   // [patch][patch_reals]
-  std::vector<std::uint32_t> triangle;       // [side_begin[p] - 2 p][3]
-  std::vector<Real> node;                    // [node][2][6]
-  std::vector<std::uint32_t> child;          // [node][2]
+  std::vector<Real> domain;                 // tables of the valences in use
+  std::vector<std::uint32_t> domain_begin;  // [valence]
+  LargeArray<std::uint32_t> side_begin;     // [patch + 1]
+  LargeArray<std::uint32_t> side_patch;     // [side]
+  LargeArray<std::uint32_t> side_twin;      // [side], kNone: border
+  LargeArray<Real> control;                 // of all patches, by their forms
+  LargeArray<std::uint32_t> control_begin;  // [patch], where its own begins, in triples
+  LargeArray<std::uint32_t> form;           // [patch], kForm...; of a table with r << 8
+  LargeArray<Real> corner;                  // [side][2][3]
+  LargeArray<Real> patch;                   // [patch][patch_reals]
+  LargeArray<std::uint32_t> triangle;       // [side_begin[p] - 2 p][3]
+  LargeArray<Real> node;                    // [node][2][6]
+  LargeArray<std::uint32_t> child;          // [node][2]
 
   std::uint32_t patch_count() const { return static_cast<std::uint32_t>(side_begin.size()) - 1; }
   std::uint32_t valence(std::uint32_t patch) const {

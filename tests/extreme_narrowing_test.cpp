@@ -51,7 +51,7 @@ TEST(ExtremeNarrowing, a_hip_is_split_into_what_float_holds_and_the_rest) {
 TEST(ExtremeNarrowing, caches_hold_rounded_numbers) {
   Rng rng(152);
   std::uint64_t wrong = 0, count = 0;
-  const auto compare = [&](const std::vector<float>& got, const std::vector<double>& from) {
+  const auto compare = [&](const LargeArray<float>& got, const LargeArray<double>& from) {
     ASSERT_EQ(got.size(), from.size());
     for (std::size_t i = 0; i < got.size(); ++i) {
       const double want = rounded(from[i]);

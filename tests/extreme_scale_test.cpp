@@ -82,11 +82,11 @@ std::vector<Mesh> meshes_to_scale() {
   return meshes;
 }
 
-template <class T>
-std::size_t differing(const std::vector<T>& a, const std::vector<T>& b) {
+template <class Array>
+std::size_t differing(const Array& a, const Array& b) {
   if (a.size() != b.size()) return std::max(a.size(), b.size());
   std::size_t count = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) count += std::memcmp(&a[i], &b[i], sizeof(T)) != 0;
+  for (std::size_t i = 0; i < a.size(); ++i) count += std::memcmp(&a[i], &b[i], sizeof(a[i])) != 0;
   return count;
 }
 

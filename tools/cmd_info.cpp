@@ -95,7 +95,8 @@ void run(const SurfaceOptions& options) {
   const UnitChange length(cache.unit, options.unit);
   const Box bounds = cache.bounds();
   const Vec3 low = length(bounds.low), high = length(bounds.high);
-  const double rho_min = length(cache.smallest_rho()), rho_median = length(median(cache.rho_min));
+  const double rho_min = length(cache.smallest_rho());
+  const double rho_median = length(median({cache.rho_min.begin(), cache.rho_min.end()}));
   std::uint32_t faces = 0, folded = 0;
   for (const std::uint32_t patch : cache.face_patch) {
     faces += patch != kNone;

@@ -8,12 +8,13 @@
 namespace gliss::fuzz {
 namespace {
 
-template <class T>
-void edit(std::vector<T>& values, Input& input) {
+template <class Array>
+void edit_array(Array& values, Input& input) {
   if (input.flag() || values.empty()) {
     values.resize(std::max<std::size_t>(values.size() + input.choice(16), 8) - 8);
   } else {
-    values[input.number<std::uint32_t>() % values.size()] = input.number<T>();
+    values[input.number<std::uint32_t>() % values.size()] =
+        input.number<typename Array::value_type>();
   }
 }
 
@@ -45,7 +46,7 @@ void edit(PatchCache& cache, Input& input) {
   if (chosen == cache_format::kSections) return edit_number(cache, input);
   unsigned section = 0;
   cache_format::for_each_section(cache, [&](const char*, auto& values) {
-    if (section++ == chosen) edit(values, input);
+    if (section++ == chosen) edit_array(values, input);
   });
 }
 

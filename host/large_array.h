@@ -1,0 +1,47 @@
+// Arrays of a whole surface. Where they are large they lie in huge pages, if the system has them: a
+// million patches are half a million small pages, which a build or a load would take one by one,
+// and searches would look up.
+#pragma once
+
+#include <sys/mman.h>
+
+#include <cstddef>
+#include <memory>
+#include <new>
+#include <vector>
+
+namespace gliss {
+
+template <class T>
+struct HugePages {
+  using value_type = T;
+  static constexpr std::size_t kPage = std::size_t{1} << 21, kLarge = 4 * kPage;  // bytes
+
+  HugePages() = default;
+  template <class U>
+  HugePages(const HugePages<U>&) {}
+
+  T* allocate(std::size_t count) {
+    if (!is_large(count)) return std::allocator<T>().allocate(count);
+    const std::size_t bytes = count * sizeof(T);
+    void* memory = ::operator new (bytes, std::align_val_t{kPage});
+    madvise(memory, bytes, MADV_HUGEPAGE);  // advice: small pages do as well
+    return static_cast<T*>(memory);
+  }
+  void deallocate(T* memory, std::size_t count) {
+    if (!is_large(count)) return std::allocator<T>().deallocate(memory, count);
+    ::operator delete (memory, std::align_val_t{kPage});
+  }
+  template <class U>
+  bool operator==(const HugePages<U>&) const {
+    return true;
+  }
+
+ private:
+  static bool is_large(std::size_t count) { return count >= kLarge / sizeof(T); }
+};
+
+template <class T>
+using LargeArray = std::vector<T, HugePages<T>>;
+
+}  // namespace gliss
