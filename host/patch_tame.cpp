@@ -13,12 +13,15 @@ namespace {
 constexpr double kSafeTurn = 0.1;
 constexpr std::uint32_t kMaxFan = 64;  // faces of more sides are not cut from their centre: slivers
 constexpr double kFarthestCentre = 2;  // from the middle of a polygon in [-1, 1]^3
-constexpr double kInside = 1 - 1e-5;   // how far from the centre to a side counts as just inside
+// Cross tangents of weaker ribbons turn about within less of their side than floats tell apart.
+constexpr double kTurnsAbout = 1e-6;
+constexpr double kInside = 1 - 1e-5;  // how far from the centre to a side counts as just inside
 
 // The same boundary, with cross tangents shortened until the patch no longer folds; else the best
-// of them.
+// of them. As it was where they have no direction to speak of.
 PatchDraft ease(const PatchDraft& draft, const ValenceTables& tables) {
   PatchDraft best = draft;
+  if (draft.soundness < kTurnsAbout) return best;
   for (const double amount : {0.25, 0.5, 0.75, 0.9}) {
     if (best.shape.turn > kSafeTurn) break;
     PatchDraft d = draft;

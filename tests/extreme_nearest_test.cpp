@@ -73,7 +73,8 @@ void record(const Extreme& e, const char* precision, const Judgement& j, std::ui
 }
 
 const char* const kMissed =
-    "a second minimum of a sharp patch (those of the fin), which no start leads to, was nearer";
+    "a second minimum of a sharp patch (those of the fin), or one of many as far away (about the "
+    "centre of a sphere), which no start leads to, was nearer";
 const char* const kFlagged = "a flat minimum takes more than 64 steps, and says so";
 
 void PrintTo(const Kind& kind, std::ostream* out) { *out << kind.what; }
@@ -143,7 +144,7 @@ const Kind kKinds[] = {
     {"edges", "over edges", test::over_an_edge, kAll, 3000, kMillion, {1e-3, 1e-3, 1e-4, 1e-4}},
     {"vertices", "over vertices", test::over_a_vertex, kAll, 3000, kMillion, {1e-3, 1e-3, 1e-4, 1e-4}},
     {"poles", "over poles of valence 24", test::over_a_pole, {"sphere", "fans"}, 1000, kMillion,
-     {1e-9, 2e-6, 1e-4, 1e-4}},
+     {1e-7, 2e-6, 1e-4, 1e-4}},
     {"medial_axis", "on the medial axis", test::on_the_medial_axis,
      {"knot", "torus", "goldberg", "banana", "plate", "fin", "fans"}, 1000, kMillion,
      {1e-3, 1e-3, 1e-3, 1e-3}},

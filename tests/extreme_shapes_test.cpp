@@ -34,6 +34,7 @@ struct Missed {
 const std::vector<Missed> kWildNormals{{kPosition, 1e-12, 1e-5, kNearlyDegenerate},
                                        {kSlope, 1e-11, 1e-3, kNearlyDegenerate},
                                        {kNormal, 1e-12, 1e-4, kNearlyDegenerate},
+                                       {kGap, 1e-14, 1e-5, kNearlyDegenerate},
                                        {kFolds, 1e-3, 1e-3, kBetweenProbes}};
 
 class ExtremeShapes : public ::testing::TestWithParam<Precision> {

@@ -180,8 +180,7 @@ TEST_P(ExtremePatch, has_the_position_and_slopes_of_long_double) {
                                                 : fmt::format("{} to {} sides", range[0], most);
     const auto row = [&](const char* what, double goal, const WorstPlace& worst, double limit) {
       hold({"Numbers: patches", fmt::format("{}, {}, {}", what, sides, name_of(precision)), goal,
-            most >= 32 ? std::max(goal, limit) : goal,
-            "n^2 roundings are lost between the sides next to a side"},
+            std::max(goal, limit), "n^2 roundings are lost between the sides next to a side"},
            worst);
     };
     const double lost = 2 * most * most * (is_float ? 0x1p-24 : 0x1p-53);
