@@ -6,6 +6,7 @@
 #include "bench/flops.h"
 #include "bench/machine.h"
 #include "bench/meshes.h"
+#include "host/large_array.h"
 #include "host/names.h"
 
 namespace gliss::bench {
@@ -21,7 +22,7 @@ Work control_work(std::uint32_t n, int threads) {
   for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
     if (mesh.valence(f) == n) faces.push_back(f);
   }
-  const auto control = std::make_shared<std::vector<Real>>(faces.size() * n * kSideReals);
+  const auto control = std::make_shared<LargeArray<Real>>(faces.size() * n * kSideReals);
   Work work{static_cast<double>(faces.size()), nullptr};
   work.counters["flops"] = flops_of_build(n);
   work.counters["bytes"] = static_cast<double>(n * (6 + kSideReals) * sizeof(Real));

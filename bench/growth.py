@@ -6,7 +6,8 @@ cache per polygon, and what loading it costs beside reading its bytes, warm: int
 too and which costs most on some machines, and into memory in place. Each is the best of 3 runs, or of as many as fit
 into 1 s; what takes 5 s runs once. A load is all of `gliss eval` of one point, less what that takes on a cache of 8
 faces. Ctrl-C and failures keep what is there. `gliss report growth.json -o growth.html` draws it.
-Usage: bench/growth.py build/gliss [--samples 1e4:1e9] [--faces 1e3:1e7] [--backend tbb] [--json growth.json]
+Usage: bench/growth.py build/gliss [--samples 1e4:1e9] [--faces 1e3:1e7] [--precision float]
+       [--backend tbb] [--json growth.json]
 """
 
 import argparse
@@ -79,8 +80,9 @@ def best(words):
 
 
 class Bench:
-    def __init__(self, gliss, backend, folder):
-        self.gliss, self.backend, self.folder = os.path.abspath(gliss), backend, folder
+    def __init__(self, gliss, backend, precision, folder):
+        self.gliss, self.backend, self.precision = os.path.abspath(gliss), backend, precision
+        self.folder = folder
         self.point = folder / "point.csv"
         self.point.write_text("patch,xi,eta\n0,0,0\n")
 
@@ -94,7 +96,7 @@ class Bench:
 
     def baked(self, mesh):
         cache = mesh.with_suffix(".gliss")
-        return cache, self.run("bake", mesh, "--unit", "mm", "-o", cache, "--json")
+        return cache, self.run("bake", mesh, "--unit", "mm", "--precision", self.precision, "-o", cache, "--json")
 
     def opened(self, cache):
         return self.run("eval", cache, "--at", self.point, "-o", self.folder / "eval.csv")["seconds"]
@@ -168,15 +170,16 @@ def main():
     parser.add_argument("gliss")
     parser.add_argument("--samples", type=decades, default="1e4:1e7", help="of sweeps, by decades; default 1e4:1e7")
     parser.add_argument("--faces", type=decades, default="1e3:1e5", help="of knots, by decades; default 1e3:1e5")
+    parser.add_argument("--precision", choices=["float", "double"], default="double")
     parser.add_argument("--backend", default="tbb")
     parser.add_argument("--json", type=pathlib.Path, help="file to write, for gliss report")
     options = parser.parse_args()
     version, _ = measured([options.gliss, "--version"])
     growth = {"machine": f"{os.cpu_count()} cores of {processor()}", "gliss": version.decode().split()[-1],
-              "backend": options.backend, "sweeps": [], "meshes": []}
+              "backend": options.backend, "precision": options.precision, "sweeps": [], "meshes": []}
     stopped = None
     with tempfile.TemporaryDirectory() as name:
-        bench = Bench(options.gliss, options.backend, pathlib.Path(name))
+        bench = Bench(options.gliss, options.backend, options.precision, pathlib.Path(name))
         try:
             sweeps(bench, options.samples, growth["sweeps"])
             meshes(bench, options.faces, growth["meshes"])

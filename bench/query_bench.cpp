@@ -14,7 +14,7 @@
 namespace gliss::bench {
 namespace {
 
-constexpr std::size_t kHips = 4096;
+constexpr std::size_t kHips = 4096, kTracked = 8 * kHips;
 constexpr double kOffset = 0.02, kMove = 0.001;  // of the mesh's size
 constexpr double kGoodEnough = 1e-6;             // ... as an error of a tracked contact
 
@@ -24,16 +24,16 @@ struct Hips {
   std::vector<Vec3> hips;
 };
 
-Hips hips_beneath(const PatchCache& cache) {
+Hips hips_beneath(const PatchCache& cache, std::size_t count) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> uniform(-0.4, 0.4);
   Hips h;
-  for (std::size_t i = 0; i < kHips; ++i) {
-    const auto face = static_cast<std::uint32_t>(i * cache.mesh_face_count / kHips);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto face = static_cast<std::uint32_t>(i * cache.mesh_face_count / count);
     const double xi = uniform(random), eta = uniform(random);
     h.points.push_back({face, xi, eta});
   }
-  std::vector<SurfacePoint> at(kHips);
+  std::vector<SurfacePoint> at(count);
   evaluate(cache, h.points, at);
   const double offset = kOffset * size_of(cache);
   for (const SurfacePoint& p : at) h.hips.push_back(p.position - offset * p.normal);
@@ -49,7 +49,7 @@ enum class Search { kRandom, kSpatial };
 
 std::vector<Vec3> hips_of(Search order) {
   // The same whatever is asked for them.
-  std::vector<Vec3> hips = hips_beneath(cache_of(Shape::kKnot, Precision::kDouble)).hips;
+  std::vector<Vec3> hips = hips_beneath(cache_of(Shape::kKnot, Precision::kDouble), kHips).hips;
   return order == Search::kRandom ? shuffled(std::move(hips)) : hips;
 }
 
@@ -94,7 +94,7 @@ double patch_tolerance(const PatchCache& cache) {
 Work make_track(Precision precision, int threads) {
   const PatchCache& cache = cache_of(Shape::kKnot, precision);
   std::shared_ptr<ResidentSurface> surface = engine_of(threads).reside(cache);
-  Hips h = hips_beneath(cache);
+  Hips h = hips_beneath(cache, kTracked);
   const double size = size_of(cache);
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
@@ -103,13 +103,13 @@ Work make_track(Precision precision, int threads) {
     hip += kMove * size * way.normalized();
   }
   QueryOptions options;
-  std::vector<Contact> contacts(kHips), exact(kHips);
+  std::vector<Contact> contacts(kTracked);
   ContactTracker reference(cache_of(Shape::kKnot, Precision::kDouble), {});
   options.tolerance = patch_tolerance(cache);
   surface->track(h.hips, h.points, options, contacts);
-  Work work{static_cast<double>(kHips), nullptr};
+  Work work{static_cast<double>(kTracked), nullptr};
   std::vector<double> errors;
-  for (std::size_t i = 0; i < kHips; ++i) {
+  for (std::size_t i = 0; i < kTracked; ++i) {
     const Contact there = reference.track(h.hips[i], h.points[i]);
     errors.push_back((contacts[i].scp - there.scp).norm() / size);
   }

@@ -24,7 +24,7 @@ constexpr RowKey kMeshKeys[] = {{"polygons", Expect::kPositive, true},
 
 Json read_growth(const Json& growth, const ReportSource& source) {
   Json result = {{"kind", "growth"}, {"origin", Json::object()}};
-  for (const char* name : {"machine", "gliss", "backend"}) {
+  for (const char* name : {"machine", "gliss", "backend", "precision"}) {
     if (growth.contains(name) && growth[name].is_string()) result["origin"][name] = growth[name];
   }
   const auto read = [&](const char* list, std::span<const RowKey> keys) {
