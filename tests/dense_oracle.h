@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Eigenvalues>
+#include <array>
 #include <limits>
 #include <map>
 #include <vector>
@@ -67,9 +68,10 @@ class DenseOracle {
     const Domain& domain = domains_.at(cache_->face_valence[foot.at.face]);
     for (int i = 0; i < 40; ++i) {
       const Vec2 X(foot.at.xi, foot.at.eta);
-      const SurfacePoint here = evaluate(*cache_, foot.at);
+      const Around around = evaluate_around(foot.at);
+      const SurfacePoint& here = around[0];
       const Vec2 g = gradient(here, hip);
-      Vec2 step = newton_step(hip, foot.at, here, g);
+      Vec2 step = newton_step(hip, around, g);
       for (const Vec2& outward : domain.outward) {  // along a side that it leans on
         if (domain.apothem - outward.dot(X) > 1e-12 || outward.dot(step) <= 0) continue;
         const Vec2 along(-outward.y(), outward.x());
@@ -210,16 +212,29 @@ class DenseOracle {
     return {r.dot(p.d_xi), r.dot(p.d_eta)};
   }
 
-  Vec2 newton_step(const Vec3& hip, const DomainPoint& at, const SurfacePoint& here,
-                   const Vec2& g) const {
-    constexpr double h = 1e-5;
-    const Vec2 X = (1 - 4 * h) * Vec2(at.xi, at.eta);  // off the sides
+  // At a point, and kApart to both sides of it along xi and along eta: at once, for that takes as
+  // long as one.
+  using Around = std::array<SurfacePoint, 5>;
+  static constexpr double kApart = 1e-5;
+  Around evaluate_around(const DomainPoint& at) const {
+    const Vec2 X = (1 - 4 * kApart) * Vec2(at.xi, at.eta);  // off the sides
+    std::array<DomainPoint, 5> points{at};
+    for (std::size_t i = 0; i < 4; ++i) {
+      const Vec2 there = X + (i % 2 ? kApart : -kApart) * Vec2::Unit(static_cast<int>(i / 2));
+      points[i + 1] = {at.face, there.x(), there.y()};
+    }
+    Around around;
+    evaluate(*cache_, points, around);
+    return around;
+  }
+
+  static Vec2 newton_step(const Vec3& hip, const Around& around, const Vec2& g) {
+    const SurfacePoint& here = around[0];
     Eigen::Matrix2d H;
     for (int axis = 0; axis < 2; ++axis) {
-      const Vec2 d = h * Vec2::Unit(axis), a = X - d, b = X + d;
-      H.col(axis) = (gradient(evaluate(*cache_, {at.face, b.x(), b.y()}), hip) -
-                     gradient(evaluate(*cache_, {at.face, a.x(), a.y()}), hip)) /
-                    (2 * h);
+      const auto before = static_cast<std::size_t>(1 + 2 * axis);
+      H.col(axis) =
+          (gradient(around[before + 1], hip) - gradient(around[before], hip)) / (2 * kApart);
     }
     H(0, 1) = H(1, 0) = 0.5 * (H(0, 1) + H(1, 0));
     Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen;
