@@ -73,8 +73,8 @@ void record(const Extreme& e, const char* precision, const Judgement& j, std::ui
 }
 
 const char* const kMissed =
-    "a second minimum of a sharp patch (those of the fin), or one of many as far away (about the "
-    "centre of a sphere), which no start leads to, was nearer";
+    "a second minimum of a patch, most often of the fin's sharp ones, which no start leads to, was "
+    "nearer";
 const char* const kFlagged = "a flat minimum takes more than 64 steps, and says so";
 
 void PrintTo(const Kind& kind, std::ostream* out) { *out << kind.what; }
