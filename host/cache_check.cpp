@@ -22,9 +22,8 @@ bool is_power_of_two(double x) {
 
 // Integers, since these vectorise everywhere: adding the lowest exponent bit carries into the sign
 // bit exactly where the exponent is that of infinity and NaN.
-template <class Array>
-bool all_finite(const Array& numbers) {
-  using Real = typename Array::value_type;
+template <class Real, class A>
+bool all_finite(const std::vector<Real, A>& numbers) {
   using Bits = std::conditional_t<sizeof(Real) == 4, std::uint32_t, std::uint64_t>;
   constexpr Bits kExponent = std::bit_cast<Bits>(std::numeric_limits<Real>::infinity());
   constexpr Bits kLowest = kExponent & (~kExponent + 1);

@@ -168,9 +168,8 @@ class Reader {
     }
   }
 
-  template <class Array>
-  void read_section(const Section& section, const char* name, Array& values) {
-    using T = typename Array::value_type;
+  template <class T, class A>
+  void read_section(const Section& section, const char* name, std::vector<T, A>& values) {
     Section expected = section_of<T>(name, section.count, position_);
     expected.checksum = section.checksum;
     if (std::memcmp(&section, &expected, sizeof(section)) != 0) {
@@ -204,12 +203,10 @@ void save_cache(const PatchCache& cache, const std::string& path) {
   std::array<Section, kSections> table;
   std::size_t next = 0;
   std::uint64_t end = kHeaderBytes;
-  for_each_section(cache, [&](const char* name, const auto& values) {
-    const std::size_t bytes = values.size() * sizeof(values[0]);
-    Section& section = table.at(next++) =
-        section_of<std::decay_t<decltype(values[0])>>(name, values.size(), end);
-    section.checksum = checksum(values.data(), bytes);
-    end += bytes;
+  for_each_section(cache, [&]<class T, class A>(const char* name, const std::vector<T, A>& values) {
+    Section& section = table.at(next++) = section_of<T>(name, values.size(), end);
+    section.checksum = checksum(values.data(), values.size() * sizeof(T));
+    end += values.size() * sizeof(T);
   });
   Header header = header_of(cache);
   header.section_count = kSections;
@@ -222,8 +219,8 @@ void save_cache(const PatchCache& cache, const std::string& path) {
   const std::uint64_t sum = checksum(&head[kChecksumBegin], head.size() - kChecksumBegin);
   std::memcpy(&head[offsetof(Header, checksum)], &sum, sizeof(sum));
   file.write(head.data(), head.size());
-  for_each_section(cache, [&](const char*, const auto& values) {
-    file.write(values.data(), values.size() * sizeof(values[0]));
+  for_each_section(cache, [&]<class T, class A>(const char*, const std::vector<T, A>& values) {
+    file.write(values.data(), values.size() * sizeof(T));
   });
   file.commit();
 }

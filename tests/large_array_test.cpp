@@ -9,7 +9,7 @@ namespace gliss {
 namespace {
 
 TEST(LargeArray, lies_in_huge_pages_once_it_is_large) {
-  constexpr std::size_t kMany = 4 * HugePages<double>::kPage / sizeof(double);
+  constexpr std::size_t kMany = HugePages<double>::kLarge / sizeof(double);
   LargeArray<double> numbers(kMany - 1);
   std::iota(numbers.begin(), numbers.end(), 0.0);
   numbers.push_back(static_cast<double>(kMany - 1));
