@@ -9,6 +9,7 @@
 #include "bench/benches.h"
 #include "bench/meshes.h"
 #include "bench/peers/peers.h"
+#include "host/contact_tracker.h"
 #include "host/names.h"
 
 namespace gliss::bench {

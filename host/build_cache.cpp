@@ -81,6 +81,7 @@ class CacheBuilder {
       cache_.surface.emplace<1>();
       fill(std::get<1>(cache_.surface));
     }
+    if (options_.like == nullptr) cache_.is_closed = !has_border(cache_);
     return std::move(cache_);
   }
 
@@ -98,6 +99,7 @@ class CacheBuilder {
       cache_.origin = options_.like->origin;
       cache_.scale = options_.like->scale;
       cache_.mesh_hash = options_.like->mesh_hash;
+      cache_.is_closed = options_.like->is_closed;
       cache_.face_valence = options_.like->face_valence;
       return;
     }

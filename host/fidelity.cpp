@@ -5,6 +5,8 @@
 #include <cmath>
 #include <random>
 
+#include "host/contact_tracker.h"
+
 namespace gliss {
 namespace {
 

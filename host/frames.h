@@ -31,6 +31,14 @@ TrackOptions<Real> track_options(const QueryOptions& options);
 template <class Real>
 Contact contact_of(const PatchCache& cache, const Surface<Real>& s, const RawContact<Real>& raw);
 
+// Makes a state of a point from which to track.
+template <class Real>
+void place_at(const PatchPlace& place, RawContact<Real>& state) {
+  state.uints[kContactPatch] = place.patch;
+  state.reals[kContactXi] = static_cast<Real>(place.xi);
+  state.reals[kContactEta] = static_cast<Real>(place.eta);
+}
+
 // Corner k of the domain of a valence in use.
 template <class Real>
 Eigen::Vector2d domain_corner(const Surface<Real>& s, std::uint32_t n, std::uint32_t k);

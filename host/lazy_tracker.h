@@ -5,8 +5,8 @@
 
 #include <memory>
 
+#include "host/contact_tracker.h"
 #include "host/lazy_mesh.h"
-#include "host/query.h"
 
 namespace gliss {
 

@@ -129,4 +129,12 @@ std::size_t PatchCache::bytes() const {
       surface);
 }
 
+bool has_border(const PatchCache& cache) {
+  return std::visit(
+      [](const auto& s) {
+        return std::find(s.side_twin.begin(), s.side_twin.end(), kNone) != s.side_twin.end();
+      },
+      cache.surface);
+}
+
 }  // namespace gliss

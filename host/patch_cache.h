@@ -84,6 +84,8 @@ struct PatchCache {
   Vec3 origin = Vec3::Zero();  // of the mesh frame, in the mesh's unit
   double scale = 1.0;          // mesh-frame length of one unit: a power of two
   Level level{};
+  // True if the mesh has no open border: where the nearest point's normal says inside, a HIP is.
+  bool is_closed = true;
   std::uint32_t mesh_face_count = 0;
   std::uint64_t mesh_hash = 0;  // XXH3 of the mesh's arrays and unit
   std::variant<Surface<float>, Surface<double>> surface;
@@ -130,6 +132,9 @@ std::vector<std::uint32_t> faces_touching(const Mesh& mesh, const Topology& topo
                                           std::span<const std::uint32_t> faces);
 
 std::uint64_t hash_of(const Mesh& mesh);
+
+// True if a side of a patch has no neighbour.
+bool has_border(const PatchCache& cache);
 
 // Written to a temporary beside `path`, synced and renamed: a reader sees a whole cache or none.
 // Throws std::system_error. Reading checks every section's checksum, size, index and number; throws

@@ -83,13 +83,6 @@ std::vector<RawHip<Real>> raw_hips(const PatchCache& cache, std::span<const Vec3
   return raw;
 }
 
-template <class Real>
-void place_at(const PatchPlace& place, RawContact<Real>& state) {
-  state.uints[kContactPatch] = place.patch;
-  state.reals[kContactXi] = static_cast<Real>(place.xi);
-  state.reals[kContactEta] = static_cast<Real>(place.eta);
-}
-
 }  // namespace
 
 DomainPoint on_side(std::uint32_t face, std::uint32_t n, std::uint32_t k, double t) {
@@ -162,121 +155,6 @@ void track(const PatchCache& cache, std::span<const Vec3> hips, std::span<const 
                           there.size(), states.data());
     for (std::size_t i = 0; i < states.size(); ++i) out[i] = contact_of(cache, s, states[i]);
   });
-}
-
-ContactTracker::ContactTracker(const PatchCache& cache, const QueryOptions& options)
-    : cache_(&cache), options_(options) {
-  if (cache.surface.index() == 1) state_.emplace<1>();
-}
-
-// Sphere tracing: along the line from the last HIP no surface is nearer than the last distance
-// found (Hart 1996). Leaves `state` in contact where the line enters and the HIP stays inside. Adds
-// the iterations spent; false where they are used up before the HIP is reached: `state` is then the
-// nearest point to where the sweep has come, from where the next tick goes on.
-template <class Real>
-bool ContactTracker::meet(const Surface<Real>& s, const Vec3& hip, RawContact<Real>& state,
-                          int& iterations) {
-  constexpr int kMostSteps = 32;
-  const double length = (hip - last_).norm(), on_surface = 1e-6 / cache_->scale;
-  const TrackOptions<Real> options = track_options<Real>(options_);
-  const RawHip<Real> end = raw_hip<Real>(*cache_, hip);
-  double at = clear_;
-  for (int i = 0; i < kMostSteps && at < length; ++i) {
-    RawContact<Real> there;
-    const Vec3 x = last_ + (at / length) * (hip - last_);
-    const RawHip<Real> raw_x = raw_hip<Real>(*cache_, x);
-    kernels<Real>().nearest(s, &options_.method, 1, options, &raw_x, 1, &there);
-    iterations += static_cast<int>(there.uints[kContactIterations]);
-    const Contact found = contact_of(*cache_, s, there);
-    const double distance = std::abs(found.distance);
-    double least = length / kMostSteps;  // it may glide on the surface
-    if (there.uints[kContactState] != 0 || distance <= on_surface) {
-      RawContact<Real> inside = there;
-      kernels<Real>().track(s, options_.method, options, &end, 1, &inside);
-      iterations += static_cast<int>(inside.uints[kContactIterations]);
-      if (inside.uints[kContactState] != 0) {
-        state = inside;
-        return true;
-      }
-    }
-    // Towards the surface no farther than to its tangent plane, or a thin part is jumped over.
-    const double towards = (found.scp - x).dot(hip - last_) / length;
-    if (distance > on_surface && towards > 0)
-      least = std::min(least, distance * distance / towards);
-    const double step = std::max(distance, least);
-    at += step;
-    if (iterations >= kSweepIterations && hip.allFinite()) {
-      const bool clear = there.uints[kContactState] == 0 && distance == step;
-      last_ = clear ? x : at < length ? Vec3(x + (step / length) * (hip - last_)) : hip;
-      clear_ = clear ? distance : 0;
-      state = there;
-      state.uints[kContactState] = 0;
-      return false;
-    }
-  }
-  return true;
-}
-
-Contact ContactTracker::tick(const Vec3& hip) noexcept {
-  return with_surface(*cache_, [&]<class Real>(const Surface<Real>& s) {
-    RawContact<Real>& state = *std::get_if<RawContact<Real>>(&state_);
-    // Where it is clear, nothing is learnt: a caller that does not ask there gets the same
-    // contacts.
-    const bool was_free = !touching(), clear = is_clear(hip);
-    int iterations = 0;
-    const bool sweeps = was_free && !clear && clear_ >= 0;
-    const bool arrived = !sweeps || meet(s, hip, state, iterations);
-    const bool met = was_free && touching();
-    if (arrived && !met) {
-      kernels<Real>().tick(s, options_.method, track_options<Real>(options_),
-                           raw_hip<Real>(*cache_, hip), &state);
-      iterations += static_cast<int>(state.uints[kContactIterations]);
-    }
-    Contact contact = contact_of(*cache_, s, state);
-    contact.iterations = iterations;
-    if (arrived && hip.allFinite() && !clear) {
-      last_ = hip;
-      // What local tracking leaves need not be the nearest of all.
-      clear_ = was_free && !contact.touching ? contact.distance : 0;
-    }
-    return contact;
-  });
-}
-
-Contact ContactTracker::track(const Vec3& hip, const DomainPoint& start) noexcept {
-  return with_surface(*cache_, [&]<class Real>(const Surface<Real>& s) {
-    RawContact<Real>& state = *std::get_if<RawContact<Real>>(&state_);
-    place_at(place_of(*cache_, s, start), state);
-    const RawHip<Real> there = raw_hip<Real>(*cache_, hip);
-    kernels<Real>().track(s, options_.method, track_options<Real>(options_), &there, 1, &state);
-    if (hip.allFinite()) {
-      last_ = hip;
-      clear_ = 0;
-    }
-    return contact_of(*cache_, s, state);
-  });
-}
-
-void ContactTracker::release(const Vec3& hip, double clear) noexcept {
-  std::visit([](auto& state) { state.uints[kContactState] = 0; }, state_);
-  last_ = hip;
-  clear_ = clear;
-}
-
-void ContactTracker::move_to(const PatchCache& cache) noexcept {
-  std::visit(
-      [&](auto& state) {
-        std::uint32_t& patch = state.uints[kContactPatch];
-        const std::uint32_t face = cache_->patch_face[patch], first = cache.face_patch[face];
-        // Free, the patch is only remembered.
-        patch = first == kNone ? 0 : first + (patch - cache_->face_patch[face]);
-      },
-      state_);
-  cache_ = &cache;
-}
-
-bool ContactTracker::touching() const {
-  return std::visit([](const auto& state) { return state.uints[kContactState] != 0; }, state_);
 }
 
 }  // namespace gliss

@@ -1,6 +1,6 @@
 // Questions to a patch cache, in the mesh's unit and double whatever its precision: points of a
-// face's patch, the nearest point of the surface, and the tick that follows a contact. What takes
-// one point allocates nothing, and nothing checks its input again.
+// face's patch and the nearest point of the surface. What takes one point allocates nothing, and
+// nothing checks its input again.
 #pragma once
 
 #include <cstdint>
@@ -72,41 +72,6 @@ void nearest(const PatchCache& cache, std::span<const Vec3> hips, std::span<cons
 // Allocates.
 void track(const PatchCache& cache, std::span<const Vec3> hips, std::span<const DomainPoint> starts,
            const QueryOptions& options, std::span<Contact> out);
-
-// Algorithm 1 for one HIP: a search while free, local tracking in contact, so that it stays on the
-// side that it came in by, however deep and thin the part. Between two ticks a free HIP moves along
-// a line; where that meets the surface, contact begins there, so that no speed tunnels through a
-// plate. One object per HIP, cache and method.
-class ContactTracker {
- public:
-  // Of the solver, after which a tick that follows a far jump begins no further search: it has no
-  // contact, and the next one goes on along the line. Some milliseconds' worth; the default solver
-  // needs less for a hand at 2 m/s (5,907 at worst, on a fin).
-  static constexpr int kSweepIterations = 8192;
-
-  ContactTracker(const PatchCache& cache, const QueryOptions& options);
-  Contact tick(const Vec3& hip) noexcept;
-  // As tick, from a given contact, whatever the state: the local nearest point.
-  Contact track(const Vec3& hip, const DomainPoint& start) noexcept;
-  bool touching() const;
-  // Free from here on, where no surface is nearer than `clear`.
-  void release(const Vec3& hip, double clear) noexcept;
-  // Goes on with another cache of the same mesh and precision; in contact, one that has the patch
-  // that is touched.
-  void move_to(const PatchCache& cache) noexcept;
-  // Free, and nearer to the last HIP than any surface: a tick would find no contact.
-  bool is_clear(const Vec3& hip) const { return (hip - last_).norm() < clear_; }
-
- private:
-  template <class Real>
-  bool meet(const Surface<Real>& s, const Vec3& hip, RawContact<Real>& state, int& iterations);
-
-  const PatchCache* cache_;
-  QueryOptions options_;
-  std::variant<RawContact<float>, RawContact<double>> state_;
-  Vec3 last_ = Vec3::Zero();  // a HIP of a tick before, or where its sweep has come
-  double clear_ = -1;         // no surface is nearer to it than this; negative: there was no tick
-};
 
 // F = stiffness (N/m) x push, in newtons.
 inline Vec3 force(const PatchCache& cache, const Contact& contact, double stiffness) {

@@ -1,5 +1,7 @@
 #include "host/trace.h"
 
+#include "host/contact_tracker.h"
+
 namespace gliss {
 
 std::vector<TraceStatistics> trace(const PatchCache& cache, std::span<const Vec3> hips,

@@ -16,7 +16,8 @@ typedef struct {
   real3 scp;     // surface contact point, local frame
   real3 normal;  // outward surface normal there (of the polygon's blend for shaded and flat), unit
   real3 offset;  // SCP - HIP, mesh frame
-  real3 push;    // force over stiffness, mesh frame: `offset`, for shaded turned to the normal
+  real3 push;  // force over stiffness, mesh frame: `offset`, for shaded turned to the normal; past
+               // a border that of its rounded rim (past_border)
   int iterations, crossings;
   uint flags;  // FOOT_*
   // From tick to tick only, never in memory that devices share: the foot's bend, and how far the
@@ -63,6 +64,69 @@ FN real3 normal_of_foot(surface_view view, foot f) {
                                                    : load3(numbers_of(view, f.patch), PATCH_NORMAL);
 }
 
+// The angle between two directions to 0.2 %, by sqrt alone: that of its eighth is nearly its chord.
+FN real angle_between(real3 a, real3 b) {
+  real c = dot3(unit3(a), unit3(b));
+  for (int i = 0; i < 3; ++i) c = sqrt(larger(K(1) + c, K(0)) / K(2));
+  return K(8) * sqrt(larger(K(2) - K(2) * c, K(0)));
+}
+
+// The normal of the corner at which `side` starts, its length the angle there.
+FN real3 corner_normal(surface_view view, uint side) {
+  const corner_tangents t = tangents_at(view, side);
+  return mul3(angle_between(t.p, t.q), unit3(cross3(t.p, t.q)));
+}
+
+// The normal at a foot that is held by an edge or a corner with several normals: their sum, at a
+// corner by angle. It tells inside from outside whichever of the patches the foot belongs to
+// (Baerentzen and Aanaes 2005).
+FN_LARGE real3 crease_normal(surface_view view, foot f) {
+  const int n = valence_of(view, f.patch);
+  const held_sides held = sides_at(domain_of(view, n), n, f.xi, f.eta);
+  const real3 own = normal_of_foot(view, f);
+  real3 sum = own;
+  if (held.b >= 0) {
+    const uint start = view.side_begin[f.patch] + (uint)held.b;
+    sum = corner_normal(view, start);
+    uint at = view.side_twin[prev_in_patch(view, start)];
+    while (at != NONE && at != start) {
+      sum = add3(sum, corner_normal(view, at));
+      at = view.side_twin[prev_in_patch(view, at)];
+    }
+    if (at == NONE) {
+      for (at = view.side_twin[start]; at != NONE; at = view.side_twin[at]) {
+        at = next_in_patch(view, at);
+        sum = add3(sum, corner_normal(view, at));
+      }
+    }
+  } else if (held.a >= 0) {
+    const uint side = view.side_begin[f.patch] + (uint)held.a, twin = view.side_twin[side];
+    if (twin == NONE) return own;
+    const domain_point to = cross_edge(view, side, twin, f.xi, f.eta);
+    foot beyond = f;
+    beyond.patch = to.patch;
+    beyond.at = evaluate_patch(view, to.patch, to.xi, to.eta);
+    sum = add3(sum, normal_of_foot(view, beyond));
+  }
+  return norm3(sum) > K(0x1p-10f) ? unit3(sum) : own;
+}
+
+// Past an open border the surface has no force to give, yet what slid over it must not be let go at
+// once. So a border is rounded off as the rim of a solid is: with the depth `d` under the tangent
+// plane and the way `s` past the border, the HIP is pushed along the gradient of
+// (d - s^2 / 4 d)^2 / 2, which is d^2 / 2 on the border and fades to nothing at s = 2 d. `normal`
+// is the surface's at the border.
+FN contact past_border(contact c, real3 normal) {
+  const real depth = dot3(c.offset, normal);
+  const real3 aside = fma3(-depth, normal, c.offset);
+  const real faded = dot3(aside, aside) / (K(4) * depth * depth);
+  c.state = depth > K(0) && faded < K(1) ? CONTACT_TOUCHING : CONTACT_FREE;
+  if (c.state == CONTACT_FREE) return c;
+  const real pressed = depth * (K(1) - faded);
+  c.push = fma3(pressed * (K(1) + faded), normal, mul3(-pressed / (K(2) * depth), aside));
+  return c;
+}
+
 FN contact contact_of_foot(surface_view view, foot f) {
   contact c;
   c.method = METHOD_GREGORY;
@@ -70,7 +134,7 @@ FN contact contact_of_foot(surface_view view, foot f) {
   c.xi = f.xi;
   c.eta = f.eta;
   c.scp = f.at.g;
-  c.normal = normal_of_foot(view, f);
+  c.normal = f.flags & FOOT_CREASE ? crease_normal(view, f) : normal_of_foot(view, f);
   c.offset = mul3(numbers_of(view, f.patch)[PATCH_UNSCALE], f.r);
   c.push = c.offset;
   c.iterations = f.iterations;
@@ -81,7 +145,23 @@ FN contact contact_of_foot(surface_view view, foot f) {
   c.drift = make_vector(K(0), K(0));
   // Inside where the way out goes along the normal.
   c.state = dot3(f.r, c.normal) > K(0) ? CONTACT_TOUCHING : CONTACT_FREE;
-  return c;
+  return f.flags & FOOT_BORDER ? past_border(c, c.normal) : c;
+}
+
+// True if the nearest point of a base polygon lies on an open border.
+FN int is_on_border(surface_view view, base_point b) {
+  const polygon_place place = place_on_polygon(valence_of(view, b.patch), b.at);
+  const uint first = view.side_begin[b.patch];
+  if (place.side >= 0) return view.side_twin[first + (uint)place.side] == NONE;
+  return place.corner >= 0 && is_border_vertex(view, first + (uint)place.corner);
+}
+
+// The normal of the triangle of its polygon that a point lies on.
+FN real3 triangle_normal(surface_view view, base_point b) {
+  const real3 a = polygon_corner(view, b.patch, b.at.i);
+  const real3 normal = cross3(sub3(polygon_corner(view, b.patch, b.at.j), a),
+                              sub3(polygon_corner(view, b.patch, b.at.k), a));
+  return norm3(normal) > TINY ? unit3(normal) : load3(numbers_of(view, b.patch), PATCH_NORMAL);
 }
 
 FN contact contact_of_base(surface_view view, hip_point h, base_point b, int method,
@@ -96,12 +176,17 @@ FN contact contact_of_base(surface_view view, hip_point h, base_point b, int met
   c.normal = unit3(blend.normal);
   const real3 r = sub3(b.at.p, local_hip(view, h, b.patch));
   c.offset = mul3(numbers_of(view, b.patch)[PATCH_UNSCALE], r);
-  c.push = method == METHOD_SHADED ? mul3(norm3(c.offset), c.normal) : c.offset;
+  c.push = c.offset;
   c.iterations = 0;
   c.crossings = crossings;
   c.flags = FOOT_CONVERGED;
   c.warm = 0;
   c.state = dot3(r, c.normal) > K(0) ? CONTACT_TOUCHING : CONTACT_FREE;
+  if (is_on_border(view, b)) {
+    c.flags |= FOOT_BORDER;
+    c = past_border(c, triangle_normal(view, b));
+  }
+  if (method == METHOD_SHADED) c.push = mul3(norm3(c.push), c.normal);
   return c;
 }
 

@@ -155,6 +155,13 @@ FN_LARGE uint fan_sector(surface_view view, uint side, real3 w) {
   return NONE;
 }
 
+// True if a border runs through the vertex at which `side` starts.
+FN int is_border_vertex(surface_view view, uint side) {
+  uint at = view.side_twin[prev_in_patch(view, side)];
+  while (at != NONE && at != side) at = view.side_twin[prev_in_patch(view, at)];
+  return at == NONE;
+}
+
 // The step where first + second is flat or indefinite: of its curvatures relative to `first`, those
 // that rise are kept, so that flat minima are not crept to; 1 stands for the others, as in the
 // Gauss-Newton step.
@@ -354,7 +361,9 @@ FN_LARGE foot track_foot(surface_view view, hip_point h, foot f, track_options o
       }
       step = edge_step(domain, n, held, first, f.bend, gradient);
       along = held;
-      f.flags |= next == NONE ? FOOT_BORDER : FOOT_CREASE;
+      const int ends =
+          next == NONE && (held.b < 0 || is_border_vertex(view, first_side + (uint)held.b));
+      f.flags |= ends ? FOOT_BORDER : FOOT_CREASE;
       if (quadratic(first, step) <= tolerance2) {
         f.flags |= FOOT_CONVERGED;
         break;

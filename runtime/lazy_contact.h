@@ -5,7 +5,7 @@
 
 #include <optional>
 
-#include "host/query.h"
+#include "host/contact_tracker.h"
 #include "runtime/lazy_worker.h"
 
 namespace gliss {

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <optional>
 
+#include "host/contact_tracker.h"
+
 namespace gliss {
 namespace {
 

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "host/query.h"
+#include "host/contact_tracker.h"
 #include "runtime/lazy_contact.h"
 
 namespace gliss {

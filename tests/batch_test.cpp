@@ -4,9 +4,9 @@
 
 #include <cstring>
 
+#include "host/contact_tracker.h"
 #include "host/generate.h"
 #include "host/names.h"
-#include "host/query.h"
 #include "tests/oracle.h"
 #include "tests/places.h"
 #include "tests/surfaces.h"

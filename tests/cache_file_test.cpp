@@ -14,9 +14,9 @@
 #include <thread>
 
 #include "host/cache_format.h"
+#include "host/contact_tracker.h"
 #include "host/generate.h"
 #include "host/kernels.h"
-#include "host/query.h"
 #include "tests/scratch_folder.h"
 
 namespace gliss {

@@ -1,5 +1,6 @@
 // HIPs that are no places: NaN, infinities, the largest and the smallest numbers. Every question
 // is answered, no force that is not finite leaves the guards, and the next sound HIP is felt.
+#include "host/contact_tracker.h"
 #include "host/trace.h"
 #include "runtime/guard.h"
 #include "runtime/tracker.h"

@@ -2,6 +2,7 @@
 // set of this machine, and a device that is a processor.
 #include <bit>
 
+#include "host/contact_tracker.h"
 #include "host/frames.h"
 #include "host/opencl.h"
 #include "tests/extreme_errors.h"

@@ -2,6 +2,7 @@
 // comes to rest, and the force moves no more than the hand.
 #include <mutex>
 
+#include "host/contact_tracker.h"
 #include "host/engine.h"
 #include "tests/extreme_hips.h"
 

@@ -3,6 +3,7 @@
 #include <cstring>
 #include <memory>
 
+#include "host/contact_tracker.h"
 #include "host/generate.h"
 #include "tests/extreme_errors.h"
 #include "tests/extreme_polygons.h"

@@ -2,6 +2,7 @@
 // Newton's method, and that a closed path gives its force back.
 #include <array>
 
+#include "host/contact_tracker.h"
 #include "host/engine.h"
 #include "tests/surface_walk.h"
 

@@ -1,4 +1,5 @@
 // What a hand feels where faces fold: paths across every flagged face.
+#include "host/contact_tracker.h"
 #include "tests/surfaces.h"
 
 namespace gliss {

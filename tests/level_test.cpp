@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "host/contact_tracker.h"
 #include "host/engine.h"
 #include "host/generate.h"
 #include "host/lazy_mesh.h"

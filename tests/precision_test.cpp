@@ -1,4 +1,5 @@
 // What float caches and places far from the origin cost.
+#include "host/contact_tracker.h"
 #include "host/generate.h"
 #include "tests/surfaces.h"
 

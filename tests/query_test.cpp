@@ -1,5 +1,6 @@
 // The global nearest point: against brute force, against points whose answer is known, by every
 // solver, inside and outside, on borders.
+#include "host/contact_tracker.h"
 #include "host/generate.h"
 #include "tests/brute_force.h"
 

@@ -1,6 +1,7 @@
 // A HIP made as G - d n has its contact at G, if d is well below the least radius of curvature.
 #include <cstdlib>
 
+#include "host/contact_tracker.h"
 #include "host/engine.h"
 #include "host/generate.h"
 #include "tests/surfaces.h"

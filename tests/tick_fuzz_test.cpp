@@ -141,7 +141,7 @@ TEST(TickFuzz, keeps_the_promises_of_tracker_and_guard_wherever_the_hand_is) {
   }
   EXPECT_EQ(violations, 0u);
   EXPECT_EQ(allocated, 0u);
-  EXPECT_LE(iterations, ContactTracker::kSweepIterations + most_of_search);
+  EXPECT_LE(iterations, ContactTracker::kTickEvaluations + most_of_search);
   EXPECT_LE(first_iterations, kFirstIterations);
   EXPECT_GT(first_iterations, 0);
   EXPECT_LE(crossings, 64);

@@ -7,8 +7,8 @@
 #include <future>
 #include <memory>
 
+#include "host/contact_tracker.h"
 #include "host/generate.h"
-#include "host/query.h"
 #include "runtime/realtime.h"
 #include "runtime/verdict.h"
 #include "tools/interrupt.h"

@@ -1,7 +1,7 @@
 // Whatever a cache file holds, under checksums that are right or wrong: a cache that queries can
 // walk, whatever they find, or a CacheError.
 #include "host/cache_format.h"
-#include "host/query.h"
+#include "host/contact_tracker.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/fuzz/small_caches.h"
 

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "host/cache_check.h"
-#include "host/query.h"
+#include "host/contact_tracker.h"
 #include "tests/fuzz/mesh_target.h"
 
 namespace gliss::fuzz {

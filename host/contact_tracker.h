@@ -1,0 +1,54 @@
+// Algorithm 1 for one HIP: a search while free, local tracking in contact.
+#pragma once
+
+#include <variant>
+
+#include "host/query.h"
+
+namespace gliss {
+
+// Follows the contact of one HIP with one cache by one method, tick by tick. It keeps a reference
+// to the cache, which must outlive it; one thread at a time may use it.
+//
+// - A free HIP comes into contact where its way from the last tick enters the surface, at any speed
+//   and however thin the part, and the contact stays on that side.
+// - A contact ends where the HIP has crossed the surface from inside, and not before, whatever the
+//   normals of bent or folded faces say. Past an open border it fades: the rim is rounded off
+//   (kernels/method.h, past_border), so that it ends without force.
+// - An open mesh is the skin of a solid that lies behind it. It acts on what comes from outside; a
+//   HIP that went round the rim is behind it and feels nothing until it has come out and in again.
+class ContactTracker {
+ public:
+  // Evaluations of patches, and searches, after which a tick begins no further search: it has no
+  // contact, and the next tick goes on along the HIP's way.
+  static constexpr int kTickEvaluations = 1000, kTickSearches = 128;
+
+  ContactTracker(const PatchCache& cache, const QueryOptions& options);
+  // The contact after the HIP has moved to `hip` (mesh's unit). A HIP that is not finite has none,
+  // and changes nothing.
+  Contact tick(const Vec3& hip) noexcept;
+  // As tick, from a given contact, whatever the state: the local nearest point.
+  Contact track(const Vec3& hip, const DomainPoint& start) noexcept;
+  bool touching() const;
+  // Makes the HIP free; no surface is nearer to it than `clear`.
+  void release(const Vec3& hip, double clear) noexcept;
+  // Goes on with another cache of the same mesh and precision; in contact, one that has the patch
+  // that is touched.
+  void move_to(const PatchCache& cache) noexcept;
+  // True if the HIP is free, and nearer to where it was last looked for than any surface: a tick
+  // there finds no contact and changes nothing, so that it may as well be left out.
+  bool is_clear(const Vec3& hip) const { return !touching() && (hip - last_).norm() < clear_; }
+
+ private:
+  template <class Real>
+  class Tick;
+
+  const PatchCache* cache_;
+  QueryOptions options_;
+  std::variant<RawContact<float>, RawContact<double>> state_;
+  Vec3 last_ = Vec3::Zero();  // the last tick's HIP, or how far along its way a sweep has come
+  double clear_ = -1;         // no surface is nearer to it than this; negative: there was no tick
+  bool behind_ = false;       // it is free and behind an open surface
+};
+
+}  // namespace gliss
