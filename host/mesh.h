@@ -12,6 +12,8 @@
 namespace gliss {
 
 using Vec3 = Eigen::Vector3d;
+// Eigen never aligns it, whatever the flags of a library and its user.
+static_assert(sizeof(Vec3) == 3 * sizeof(double) && alignof(Vec3) == alignof(double));
 
 inline constexpr std::uint32_t kNone = 0xFFFFFFFFu;
 inline constexpr std::size_t kMaxValence = 1000;

@@ -29,7 +29,7 @@ ValenceTables make_valence_tables(std::span<const char> used) {
   return t;
 }
 
-Eigen::Vector2d on_side(std::uint32_t n, std::uint32_t k, double t) {
+DomainVec on_side(std::uint32_t n, std::uint32_t k, double t) {
   const double a = 2 * std::numbers::pi * k / n, b = 2 * std::numbers::pi * ((k + 1) % n) / n;
   return {(1 - t) * std::cos(a) + t * std::cos(b), (1 - t) * std::sin(a) + t * std::sin(b)};
 }

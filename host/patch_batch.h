@@ -27,8 +27,11 @@ struct ValenceTables {
 // `used`: [valence], 1 where tables are wanted.
 ValenceTables make_valence_tables(std::span<const char> used);
 
+// A point of a patch's domain. Vector2d's alignment follows the flags of who includes it.
+using DomainVec = Eigen::Matrix<double, 2, 1, Eigen::DontAlign>;
+
 // The point at t of side k of the domain of n sides.
-Eigen::Vector2d on_side(std::uint32_t n, std::uint32_t k, double t);
+DomainVec on_side(std::uint32_t n, std::uint32_t k, double t);
 
 struct PatchBatch {
   const ValenceTables* tables = nullptr;

@@ -86,7 +86,7 @@ std::vector<RawHip<Real>> raw_hips(const PatchCache& cache, std::span<const Vec3
 }  // namespace
 
 DomainPoint on_side(std::uint32_t face, std::uint32_t n, std::uint32_t k, double t) {
-  const Eigen::Vector2d X = on_side(n, k, t);
+  const DomainVec X = on_side(n, k, t);
   return {face, X.x(), X.y()};
 }
 

@@ -2,7 +2,6 @@
 // does not list costs nothing.
 #pragma once
 
-#include <Eigen/Geometry>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -12,6 +11,7 @@
 #include "host/query.h"
 #include "runtime/device.h"
 #include "runtime/loop.h"
+#include "runtime/pose.h"
 #include "runtime/sim_device.h"
 
 namespace gliss {
@@ -35,7 +35,7 @@ struct ObjectDescription : SolverOptions {
   std::optional<Level> level;          // as the cache has it, or exact
   double stiffness = 500;              // N/m
   Method method = Method::kGregory;
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();  // translation in m
+  Pose pose = Pose::Identity();
   Patches patches = Patches::kAll;
   int rings = 3;  // around the contact, with kLazy
 };

@@ -3,7 +3,6 @@
 // nothing, takes no lock, and its work is bounded.
 #pragma once
 
-#include <Eigen/Geometry>
 #include <memory>
 #include <optional>
 #include <span>
@@ -11,6 +10,7 @@
 
 #include "host/contact_tracker.h"
 #include "runtime/lazy_contact.h"
+#include "runtime/pose.h"
 
 namespace gliss {
 
@@ -19,8 +19,7 @@ struct SceneObject {
   double stiffness = 500;                   // N/m
   Method method = Method::kGregory;
   Solver solver = Solver::kNewton;
-  // From the object's frame to the world's; its translation in m.
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  Pose pose = Pose::Identity();
   // Where there is no cache: a mesh, for kGregory alone. Each HIP has a thread that builds for it.
   std::shared_ptr<const LazyMesh> lazy = nullptr;
   LazyWorkerOptions worker = {};
@@ -54,9 +53,9 @@ class Tracker {
  private:
   struct Tracked {
     SceneObject object;
-    Vec3 hip;                     // from the device's position, m
-    Eigen::Isometry3d to_object;  // of points in m
-    double unit;                  // m, of the object's mesh
+    Vec3 hip;        // from the device's position, m
+    Pose to_object;  // of points in m
+    double unit;     // m, of the object's mesh
     // One of them.
     std::optional<ContactTracker> whole;
     std::unique_ptr<LazyContact> lazy;
