@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <string>
 
 namespace gliss {
 namespace {
@@ -10,9 +11,27 @@ QueryOptions query_of(const SceneObject& object) {
   return {{object.solver, object.max_iterations, object.tolerance}, object.method};
 }
 
+// Why nothing can be touched of an object, as the end of a sentence about it; null: it can.
+const char* fault_of(const SceneObject& object) {
+  if (object.cache != nullptr)
+    return object.cache->patch_count() == 0 ? "has a cache without patches" : nullptr;
+  if (object.lazy == nullptr)
+    return "has no surface: set its cache, or lazy to build patches near the HIP";
+  return object.method == Method::kGregory ? nullptr
+                                           : "is lazy, which is for the method gregory alone";
+}
+
+void check(std::span<const SceneObject> objects) {
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    if (const char* fault = fault_of(objects[i]))
+      throw std::invalid_argument("SceneObject " + std::to_string(i) + " " + fault);
+  }
+}
+
 }  // namespace
 
 Tracker::Tracker(std::span<const SceneObject> objects, std::span<const Vec3> hips) {
+  check(objects);
   static const Vec3 at_the_device = Vec3::Zero();
   if (hips.empty()) hips = {&at_the_device, 1};
   for (const Vec3& hip : hips) {
@@ -22,8 +41,6 @@ Tracker::Tracker(std::span<const SceneObject> objects, std::span<const Vec3> hip
       if (object.cache != nullptr) {
         tracked.whole.emplace(*object.cache, query_of(object));
       } else {
-        if (object.method != Method::kGregory)
-          throw std::invalid_argument("patches that are built near the HIP are for gregory");
         tracked.lazy = std::make_unique<LazyContact>(object.lazy, query_of(object), object.worker);
       }
     }

@@ -14,6 +14,7 @@
 
 namespace gliss {
 
+// An object that a hand can touch. It needs a cache or `lazy`.
 struct SceneObject {
   std::shared_ptr<const PatchCache> cache;  // null: its patches are built near the HIP, of `lazy`
   double stiffness = 500;                   // N/m
@@ -26,7 +27,8 @@ struct SceneObject {
   int max_iterations = 64;  // these two as SolverOptions has them
   double tolerance = 0;
 
-  double unit() const { return cache != nullptr ? cache->unit : lazy->base().unit; }  // m
+  // The mesh's unit in m. Requires a cache or `lazy`.
+  double unit() const { return cache != nullptr ? cache->unit : lazy->base().unit; }
 };
 
 // What a step found of one object.
@@ -36,16 +38,21 @@ struct ObjectStep {
   Vec3 force = Vec3::Zero();  // N, world
 };
 
+// One thread's at a time. It keeps copies of the objects, and with them their caches. A second hand
+// is a second Tracker; caches are shared.
 class Tracker {
  public:
   // `hips`: where the tool's HIPs are from the device's position (m, world); none: one, there.
-  // A second hand is a second Tracker; caches are shared.
+  // Throws std::invalid_argument, one line with the object's index, for an object without a surface
+  // (neither cache nor `lazy`, or a cache without patches) and for a lazy one with another method
+  // than kGregory.
   explicit Tracker(std::span<const SceneObject> objects, std::span<const Vec3> hips = {});
 
   // The force on the hand at a position (m, world), in N: the sum over HIPs and objects. What is
   // farther than the HIP has moved since its last search costs a comparison.
   Vec3 step(const Vec3& position) noexcept;
-  // Of the last step: the first HIP's objects, then the next one's.
+  // What the last step found of the first HIP's objects, then of the next one's. Valid as long as
+  // the tracker.
   std::span<const ObjectStep> objects() const { return steps_; }
   double unit(std::size_t i) const { return tracked_[i].unit; }  // m, of objects()[i]
   bool touching() const;

@@ -82,5 +82,32 @@ TEST(Tracker, feels_nothing_of_an_empty_scene) {
   EXPECT_FALSE(tracker.touching());
 }
 
+// The message for three objects whose second one is this.
+std::string refusal(SceneObject object) {
+  const std::vector<SceneObject> objects{{.cache = ball()}, std::move(object), {.cache = ball()}};
+  try {
+    Tracker tracker(objects);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "none";
+}
+
+TEST(Tracker, refuses_an_object_without_a_surface_and_names_it) {
+  EXPECT_EQ(refusal({}),
+            "SceneObject 1 has no surface: set its cache, or lazy to build patches near the HIP");
+  EXPECT_EQ(refusal({.cache = std::make_shared<const PatchCache>()}),
+            "SceneObject 1 has a cache without patches");
+  SceneObject lazy;
+  lazy.method = Method::kShaded;
+  lazy.lazy = std::make_shared<const LazyMesh>(goldberg().mesh);
+  EXPECT_EQ(refusal(lazy), "SceneObject 1 is lazy, which is for the method gregory alone");
+  lazy.method = Method::kGregory;
+  EXPECT_EQ(refusal(lazy), "none");
+  EXPECT_EQ(refusal({.cache = ball()}), "none");
+  const SceneObject alone{};
+  EXPECT_THROW(Tracker({&alone, 1}), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace gliss
