@@ -24,6 +24,7 @@ class ContactTracker {
   static constexpr int kTickEvaluations = 1000, kTickSearches = 128;
 
   ContactTracker(const PatchCache& cache, const QueryOptions& options);
+  ContactTracker(const PatchCache&&, const QueryOptions&) = delete;  // it would die at once
   // The contact after the HIP has moved to `hip` (mesh's unit). A HIP that is not finite has none,
   // and changes nothing.
   Contact tick(const Vec3& hip) noexcept;
@@ -35,6 +36,7 @@ class ContactTracker {
   // Goes on with another cache of the same mesh and precision; in contact, one that has the patch
   // that is touched.
   void move_to(const PatchCache& cache) noexcept;
+  void move_to(const PatchCache&&) = delete;
   // True if the HIP is free, and nearer to where it was last looked for than any surface: a tick
   // there finds no contact and changes nothing, so that it may as well be left out.
   bool is_clear(const Vec3& hip) const { return !touching() && (hip - last_).norm() < clear_; }

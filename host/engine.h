@@ -47,11 +47,13 @@ class Engine {
   virtual void for_each(std::size_t count, std::size_t grain,
                         const std::function<void(std::size_t, std::size_t)>& body) const = 0;
 
-  // What build_cache needs to work with this engine.
+  // What build_cache needs to work with this engine, which must outlive it.
   virtual BuildBackend build_backend() const;
   PatchCache build(const Mesh& mesh, const BuildOptions& options = {},
                    BuildReport* report = nullptr) const;
+  // Cache and engine must outlive the surface.
   virtual std::unique_ptr<ResidentSurface> reside(const PatchCache& cache) const;
+  std::unique_ptr<ResidentSurface> reside(const PatchCache&&) const = delete;
 };
 
 std::unique_ptr<Engine> make_serial_engine();

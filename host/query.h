@@ -1,6 +1,9 @@
 // Questions to a patch cache, in the mesh's unit and double whatever its precision: points of a
 // face's patch and the nearest point of the surface. What takes one point allocates nothing, and
 // nothing checks its input again.
+//
+// Any number of threads may ask one const PatchCache at once. Calls for many points keep their
+// working arrays for the next call, one set a thread, as large as its largest batch.
 #pragma once
 
 #include <cstdint>

@@ -24,7 +24,7 @@ class Columns {
   std::vector<Column> columns_;
 };
 
-// Rows that wait for the next write().
+// Rows that wait for the next write(). The file must outlive the table.
 class ResultTable {
  public:
   ResultTable(ResultFile& file, const std::string& name, const Columns& columns,

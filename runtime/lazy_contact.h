@@ -10,6 +10,7 @@
 
 namespace gliss {
 
+// One thread's at a time, besides its worker. It keeps the mesh alive.
 class LazyContact {
  public:
   // query.method: kGregory.

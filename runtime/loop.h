@@ -48,6 +48,8 @@ struct LoopTick {
 enum class LoopEnd { kStopped, kDeviceEnded, kDeviceFault };
 const char* text(LoopEnd end) noexcept;  // "the device has ended"
 
+// It keeps references to device and tracker, which must outlive it, and takes no temporaries. While
+// run() is under way they are its thread's alone; one thread runs it.
 class HapticLoop {
  public:
   // Throws std::invalid_argument for limits of the guard or a period that are none. The largest

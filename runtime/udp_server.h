@@ -28,8 +28,8 @@ struct UdpServerCounts {
   std::uint64_t answered = 0;        // sequence of the state that the last force answers
 };
 
-// One thread's. The loop that sends first has the device, until it says bye, goes silent or dies;
-// others are refused as if nobody were here.
+// One thread's. The device must outlive it. The loop that sends first has the device, until it says
+// bye, goes silent or dies; others are refused as if nobody were here.
 class UdpServer {
  public:
   static constexpr int kDrain = 64;  // datagrams that one tick takes at most

@@ -258,7 +258,8 @@ TEST(OpenClWithoutFp64, RefusesDoublesAndComputesInFloat) {
   options.device = "0";
   const auto engine = make_opencl_engine(options);
   const Mesh mesh = goldberg(2).mesh;
-  EXPECT_THAT(test::message_of<DeviceError>([&] { engine->reside(test::cache_of(mesh)); }),
+  const PatchCache doubles = test::cache_of(mesh);
+  EXPECT_THAT(test::message_of<DeviceError>([&] { engine->reside(doubles); }),
               HasSubstr("has no fp64; take --precision float"));
   const PatchCache cache = test::cache_of(mesh, Precision::kFloat);
   EXPECT_NE(engine->reside(cache), nullptr);

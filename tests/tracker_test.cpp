@@ -3,7 +3,10 @@
 
 #include <cstring>
 
+#include "host/engine.h"
 #include "host/generate.h"
+#include "runtime/loop.h"
+#include "runtime/replay_device.h"
 #include "tests/surfaces.h"
 
 namespace gliss {
@@ -75,6 +78,19 @@ TEST(Tracker, adds_the_forces_of_objects_that_touch) {
   }
   EXPECT_GT(together, 50u);
 }
+
+// What keeps a reference takes nothing that dies at once.
+static_assert(std::is_constructible_v<ContactTracker, const PatchCache&, QueryOptions>);
+static_assert(!std::is_constructible_v<ContactTracker, PatchCache, QueryOptions>);
+static_assert(!std::is_constructible_v<ContactTracker, const PatchCache, QueryOptions>);
+static_assert(std::is_constructible_v<HapticLoop, HapticDevice&, Tracker&>);
+static_assert(!std::is_constructible_v<HapticLoop, HapticDevice&, Tracker>);
+static_assert(!std::is_constructible_v<HapticLoop, ReplayDevice, Tracker&>);
+template <class Cache>
+concept Residing = requires(const Engine& engine, Cache&& cache) {
+  engine.reside(std::forward<Cache>(cache));
+};
+static_assert(Residing<const PatchCache&> && !Residing<PatchCache>);
 
 TEST(Tracker, feels_nothing_of_an_empty_scene) {
   Tracker tracker({});
