@@ -1,4 +1,6 @@
-// The C++ instances of the kernels for one instruction set, GLISS_ISA.
+// The C++ instances of the kernels for one instruction set, GLISS_ISA, and one precision:
+// GLISS_BITS of it, 32 or 64. Two objects rather than one of both, so that they compile at the same
+// time.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -13,46 +15,42 @@
 #else
 #define GLISS_VECTOR_BYTES 16
 #endif
+#if GLISS_BITS == 32
+#define GLISS_SCALAR float
+#define GLISS_TABLE kernels_f32
+#else
+#define GLISS_SCALAR double
+#define GLISS_TABLE kernels_f64
+#endif
+#define GLISS_SCALAR_BYTES (GLISS_BITS / 8)
 // sqrt of immintrin.h reads a register that it need not define.
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #pragma GCC diagnostic ignored "-Wuninitialized"
 
 namespace {
-namespace f32 {
-#define GLISS_SCALAR float
-#define GLISS_SCALAR_BYTES 4
+namespace instance {
 #include "host/kernels_precision.inc"
-#undef GLISS_SCALAR_BYTES
-#undef GLISS_SCALAR
-}  // namespace f32
-namespace f64 {
-#define GLISS_SCALAR double
-#define GLISS_SCALAR_BYTES 8
-#include "host/kernels_precision.inc"
-#undef GLISS_SCALAR_BYTES
-#undef GLISS_SCALAR
-}  // namespace f64
+}  // namespace instance
 }  // namespace
 
 #define GLISS_STRING_(x) #x
 #define GLISS_STRING(x) GLISS_STRING_(x)
 
 namespace gliss::GLISS_ISA {
-#define GLISS_TABLE(NAME, REAL, SPACE)                                                \
-  const Kernels<REAL>& NAME() {                                                       \
-    static const Kernels<REAL> table = {                                              \
-        GLISS_STRING(GLISS_ISA), static_cast<int>(GLISS_VECTOR_BYTES / sizeof(REAL)), \
-        SPACE::domain_reals,     SPACE::fill_domain,                                  \
-        SPACE::probe_rings,      SPACE::probes_of,                                    \
-        SPACE::probe_reals,      SPACE::fill_probes,                                  \
-        SPACE::build_patches,    SPACE::ease_patch,                                   \
-        SPACE::bend_patch,       SPACE::control_reals_of,                             \
-        SPACE::bake_patch,       SPACE::wide::evaluate_points,                        \
-        SPACE::evaluate_each,    SPACE::wide::shape_of,                               \
-        SPACE::side_normal_at,   SPACE::nearest_each,                                 \
-        SPACE::track_each,       SPACE::tick_state};                                  \
-    return table;                                                                     \
-  }
-GLISS_TABLE(kernels_f32, float, f32)
-GLISS_TABLE(kernels_f64, double, f64)
+
+const Kernels<GLISS_SCALAR>& GLISS_TABLE() {
+  static const Kernels<GLISS_SCALAR> table = {
+      GLISS_STRING(GLISS_ISA),  static_cast<int>(GLISS_VECTOR_BYTES / GLISS_SCALAR_BYTES),
+      instance::domain_reals,   instance::fill_domain,
+      instance::probe_rings,    instance::probes_of,
+      instance::probe_reals,    instance::fill_probes,
+      instance::build_patches,  instance::ease_patch,
+      instance::bend_patch,     instance::control_reals_of,
+      instance::bake_patch,     instance::wide::evaluate_points,
+      instance::evaluate_each,  instance::wide::shape_of,
+      instance::side_normal_at, instance::nearest_each,
+      instance::track_each,     instance::tick_state};
+  return table;
+}
+
 }  // namespace gliss::GLISS_ISA
