@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "host/contact_tracker.h"
@@ -84,15 +85,18 @@ std::vector<DomainPoint> spread_points(const PatchCache& cache, std::size_t coun
 
 Distances distances_of(std::vector<double> d) {
   if (d.empty()) return {};
+  for (double& value : d) {
+    if (!std::isfinite(value)) value = std::numeric_limits<double>::infinity();
+  }
   const auto at = d.begin() + static_cast<std::ptrdiff_t>((d.size() - 1) * 99 / 100);
   std::nth_element(d.begin(), at, d.end());
   return {*std::max_element(at, d.end()), *at};
 }
 
-double largest_normal_gap(const Mesh& mesh, const Topology& topology, const PatchCache& cache,
-                          Method method) {
+Distances normal_gaps(const Mesh& mesh, const Topology& topology, const PatchCache& cache,
+                      Method method) {
   constexpr int kPoints = 17;
-  double worst = 0;
+  std::vector<double> gaps;
   const auto normals_alike = [&](std::uint32_t side, std::uint32_t twin) {
     const std::uint32_t a = mesh.corner_normal[side],
                         b = mesh.corner_normal[next_side(mesh, topology, twin)];
@@ -103,12 +107,15 @@ double largest_normal_gap(const Mesh& mesh, const Topology& topology, const Patc
     if (twin == kNone || twin < side) continue;
     const std::uint32_t f = topology.side_face[side], g = topology.side_face[twin];
     if (method == Method::kFlat) {
-      worst = std::max(worst, angle_between(newell_normal(mesh, f), newell_normal(mesh, g)));
+      gaps.push_back(angle_between(newell_normal(mesh, f), newell_normal(mesh, g)));
       continue;
     }
     if (!normals_alike(side, twin) || !normals_alike(twin, side)) continue;
     // What is blended along the edge is the same on both sides: nothing jumps.
-    if (method == Method::kShaded) continue;
+    if (method == Method::kShaded) {
+      gaps.push_back(0);
+      continue;
+    }
     if (cache.kind[cache.face_patch[f]] == PatchKind::kBent ||
         cache.kind[cache.face_patch[g]] == PatchKind::kBent)
       continue;
@@ -121,15 +128,17 @@ double largest_normal_gap(const Mesh& mesh, const Topology& topology, const Patc
     std::vector<SurfacePoint> points(at.size());
     evaluate(cache, at, points);
     for (std::size_t i = 0; i < points.size(); i += 2)
-      worst = std::max(worst, angle_between(points[i].normal, points[i + 1].normal));
+      gaps.push_back(angle_between(points[i].normal, points[i + 1].normal));
   }
-  return worst;
+  return distances_of(std::move(gaps));
 }
 
 Ride ride(const PatchCache& cache, const QueryOptions& options, std::span<const Vec3> path,
-          std::span<const Vec3> reference) {
+          double depth, std::span<const Vec3> reference) {
   using Clock = std::chrono::steady_clock;
   Ride result;
+  result.force = ForceStatistics(depth);
+  std::vector<double> steps, errors;
   ContactTracker tracker(cache, options);
   std::vector<double> ticks;
   ticks.reserve(path.size());
@@ -137,11 +146,13 @@ Ride ride(const PatchCache& cache, const QueryOptions& options, std::span<const 
     const auto start = Clock::now();
     const Contact contact = tracker.tick(path[i]);
     ticks.push_back(std::chrono::duration<double>(Clock::now() - start).count());
-    result.force.add(contact.touching, contact.push);
+    const double step = result.force.add(contact.touching, contact.push);
+    if (!std::isnan(step)) steps.push_back(step);
     result.push.push_back(contact.push);
-    if (!reference.empty())
-      result.largest_error = std::max(result.largest_error, (contact.push - reference[i]).norm());
+    if (!reference.empty()) errors.push_back((contact.push - reference[i]).norm());
   }
+  result.p99_step = distances_of(std::move(steps)).p99;
+  result.error = distances_of(std::move(errors));
   if (ticks.empty()) return result;
   const auto middle = ticks.begin() + static_cast<std::ptrdiff_t>(ticks.size() / 2);
   std::nth_element(ticks.begin(), middle, ticks.end());

@@ -20,26 +20,28 @@ std::vector<Vec3> path_over(const Mesh& mesh, const Topology& topology, const Pa
 // Points of all faces, about `count`, in the order of faces.
 std::vector<DomainPoint> spread_points(const PatchCache& cache, std::size_t count);
 
+// Where a value is not finite, it ranks above all others.
 struct Distances {
   double largest = 0, p99 = 0;
 };
 Distances distances_of(std::vector<double> distances);
 
-// Largest angle between the normals on both sides of an edge (rad) that a contact with this method
-// meets: of the patches, of the blended vertex normals (shaded), of the base polygons (flat). Edges
-// whose sides have unlike vertex normals, and those of bent patches, are creases and left out.
-double largest_normal_gap(const Mesh& mesh, const Topology& topology, const PatchCache& cache,
-                          Method method);
+// Angles between the normals on both sides of an edge (rad) that a contact with this method meets:
+// of the patches, of the blended vertex normals (shaded), of the base polygons (flat). Edges whose
+// sides have unlike vertex normals, and those of bent patches, are creases and left out.
+Distances normal_gaps(const Mesh& mesh, const Topology& topology, const PatchCache& cache,
+                      Method method);
 
 // A path, tick by tick.
 struct Ride {
   ForceStatistics force;     // stiffness 1 N per unit of length
-  double largest_error = 0;  // |push - reference|
+  double p99_step = 0;       // of the steps of `force`
+  Distances error;           // |push - reference|
   double median_tick = 0;    // s
   std::vector<Vec3> push{};  // [tick]
 };
-// `reference`: pushes to compare with, or empty.
+// `depth` of the path, mesh's unit. `reference`: pushes to compare with, or empty.
 Ride ride(const PatchCache& cache, const QueryOptions& options, std::span<const Vec3> path,
-          std::span<const Vec3> reference);
+          double depth, std::span<const Vec3> reference);
 
 }  // namespace gliss

@@ -1,15 +1,21 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "host/sweep.h"
 
 namespace gliss {
 
 void Histogram::add(double value) {
+  ++count_;
+  if (!std::isfinite(value)) {
+    ++unsound_;
+    max_ = std::numeric_limits<double>::infinity();
+    return;
+  }
   const int bin =
       value > kLowest ? static_cast<int>(std::floor(kPerDecade * std::log10(value / kLowest))) : 0;
   ++bins_[static_cast<std::size_t>(std::clamp(bin, 0, kBins - 1))];
-  ++count_;
   sum_ += value;
   max_ = std::max(max_, value);
 }
@@ -17,6 +23,7 @@ void Histogram::add(double value) {
 void Histogram::merge(const Histogram& other) {
   for (std::size_t i = 0; i < bins_.size(); ++i) bins_[i] += other.bins_[i];
   count_ += other.count_;
+  unsound_ += other.unsound_;
   sum_ += other.sum_;
   max_ = std::max(max_, other.max_);
 }

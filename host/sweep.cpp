@@ -5,6 +5,7 @@
 #include <future>
 #include <memory>
 
+#include "host/force_statistics.h"
 #include "host/sweep_grid.h"
 #include "host/sweep_parts.h"
 
@@ -178,6 +179,7 @@ class Sweeper {
     const Contact& contact(std::size_t p) const {
       return window.contacts[(method * options.depths.size() + depth) * window.points.size() + p];
     }
+    double full_force() const { return options.stiffness * options.depths[depth]; }
     Vec3 force(std::size_t p) const { return gliss::force(cache, contact(p), options.stiffness); }
   };
 
@@ -190,7 +192,6 @@ class Sweeper {
       block->method_index = felt.method;
     }
     const SweepChunk& chunk = *piece.chunk;
-    const double push = options_.stiffness * options_.depths[felt.depth];
     std::size_t ring = piece.begin;
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
       const std::uint32_t face = grid_.face(i), n = grid_.valence(face);
@@ -199,7 +200,7 @@ class Sweeper {
         const std::size_t end = ring + std::size_t{n} * r;
         if (r > chunk.first) count_outward(felt, n, r, inner, ring, statistics);
         for (std::size_t p = ring; r < chunk.last && p < end; ++p) {
-          const Vec3 exact = push * felt.window.surface[p].normal;
+          const Vec3 exact = felt.full_force() * felt.window.surface[p].normal;
           count_sample(felt.contact(p), (felt.force(p) - exact).norm(), statistics);
           count_step(felt, p, p + 1 < end ? p + 1 : ring, statistics.step, statistics);
           if (block != nullptr) append(*block, felt, p);
@@ -232,7 +233,13 @@ class Sweeper {
   static void count_step(const Felt& felt, std::size_t p, std::size_t q, Histogram& step,
                          SweepStatistics& statistics) {
     const Vec3 a = felt.force(p), b = felt.force(q);
-    step.add((a - b).norm());
+    const double size = (a - b).norm();
+    step.add(size);
+    const bool a_touches = felt.contact(p).touching, b_touches = felt.contact(q).touching;
+    const bool jumps = !(size <= ForceStatistics::kJump * felt.full_force());
+    statistics.felt_pairs += a_touches || b_touches;
+    statistics.jumps += jumps;
+    statistics.lost += jumps && a_touches != b_touches;
     if (a.squaredNorm() > 0 && b.squaredNorm() > 0)
       statistics.angle.add(std::atan2(a.cross(b).norm(), a.dot(b)));
   }
@@ -280,6 +287,9 @@ class Sweeper {
     to.unconverged += from.unconverged;
     to.iterations += from.iterations;
     to.crossings += from.crossings;
+    to.felt_pairs += from.felt_pairs;
+    to.jumps += from.jumps;
+    to.lost += from.lost;
   }
 
   const PatchCache& cache_;

@@ -29,15 +29,19 @@ std::uint64_t sample_count(const PatchCache& cache,
                            std::uint32_t rings);  // points of the grid, one depth
 
 // A distribution over logarithmic bins: counts are integers, so that merging in any order gives the
-// same.
+// same. A value that is not finite is unsound: it is in no bin, ranks above all others, makes max()
+// infinite, and is left out of mean().
 class Histogram {
  public:
   static constexpr int kPerDecade = 20, kDecades = 16, kBins = kPerDecade * kDecades;
   static constexpr double kLowest = 1e-12;  // values below count in bin 0
   void add(double value);
   void merge(const Histogram& other);
-  std::uint64_t count() const { return count_; }
-  double mean() const { return count_ == 0 ? 0 : sum_ / static_cast<double>(count_); }
+  std::uint64_t count() const { return count_; }  // with the unsound ones
+  std::uint64_t unsound() const { return unsound_; }
+  double mean() const {
+    return count_ == unsound_ ? 0 : sum_ / static_cast<double>(count_ - unsound_);
+  }
   double max() const { return max_; }
   double quantile(double q) const;  // upper edge of the bin that holds it, never above max()
   const std::array<std::uint64_t, kBins>& bins() const { return bins_; }
@@ -45,7 +49,7 @@ class Histogram {
 
  private:
   std::array<std::uint64_t, kBins> bins_{};
-  std::uint64_t count_ = 0;
+  std::uint64_t count_ = 0, unsound_ = 0;
   double sum_ = 0, max_ = 0;
 };
 
@@ -53,12 +57,23 @@ class Histogram {
 struct SweepStatistics {
   double depth = 0;  // m
   Method method = Method::kGregory;
-  Histogram step;       // |F_i - F_j| of neighbours within a patch, N
+  Histogram step;       // |F_i - F_j| of neighbours within a patch, N; a free one's force is zero
   Histogram edge_step;  // ... of neighbours across an edge, N
   Histogram angle;      // between the forces of neighbours (both kinds), rad
   Histogram error;      // |F - k d n|: the exact force of the patches' own surface, N
   Histogram residual;   // angle between SCP - HIP and the normal, rad
   std::uint64_t samples = 0, touching = 0, unconverged = 0, iterations = 0, crossings = 0;
+  // Of neighbours of both kinds: pairs of which one or both are in contact; those whose step is
+  // above 20 % of k d, or not finite; those of which one is free and the other has a force above
+  // 20 % of k d, which are among the jumps. A sweep has no time: a step is one from place to place.
+  std::uint64_t felt_pairs = 0, jumps = 0, lost = 0;
+
+  // Per 100,000 pairs of neighbours in contact; 0 where there are none.
+  double jumps_per_100k() const { return per_100k(jumps); }
+  double lost_per_100k() const { return per_100k(lost); }
+  double per_100k(std::uint64_t count) const {
+    return felt_pairs == 0 ? 0 : 1e5 * static_cast<double>(count) / static_cast<double>(felt_pairs);
+  }
 };
 
 // Samples of one chunk, depth and method, in the order of the grid.

@@ -21,7 +21,7 @@
 namespace gliss {
 namespace {
 
-constexpr std::uint32_t kPartFormat = 1;
+constexpr std::uint32_t kPartFormat = 2;
 constexpr std::string_view kMagic = "GLSPART\n", kEnding = ".part";
 static_assert(std::is_trivially_copyable_v<SweepStatistics>);
 

@@ -64,9 +64,9 @@ inline std::string swept(const PatchCache& cache, const Engine& engine, const Sw
     for (const Histogram* h : {&s.step, &s.edge_step, &s.angle, &s.error, &s.residual}) {
       append(bytes, *h);
     }
-    const std::uint64_t counts[] = {s.samples, s.touching, s.unconverged, s.iterations,
-                                    s.crossings};
-    append(bytes, counts, 5);
+    const std::uint64_t counts[] = {s.samples,   s.touching,   s.unconverged, s.iterations,
+                                    s.crossings, s.felt_pairs, s.jumps,       s.lost};
+    append(bytes, counts, std::size(counts));
   }
   return bytes;
 }

@@ -43,14 +43,19 @@ TEST_F(Compare, rows_have_the_columns_that_were_promised) {
   for (const Json& row : json["rows"]) {
     for (const char* text : {"level", "precision", "solver", "backend"})
       EXPECT_TRUE(row[text].is_string()) << text;
-    for (const char* number : {"bytes_per_patch", "build_per_s", "track_per_s", "max_distance",
-                               "p99_distance", "max_normal_gap_deg", "max_force_step",
-                               "max_force_error", "tick_us", "true_max_distance"})
+    for (const char* number :
+         {"bytes_per_patch", "build_per_s", "track_per_s", "max_distance", "p99_distance",
+          "max_normal_gap_deg", "p99_normal_gap_deg", "max_force_step", "p99_force_step",
+          "jumps_per_100k", "lost_per_100k", "unsound", "max_force_error", "p99_force_error",
+          "tick_us", "true_max_distance"})
       EXPECT_TRUE(row[number].is_number()) << number;
     const bool patches = row["level"] != "shaded" && row["level"] != "flat";
     EXPECT_EQ(row["eval_per_s"].is_number(), patches);
     EXPECT_TRUE(row["pareto"].is_boolean());
-    EXPECT_GE(row["max_distance"], row["p99_distance"]);
+    for (const char* of : {"distance", "normal_gap_deg", "force_step", "force_error"})
+      EXPECT_GE(row[std::string("max_") + of], row[std::string("p99_") + of]);
+    EXPECT_GE(row["jumps_per_100k"], row["lost_per_100k"]);
+    EXPECT_EQ(row["unsound"], 0);
     levels.insert(row["level"].get<std::string>());
   }
   EXPECT_EQ(levels,

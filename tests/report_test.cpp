@@ -178,8 +178,10 @@ TEST_F(Report, RunsTellTheSameByReportAndRecording) {
   const auto &figures = results[0]["figures"], &recorded = results[1]["figures"];
   EXPECT_EQ(results[0]["kind"], "run");
   EXPECT_EQ(results[1]["kind"], "recording");
-  for (const char* key : {"ticks", "missed", "largest_force_step", "largest_sent_step",
-                          "largest_sent_force", "in_contact", "entries"}) {
+  for (const char* key :
+       {"ticks", "missed", "largest_force_step", "largest_sent_step", "largest_sent_force",
+        "in_contact", "entries", "jumps_per_100k", "lost_per_100k", "sent_jumps_per_100k",
+        "sent_lost_per_100k", "unsound"}) {
     EXPECT_EQ(figures[key], recorded[key]) << key;
     EXPECT_EQ(figures[key], results[2]["figures"][key]) << key;
   }

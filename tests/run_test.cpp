@@ -69,6 +69,9 @@ TEST_F(Run, prints_the_figures_of_its_contract) {
           ->wait();
   const auto trace = nlohmann::json::parse(traced.out).at("methods").at(0);
   EXPECT_EQ(json.at("largest_force_step"), trace.at("largest_step_N"));
+  for (const char* key : {"jumps_per_100k", "lost_per_100k", "unsound"})
+    EXPECT_EQ(json.at(key), trace.at(key)) << key;
+  EXPECT_EQ(json.at("jumps_per_100k"), 0);
   EXPECT_EQ(json.at("mean_force_step"), trace.at("mean_step_N"));
   EXPECT_EQ(json.at("largest_force"), trace.at("largest_force_N"));
   EXPECT_EQ(json.at("in_contact"), trace.at("in_contact"));

@@ -67,7 +67,9 @@ TEST(Trace, counts_entries_and_ticks_in_contact) {
   EXPECT_EQ(found[0].touching, 3u);
   EXPECT_EQ(found[0].entries, 2u);
   EXPECT_NEAR(found[0].largest_force, 1, 0.05);
-  EXPECT_NEAR(found[0].largest_step, 0.5, 0.05);  // from 1 mm to 2 mm; leaving is no step
+  EXPECT_NEAR(found[0].largest_step, 1, 0.05);  // leaves from 2 mm
+  EXPECT_EQ(found[0].lost, 2u);
+  EXPECT_EQ(found[0].jumps(), 5u);  // in, deeper, out, in, out
 }
 
 TEST(Trace, stops_when_its_sink_says_so) {

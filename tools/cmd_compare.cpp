@@ -135,7 +135,7 @@ std::vector<ComparePath> make_paths(const ComparingOptions& options, const Mesh&
   }
   for (ComparePath& path : paths) {
     if (path.hips.empty()) throw InputError("no path: every edge of the mesh is a border");
-    path.reference = ride(exact, {}, path.hips, {}).push;
+    path.reference = ride(exact, {}, path.hips, path.depth / mesh.unit, {}).push;
   }
   return paths;
 }
@@ -185,8 +185,14 @@ Json json_of(const CompareRow& row) {
           {"true_max_distance", number(row.true_max_distance)},
           {"true_p99_distance", number(row.true_p99_distance)},
           {"max_normal_gap_deg", row.max_normal_gap * 180 / std::numbers::pi},
+          {"p99_normal_gap_deg", row.p99_normal_gap * 180 / std::numbers::pi},
           {"max_force_step", row.max_force_step},
+          {"p99_force_step", row.p99_force_step},
+          {"jumps_per_100k", row.jumps_per_100k},
+          {"lost_per_100k", row.lost_per_100k},
+          {"unsound", row.unsound},
           {"max_force_error", row.max_force_error},
+          {"p99_force_error", row.p99_force_error},
           {"tick_us", row.tick * 1e6},
           {"bytes", row.bytes},
           {"pareto", row.pareto}};
@@ -197,6 +203,9 @@ Json json_of(const DenseRow& row, const CompareRow& target) {
           {"triangles", row.triangles},
           {"bytes", row.bytes},
           {"max_force_step", row.max_force_step},
+          {"p99_force_step", row.p99_force_step},
+          {"jumps_per_100k", row.jumps_per_100k},
+          {"lost_per_100k", row.lost_per_100k},
           {"tick_us", row.tick * 1e6},
           {"target_level", row.target},
           {"target_force_step", row.target_step},
@@ -214,14 +223,18 @@ std::string rate_text(double per_second) {
 
 std::string text_of(const CompareRow& row) {
   return fmt::format(
-      "{} {:<8} {:<6} {:<12} {:<6} {:>8.0f} {:>9} {:>8} {:>8} {:>10.3g} {:>10.3g} {:>9.2g} "
-      "{:>9.4g} "
-      "{:>8.3g} {:>7.2f}\n",
-      row.pareto ? '*' : ' ', row.candidate.name(), precision_name(row.precision),
-      name_of(kSolverNames, row.solver), row.backend, row.bytes_per_patch,
-      rate_text(row.build_per_s), rate_text(row.eval_per_s), rate_text(row.track_per_s),
-      row.max_distance * 1e3, row.p99_distance * 1e3, row.max_normal_gap * 180 / std::numbers::pi,
-      row.max_force_step, 100 * row.max_force_error, row.tick * 1e6);
+             "{} {:<8} {:<6} {:<12} {:<6} {:>8.0f} {:>9} {:>8} {:>8} {:>10.3g} {:>10.3g} {:>9.2g} "
+             "{:>9.2g} "
+             "{:>9.4g} {:>9.4g} {:>8.1f} {:>8.1f} {:>8.3g} {:>8.3g} {:>7.2f}\n",
+             row.pareto ? '*' : ' ', row.candidate.name(), precision_name(row.precision),
+             name_of(kSolverNames, row.solver), row.backend, row.bytes_per_patch,
+             rate_text(row.build_per_s), rate_text(row.eval_per_s), rate_text(row.track_per_s),
+             row.max_distance * 1e3, row.p99_distance * 1e3,
+             row.max_normal_gap * 180 / std::numbers::pi,
+             row.p99_normal_gap * 180 / std::numbers::pi, row.max_force_step, row.p99_force_step,
+             row.jumps_per_100k, row.lost_per_100k, 100 * row.max_force_error,
+             100 * row.p99_force_error, row.tick * 1e6) +
+         unsound_text(row.unsound, "steps");
 }
 
 std::string text_of(const DenseRow& row) {
@@ -235,10 +248,10 @@ std::string text_of(const DenseRow& row) {
     text += fmt::format("more than {} triangles", row.triangles);
   }
   return text + fmt::format(
-                    " to feel as smooth as {} ({:.4g} N; {:.4g} N with {}: {:.3g} x the memory, "
-                    "{:.3g} x the time)\n",
-                    row.target, row.target_step, row.max_force_step, row.triangles,
-                    row.memory_ratio, row.time_ratio);
+                    " to feel as smooth as {} ({:.4g} N; {:.4g} N, jumps {:.1f} and lost {:.1f} "
+                    "per 100k with {}: {:.3g} x the memory, {:.3g} x the time)\n",
+                    row.target, row.target_step, row.max_force_step, row.jumps_per_100k,
+                    row.lost_per_100k, row.triangles, row.memory_ratio, row.time_ratio);
 }
 
 void write_table(const ComparingOptions& options, const PatchCache& exact,
@@ -252,9 +265,10 @@ void write_table(const ComparingOptions& options, const PatchCache& exact,
           .add({"bytes_per_patch", "build_per_s", "eval_per_s", "track_per_s"})
           .add({"max_distance", "p99_distance", "true_max_distance", "true_p99_distance"},
                ColumnType::kFloat64, "m")
-          .add({"max_normal_gap_deg"}, ColumnType::kFloat64, "deg")
-          .add({"max_force_step"}, ColumnType::kFloat64, "N")
-          .add({"max_force_error"})
+          .add({"max_normal_gap_deg", "p99_normal_gap_deg"}, ColumnType::kFloat64, "deg")
+          .add({"max_force_step", "p99_force_step"}, ColumnType::kFloat64, "N")
+          .add({"jumps_per_100k", "lost_per_100k", "unsound"})
+          .add({"max_force_error", "p99_force_error"})
           .add({"tick_us"}, ColumnType::kFloat64, "us")
           .add({"pareto"}, ColumnType::kUint8));
   const auto texts = [&](auto get) {
@@ -273,8 +287,14 @@ void write_table(const ComparingOptions& options, const PatchCache& exact,
         &CompareRow::true_max_distance, &CompareRow::true_p99_distance})
     numbers([&](const CompareRow& r) { return r.*member; });
   numbers([](const CompareRow& r) { return r.max_normal_gap * 180 / std::numbers::pi; });
+  numbers([](const CompareRow& r) { return r.p99_normal_gap * 180 / std::numbers::pi; });
   numbers([](const CompareRow& r) { return r.max_force_step; });
+  numbers([](const CompareRow& r) { return r.p99_force_step; });
+  numbers([](const CompareRow& r) { return r.jumps_per_100k; });
+  numbers([](const CompareRow& r) { return r.lost_per_100k; });
+  numbers([](const CompareRow& r) { return static_cast<double>(r.unsound); });
   numbers([](const CompareRow& r) { return r.max_force_error; });
+  numbers([](const CompareRow& r) { return r.p99_force_error; });
   numbers([](const CompareRow& r) { return r.tick * 1e6; });
   numbers([](const CompareRow& r) { return r.pareto ? 1.0 : 0.0; });
   table.write();
@@ -328,9 +348,11 @@ void run(const ComparingOptions& options) {
   if (!options.output.empty()) write_table(options, exact, rows);
 
   std::string text = fmt::format(
-      "  {:<8} {:<6} {:<12} {:<6} {:>8} {:>9} {:>8} {:>8} {:>10} {:>10} {:>9} {:>9} {:>8} {:>7}\n",
+      "  {:<8} {:<6} {:<12} {:<6} {:>8} {:>9} {:>8} {:>8} {:>10} {:>10} {:>9} {:>9} {:>9} {:>9} "
+      "{:>8} {:>8} {:>8} {:>8} {:>7}\n",
       "level", "prec.", "solver", "on", "B/patch", "build/s", "eval/s", "track/s", "far, mm",
-      "p99, mm", "gap, deg", "step, N", "error, %", "tick, us");
+      "p99, mm", "gap, deg", "p99, deg", "step, N", "p99, N", "jumps/", "lost/", "error, %",
+      "p99, %", "tick, us");
   Json json = {{"program", "gliss"},
                {"version", GLISS_VERSION},
                {"command_line", command_line()},

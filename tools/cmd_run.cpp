@@ -185,6 +185,9 @@ Json figures_of(const HapticLoop& loop, const Session& session, const std::strin
   return {{"ticks", record.ticks()},
           {"missed", record.missed()},
           {"largest_force_step", rendered.largest_step},
+          {"jumps_per_100k", rendered.jumps_per_100k()},
+          {"lost_per_100k", rendered.lost_per_100k()},
+          {"unsound", rendered.unsound + sent.unsound},
           {"p50_us", microseconds(record.compute().quantile(0.5))},
           {"p99_us", microseconds(record.compute().quantile(0.99))},
           {"guard_trips", trips},
@@ -194,6 +197,8 @@ Json figures_of(const HapticLoop& loop, const Session& session, const std::strin
           {"in_contact", rendered.touching},
           {"entries", rendered.entries},
           {"largest_sent_step", sent.largest_step},
+          {"sent_jumps_per_100k", sent.jumps_per_100k()},
+          {"sent_lost_per_100k", sent.lost_per_100k()},
           {"largest_sent_force", sent.largest_force},
           {"success_rate", record.success()},
           {"longest_missed", record.longest_missed()},
@@ -207,6 +212,13 @@ Json figures_of(const HapticLoop& loop, const Session& session, const std::strin
           {"ticks_not_recorded", session.lost}};
 }
 
+std::string steps_text(const ForceStatistics& s) {
+  return fmt::format(
+      "force up to {:.3f} N, largest step {:.4f} N, jumps {:.1f} and lost {:.1f} per 100,000 ticks "
+      "in contact",
+      s.largest_force, s.largest_step, s.jumps_per_100k(), s.lost_per_100k());
+}
+
 std::string text_of(const HapticLoop& loop, const Session& session, const Json& json) {
   const TickRecord& record = loop.record();
   const ForceStatistics &rendered = session.report.rendered(), &sent = session.report.sent();
@@ -216,11 +228,9 @@ std::string text_of(const HapticLoop& loop, const Session& session, const Json& 
       fmt::format("{} ticks, {} missed, at most {} in a row; success {:.3f} %; {}, memory {}\n",
                   record.ticks(), record.missed(), record.longest_missed(), 100 * record.success(),
                   session.scheduling, session.memory_locked ? "locked" : "not locked") +
-      fmt::format(
-          "rendered: {} ticks in contact, {} entries, force up to {:.3f} N, largest step "
-          "{:.4f} N\nsent: force up to {:.3f} N, largest step {:.4f} N\nguards:",
-          rendered.touching, rendered.entries, rendered.largest_force, rendered.largest_step,
-          sent.largest_force, sent.largest_step);
+      fmt::format("rendered: {} ticks in contact, {} entries, {}\nsent: {}\n", rendered.touching,
+                  rendered.entries, steps_text(rendered), steps_text(sent)) +
+      unsound_text(rendered.unsound + sent.unsound, "steps") + "guards:";
   std::string acts;
   for (const auto& [reason, count] : json["guards"].items()) {
     if (count != 0) acts += fmt::format(" {} {}x,", reason, count.get<std::uint64_t>());
@@ -288,9 +298,12 @@ void add_run(Command& program) {
   add_command<RunOptions>(
       program, "run",
       "Run a scene under a device, 1000 times a second.\n"
-      "largest_force_step: of the force as rendered, between ticks in contact, as gliss trace has "
-      "it; largest_sent_step: of what went to the device, between all ticks. guard_trips: times "
-      "that a guard acted on a late input, numbers that are not finite, a clock or the device.",
+      "largest_force_step: of the force as rendered, from tick to tick, as gliss trace has it: "
+      "gaining and losing contact are steps from zero and to zero. jumps_per_100k: ticks whose "
+      "step is above 20 % of the force held lately, lost_per_100k: contacts that end under more "
+      "than that, each per 100,000 ticks in contact; unsound: steps that are not finite. "
+      "largest_sent_step: of what went to the device. guard_trips: times that a guard acted on a "
+      "late input, numbers that are not finite, a clock or the device.",
       "gliss run scene.toml --device sim --record run.h5", describe, run);
 }
 

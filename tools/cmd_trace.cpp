@@ -60,17 +60,22 @@ void write(const std::vector<Row>& rows, const UnitChange& length, ResultTable& 
 }
 
 void report_statistics(const TracingOptions& options, const std::vector<TraceStatistics>& found) {
-  std::string text =
-      fmt::format("{:<8} {:>14} {:>14} {:>14} {:>10} {:>10} {:>8}\n", "method", "max step, N",
-                  "mean step, N", "max force, N", "ticks", "in contact", "entries");
+  std::string text = fmt::format("{:<8} {:>14} {:>10} {:>10} {:>14} {:>14} {:>10} {:>10} {:>8}\n",
+                                 "method", "max step, N", "jumps/100k", "lost/100k", "mean step, N",
+                                 "max force, N", "ticks", "in contact", "entries");
   Json json;
   json["stiffness_N_per_m"] = options.trace.stiffness;
   for (const TraceStatistics& s : found) {
-    text += fmt::format("{:<8} {:>14.6g} {:>14.6g} {:>14.6g} {:>10} {:>10} {:>8}\n",
-                        method_name(s.method), s.largest_step, s.mean_step, s.largest_force,
-                        s.ticks, s.touching, s.entries);
+    text +=
+        fmt::format("{:<8} {:>14.6g} {:>10.1f} {:>10.1f} {:>14.6g} {:>14.6g} {:>10} {:>10} {:>8}\n",
+                    method_name(s.method), s.largest_step, s.jumps_per_100k(), s.lost_per_100k(),
+                    s.mean_step, s.largest_force, s.ticks, s.touching, s.entries);
+    text += unsound_text(s.unsound, "steps");
     json["methods"].push_back({{"method", method_name(s.method)},
                                {"largest_step_N", s.largest_step},
+                               {"jumps_per_100k", s.jumps_per_100k()},
+                               {"lost_per_100k", s.lost_per_100k()},
+                               {"unsound", s.unsound},
                                {"mean_step_N", s.mean_step},
                                {"largest_force_N", s.largest_force},
                                {"ticks", s.ticks},

@@ -179,6 +179,10 @@ std::string printed(const Json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
+std::string unsound_text(std::uint64_t count, const std::string& what) {
+  return count == 0 ? "" : fmt::format("{} {} are not finite\n", count, what);
+}
+
 std::string radius_text(double radius) {
   return radius < kFlat ? fmt::format("{:.4g}", radius) : "none";
 }

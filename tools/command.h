@@ -124,6 +124,9 @@ void report(const ReportOptions& options, const std::string& text, const Json& j
 
 std::string printed(const Json& json);  // with a line end; text that is no UTF-8 is made some
 
+// A line that counts what is not finite, such as "steps"; "" where nothing is.
+std::string unsound_text(std::uint64_t count, const std::string& what);
+
 std::string radius_text(double radius);  // "4.67", or "none" where all is flat
 Json radius_json(double radius);
 std::string unit_name(double unit);  // "mm"; "0.5 m" where it has no name

@@ -126,7 +126,9 @@ void Comparison::measure_shape(const Surface& surface, CompareRow& row) const {
   const Method method = surface.candidate.method;
   row.bytes = static_cast<double>(cache.bytes());
   row.bytes_per_patch = row.bytes / cache.patch_count();
-  row.max_normal_gap = largest_normal_gap(mesh_, topology_, cache, method);
+  const Distances gaps = normal_gaps(mesh_, topology_, cache, method);
+  row.max_normal_gap = gaps.largest;
+  row.p99_normal_gap = gaps.p99;
   std::vector<Vec3> there;  // on the surface
   std::vector<double> distance;
   if (method == Method::kGregory) {
@@ -158,17 +160,24 @@ void Comparison::measure_shape(const Surface& surface, CompareRow& row) const {
 
 void Comparison::measure_feel(const PatchCache& cache, const QueryOptions& query,
                               CompareRow& row) const {
-  row.max_force_step = row.max_force_error = row.tick = 0;
+  row.max_force_step = row.p99_force_step = row.max_force_error = row.p99_force_error = 0;
+  row.tick = row.jumps_per_100k = row.lost_per_100k = 0;
+  row.unsound = 0;
   for (const ComparePath& path : paths_) {
     if (interrupted()) throw Interrupted();
-    const Ride felt = ride(cache, query, path.hips, path.reference);
+    const double depth = path.depth / mesh_.unit;
+    const Ride felt = ride(cache, query, path.hips, depth, path.reference);
     const double newtons = options_.stiffness * mesh_.unit;
     row.max_force_step = std::max(row.max_force_step, newtons * felt.force.largest_step);
-    row.max_force_error =
-        std::max(row.max_force_error, felt.largest_error * mesh_.unit / path.depth);
+    row.p99_force_step = std::max(row.p99_force_step, newtons * felt.p99_step);
+    row.jumps_per_100k = std::max(row.jumps_per_100k, felt.force.jumps_per_100k());
+    row.lost_per_100k = std::max(row.lost_per_100k, felt.force.lost_per_100k());
+    row.unsound += felt.force.unsound;
+    row.max_force_error = std::max(row.max_force_error, felt.error.largest / depth);
+    row.p99_force_error = std::max(row.p99_force_error, felt.error.p99 / depth);
     double tick = felt.median_tick;  // the best of some: others use the machine as well
     for (int i = 1; i < kRides; ++i)
-      tick = std::min(tick, ride(cache, query, path.hips, {}).median_tick);
+      tick = std::min(tick, ride(cache, query, path.hips, depth, {}).median_tick);
     row.tick = std::max(row.tick, tick);
   }
 }
@@ -202,6 +211,9 @@ DenseRow Comparison::match(Method method, const CompareRow& target, std::uint64_
     row.triangles = dense.face_count();
     row.bytes = static_cast<double>(cache.bytes());
     row.max_force_step = felt.max_force_step;
+    row.p99_force_step = felt.p99_force_step;
+    row.jumps_per_100k = felt.jumps_per_100k;
+    row.lost_per_100k = felt.lost_per_100k;
     row.tick = felt.tick;
     row.reached = felt.max_force_step <= target.max_force_step;
     if (row.reached) break;

@@ -41,10 +41,13 @@ struct CompareRow {
   double build_per_s = 0, eval_per_s = 0, track_per_s = 0;
   double max_distance = 0, p99_distance = 0;            // to the exact surface
   double true_max_distance = 0, true_p99_distance = 0;  // to the reference
-  double max_normal_gap = 0;                            // rad
-  double max_force_step = 0;                            // N
-  double max_force_error = 0;  // of stiffness x depth, to the force of the exact surface
-  double tick = 0;             // s, median
+  double max_normal_gap = 0, p99_normal_gap = 0;        // rad
+  double max_force_step = 0, p99_force_step = 0;        // N, along the path
+  double jumps_per_100k = 0, lost_per_100k = 0;         // as ForceStatistics counts
+  std::uint64_t unsound = 0;                            // steps that are not finite
+  // Of stiffness x depth, to the force of the exact surface.
+  double max_force_error = 0, p99_force_error = 0;
+  double tick = 0;  // s, median
   bool pareto = false;
 };
 
@@ -52,7 +55,8 @@ struct CompareRow {
 struct DenseRow {
   Method method = Method::kFlat;
   std::uint64_t triangles = 0;
-  double bytes = 0, max_force_step = 0, tick = 0;
+  double bytes = 0, max_force_step = 0, p99_force_step = 0, tick = 0;
+  double jumps_per_100k = 0, lost_per_100k = 0;  // along the path
   std::string target;
   double target_step = 0, memory_ratio = 0, time_ratio = 0;
   bool reached = false;

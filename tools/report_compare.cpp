@@ -18,18 +18,25 @@ constexpr RowKey kRowKeys[] = {{"level", Expect::kText},
                                {"max_distance", Expect::kNumber},
                                {"p99_distance", Expect::kNumber},
                                {"max_normal_gap_deg", Expect::kNumber},
+                               {"p99_normal_gap_deg", Expect::kNumber},
                                {"max_force_step", Expect::kNumber},
+                               {"p99_force_step", Expect::kNumber},
+                               {"jumps_per_100k", Expect::kNumber},
+                               {"lost_per_100k", Expect::kNumber},
+                               {"unsound", Expect::kNumber},
                                {"max_force_error", Expect::kNumber},
+                               {"p99_force_error", Expect::kNumber},
                                {"tick_us", Expect::kNumber},
                                {"pareto", Expect::kTruth}};
 
 constexpr RowKey kDenseKeys[] = {
-    {"method", Expect::kText},         {"triangles", Expect::kNumber},
-    {"bytes", Expect::kNumber},        {"max_force_step", Expect::kNumber},
-    {"tick_us", Expect::kNumber},      {"target_level", Expect::kText},
-    {"target_bytes", Expect::kNumber}, {"target_tick_us", Expect::kNumber},
-    {"memory_ratio", Expect::kNumber}, {"time_ratio", Expect::kNumber},
-    {"reached", Expect::kTruth}};
+    {"method", Expect::kText},           {"triangles", Expect::kNumber},
+    {"bytes", Expect::kNumber},          {"max_force_step", Expect::kNumber},
+    {"p99_force_step", Expect::kNumber}, {"jumps_per_100k", Expect::kNumber},
+    {"lost_per_100k", Expect::kNumber},  {"tick_us", Expect::kNumber},
+    {"target_level", Expect::kText},     {"target_bytes", Expect::kNumber},
+    {"target_tick_us", Expect::kNumber}, {"memory_ratio", Expect::kNumber},
+    {"time_ratio", Expect::kNumber},     {"reached", Expect::kTruth}};
 
 }  // namespace
 

@@ -49,7 +49,7 @@ Json recording_result(const ReportTable& table, const ReportSource& source) {
   for (std::size_t row = 0; row < table.rows; ++row) {
     if (rendered(row).allFinite())
       of_rendered.add(table.texts.at("state")[row] == "contact", rendered(row));
-    of_sent.add(true, sent(row));
+    of_sent.add(sent(row) != Vec3::Zero(), sent(row));
     wake.add(nanoseconds(table.numbers.at("lateness")[row]));
     compute.add(nanoseconds(table.numbers.at("compute")[row]));
     missed += table.numbers.at("missed")[row];
@@ -74,11 +74,16 @@ Json recording_result(const ReportTable& table, const ReportSource& source) {
         {"missed", missed},
         {"success_rate", table.rows ? ticks / (ticks + missed) : 1},
         {"largest_force_step", of_rendered.largest_step},
+        {"jumps_per_100k", of_rendered.jumps_per_100k()},
+        {"lost_per_100k", of_rendered.lost_per_100k()},
+        {"unsound", of_rendered.unsound + of_sent.unsound},
         {"mean_force_step", of_rendered.mean_step},
         {"largest_force", of_rendered.largest_force},
         {"in_contact", of_rendered.touching},
         {"entries", of_rendered.entries},
         {"largest_sent_step", of_sent.largest_step},
+        {"sent_jumps_per_100k", of_sent.jumps_per_100k()},
+        {"sent_lost_per_100k", of_sent.lost_per_100k()},
         {"largest_sent_force", of_sent.largest_force},
         {"wake", json_of(wake)},
         {"compute", json_of(compute)},

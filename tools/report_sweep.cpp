@@ -52,13 +52,20 @@ Json statistics_of(const Hdf5Reader& file, std::size_t row) {
   const auto figure = [&](const std::string& name) {
     return file.numbers("statistics/" + name)[row];
   };
+  // Files of version 0.1.0 have no such column.
+  const auto figure_or_none = [&](const std::string& name) {
+    return file.has("statistics/" + name) ? Json(figure(name)) : Json();
+  };
   Json json = {{"samples", figure("samples")},
                {"touching", figure("touching")},
-               {"unconverged", figure("unconverged")}};
+               {"unconverged", figure("unconverged")},
+               {"jumps_per_100k", figure_or_none("jumps_per_100k")},
+               {"lost_per_100k", figure_or_none("lost_per_100k")}};
   for (const auto& [name, unit, histogram] : kHistograms) {
     for (const char* of : {"count", "mean", "p50", "p99", "max"}) {
       json[name][of] = figure(fmt::format("{}_{}", name, of));
     }
+    json[name]["unsound"] = figure_or_none(fmt::format("{}_unsound", name));
   }
   return json;
 }

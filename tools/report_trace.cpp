@@ -1,6 +1,7 @@
 // A path that gliss trace followed: by how much the force changes from tick to tick, for each
 // method (Figures 1 and 11).
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "host/force_statistics.h"
@@ -23,9 +24,8 @@ Json method_result(const ReportTable& table, const std::string& method,
   ForceStatistics statistics;
   std::vector<double> change(rows.size(), std::numeric_limits<double>::quiet_NaN());
   for (std::size_t tick = 0; tick < rows.size(); ++tick) {
-    statistics.add(touching(tick), force(tick));
-    if (tick > 0 && touching(tick) && touching(tick - 1))
-      change[tick] = (force(tick) - force(tick - 1)).norm();
+    const double step = statistics.add(touching(tick), force(tick));
+    if (std::isfinite(step)) change[tick] = step;
   }
   const auto bars = extremes(rows.size(), most, [&](std::size_t tick) { return change[tick]; });
   const auto column = [&](const std::string& name) {
@@ -45,6 +45,9 @@ Json method_result(const ReportTable& table, const std::string& method,
           {"ticks", statistics.ticks},
           {"in_contact", statistics.touching},
           {"mean_change", statistics.mean_step},
+          {"jumps_per_100k", statistics.jumps_per_100k()},
+          {"lost_per_100k", statistics.lost_per_100k()},
+          {"unsound", statistics.unsound},
           {"largest_force", statistics.largest_force},
           {"largest", peaks},
           {"step", packed_at<float>(bars, column("step"))},

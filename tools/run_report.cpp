@@ -30,7 +30,7 @@ Json json_of(const LoopTick& tick) {
 
 void RunReport::add(const LoopTick& tick) {
   if (tick.rendered.allFinite()) rendered_.add(tick.touching, tick.rendered);
-  sent_.add(true, tick.sent);
+  sent_.add(tick.sent != Vec3::Zero(), tick.sent);
   const bool was_safe = !last_.empty() && last_.back().state == GuardState::kSafe;
   if (last_.size() == TickRecord::kLast) last_.pop_front();
   last_.push_back(tick);

@@ -30,7 +30,7 @@ class RunReport {
     GuardReason reason;
     std::deque<LoopTick> ticks;  // up to it
   };
-  ForceStatistics rendered_, sent_;  // sent: every tick counts as in contact
+  ForceStatistics rendered_, sent_;  // sent: in contact while it is not zero
   std::deque<LoopTick> last_;        // TickRecord::kLast
   std::vector<Trip> trips_;
   DurationHistogram compute_;  // since the last line

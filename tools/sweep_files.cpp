@@ -92,13 +92,17 @@ void SampleFile::close(const SweepResult& result) {
 // Counts are float64, exact up to 2^53.
 void SampleFile::add_statistics(const SweepResult& result) {
   const auto& all = result.statistics;
+  const auto is_count = [](const std::string& figure) {
+    return figure == "count" || figure == "unsound";
+  };
   Columns columns;
   columns.add({"depth"}, ColumnType::kFloat64, "m").add({"method"}, ColumnType::kText);
   columns.add({"samples", "touching", "unconverged", "iterations", "crossings"});
+  columns.add({"jumps_per_100k", "lost_per_100k"});
   for (const auto& [name, unit, histogram] : kHistograms) {
-    for (const char* figure : {"count", "mean", "p50", "p99", "max"}) {
+    for (const char* figure : {"count", "mean", "p50", "p99", "max", "unsound"}) {
       columns.add({fmt::format("{}_{}", name, figure).c_str()}, ColumnType::kFloat64,
-                  figure == std::string("count") ? "" : unit);
+                  is_count(figure) ? "" : unit);
     }
   }
   ResultTable table(*file_, "statistics", columns, {}, all.size());
@@ -112,6 +116,8 @@ void SampleFile::add_statistics(const SweepResult& result) {
         &SweepStatistics::iterations, &SweepStatistics::crossings}) {
     column([count](const SweepStatistics& s) { return s.*count; });
   }
+  column([](const SweepStatistics& s) { return s.jumps_per_100k(); });
+  column([](const SweepStatistics& s) { return s.lost_per_100k(); });
   for (const auto& named : kHistograms) {
     const auto histogram = named.histogram;
     column([histogram](const SweepStatistics& s) { return (s.*histogram).count(); });
@@ -119,6 +125,7 @@ void SampleFile::add_statistics(const SweepResult& result) {
     column([histogram](const SweepStatistics& s) { return (s.*histogram).quantile(0.5); });
     column([histogram](const SweepStatistics& s) { return (s.*histogram).quantile(0.99); });
     column([histogram](const SweepStatistics& s) { return (s.*histogram).max(); });
+    column([histogram](const SweepStatistics& s) { return (s.*histogram).unsound(); });
   }
   table.write();
 

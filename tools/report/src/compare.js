@@ -12,6 +12,7 @@ const across = {
 };
 const upward = {
   error: ['largest error of force', row => row.max_force_error],
+  jumps: ['jumps per 100 000 ticks', row => row.jumps_per_100k],
   step: ['largest step of force, N', row => row.max_force_step],
   distance: ['largest distance, mm', row => row.max_distance && 1e3 * row.max_distance],
 };
@@ -63,7 +64,8 @@ function tellRow(row) {
   return [
     ['tick', `${number(row.tick_us)} µs`], ['evaluations', `${rate(row.eval_per_s)} /s`],
     ['memory a patch', bytes(row.bytes_per_patch)], ['error of force', percent(row.max_force_error)],
-    ['step of force', `${number(row.max_force_step)} N`],
+    ['step of force', `${number(row.max_force_step)} N, p99 ${number(row.p99_force_step)} N`],
+    ['jumps, lost /100k', `${number(row.jumps_per_100k)}, ${number(row.lost_per_100k)}`],
     ['distance', row.max_distance === null ? '–' : `${number(1e6 * row.max_distance)} µm`],
     ['normals apart', row.max_normal_gap_deg === null ? '–' : `${number(row.max_normal_gap_deg)}°`],
   ];
@@ -72,12 +74,15 @@ function tellRow(row) {
 function rowTable(result) {
   const header = [{text: 'Level'}, {text: 'Precision'}, {text: 'Solver'}, {text: 'Backend'},
     ...['Tick, µs', 'Build /s', 'Eval /s', 'Track /s', 'Bytes a patch', 'Distance p99, µm', 'Distance, µm',
-      'Normal gap, °', 'Force step, N', 'Force error'].map(text => ({text, number: true}))];
+      'Normal gap p99, °', 'Normal gap, °', 'Force step p99, N', 'Force step, N', 'Jumps /100k', 'Lost /100k', 'Unsound',
+      'Force error p99', 'Force error'].map(text => ({text, number: true}))];
   const micro = v => v === null ? null : 1e6 * v;
   const rows = result.rows.map(r => Object.assign([
     String(r.level ?? '–'), r.precision ?? '–', r.solver ?? '–', r.backend ?? '–', number(r.tick_us), rate(r.build_per_s),
     rate(r.eval_per_s), rate(r.track_per_s), count(r.bytes_per_patch), number(micro(r.p99_distance)),
-    number(micro(r.max_distance)), number(r.max_normal_gap_deg), number(r.max_force_step), percent(r.max_force_error),
+    number(micro(r.max_distance)), number(r.p99_normal_gap_deg), number(r.max_normal_gap_deg), number(r.p99_force_step),
+    number(r.max_force_step), number(r.jumps_per_100k), number(r.lost_per_100k), count(r.unsound), percent(r.p99_force_error),
+    percent(r.max_force_error),
   ], {mark: sameAs(r, result.recommended) ? 'recommended' : r.pareto ? 'best' : ''}));
   return table(header, rows, 'All that was compared; bold: not beaten in every figure by another; marked: recommended');
 }
@@ -85,13 +90,14 @@ function rowTable(result) {
 function denseTable(result) {
   if (!result.dense.length) return null;
   const header = [{text: 'Method'}, {text: 'As smooth as level'},
-    ...['Triangles', 'Memory', 'Patches’ memory', 'Memory ratio', 'Tick, µs', 'Patches’ tick, µs', 'Time ratio', 'Force step, N']
+    ...['Triangles', 'Memory', 'Patches’ memory', 'Memory ratio', 'Tick, µs', 'Patches’ tick, µs', 'Time ratio', 'Force step p99, N', 'Force step, N',
+     'Jumps /100k', 'Lost /100k']
         .map(text => ({text, number: true})), {text: 'Reached'}];
   const times = ratio => ratio === null ? '–' : `${number(ratio)}×`;
   const rows = result.dense.map(d => [
     swatch(methodColor(d.method), methodTitle(d.method)), String(d.target_level ?? '–'), count(d.triangles), bytes(d.bytes),
     bytes(d.target_bytes), times(d.memory_ratio), number(d.tick_us), number(d.target_tick_us), times(d.time_ratio),
-    number(d.max_force_step), d.reached === null ? '–' : d.reached ? 'yes' : 'no: the densest tried',
+    number(d.p99_force_step), number(d.max_force_step), number(d.jumps_per_100k), number(d.lost_per_100k), d.reached === null ? '–' : d.reached ? 'yes' : 'no: the densest tried',
   ]);
   return table(header, rows, 'The dense triangle mesh that flat polygons or force shading need to be as smooth');
 }

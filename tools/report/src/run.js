@@ -44,7 +44,10 @@ function facts(figures) {
     ['In contact', count(figures.in_contact)], ['Entries', count(figures.entries)],
     ['Largest force sent', `${number(figures.largest_sent_force)} N`],
     ['Largest step rendered', `${number(figures.largest_force_step)} N`],
+    ['Jumps rendered /100k', number(figures.jumps_per_100k)], ['Lost rendered /100k', number(figures.lost_per_100k)],
     ['Largest step sent', `${number(figures.largest_sent_step)} N`],
+    ['Jumps sent /100k', number(figures.sent_jumps_per_100k)], ['Lost sent /100k', number(figures.sent_lost_per_100k)],
+    ['Unsound steps', count(figures.unsound)],
     ['Device', figures.device], ['Scheduling', figures.scheduling], ['End', figures.end],
   ];
   return el('dl.facts', {}, known.filter(([, value]) => value !== undefined && value !== null)

@@ -57,7 +57,8 @@ function depthViews(depth, orbit, unit) {
     canvas.addEventListener('pointerleave', () => (point(null), hideTooltip()));
     return el('.view', {},
         el('h4', {}, swatch(methodColor(method.method), methodTitle(method.method)),
-            el('span.aside', {}, `${depthText(depth)} deep, largest step across edges ${number(method.statistics.edge_step.max)} N`)),
+            el('span.aside', {}, `${depthText(depth)} deep, largest step across edges ${number(method.statistics.edge_step.max)} N, jumps ${
+                number(method.statistics.jumps_per_100k)} and lost ${number(method.statistics.lost_per_100k)} per 100\u2009000 pairs`)),
         canvas);
   });
   return {views, element: el('.views', {}, boxes)};
@@ -95,21 +96,26 @@ function statistics(result) {
   const header = [{text: 'Depth'}, {text: 'Method'},
     ...['mean', 'p99', 'largest'].map(text => ({text: `${text}`, title: 'step within patches, N', number: true})),
     ...['mean', 'p99', 'largest'].map(text => ({text: `${text}`, title: 'step across edges, N', number: true})),
+    {text: 'jumps', title: 'pairs whose step is above 20 % of k d, per 100 000 in contact', number: true},
+    {text: 'lost', title: 'pairs of which one is free and the other has more than 20 % of k d, per 100 000 in contact', number: true},
+    {text: 'unsound', title: 'steps that are not finite', number: true},
     {text: 'p99', title: 'angle between neighbours, degrees', number: true},
     {text: 'largest', title: 'angle between neighbours, degrees', number: true},
     {text: 'largest', title: 'error against k d n, N', number: true},
     {text: 'touching', title: 'share of the samples with a force', number: true}];
   const degrees = radians => number(radians * 180 / Math.PI);
+  const unsound = s => s.step.unsound === null ? null : s.step.unsound + s.edge_step.unsound;
   const rows = result.depths.flatMap(depth => depth.methods.map(({method, statistics: s}) => [
     depthText(depth), swatch(methodColor(method), methodTitle(method)),
     of(s.step, 'mean'), of(s.step, 'p99'), of(s.step, 'max'),
     of(s.edge_step, 'mean'), of(s.edge_step, 'p99'), of(s.edge_step, 'max'),
+    number(s.jumps_per_100k), number(s.lost_per_100k), count(unsound(s)),
     degrees(s.angle.p99), degrees(s.angle.max), of(s.error, 'max'),
     `${number(100 * s.touching / s.samples, 4)} %`,
   ]));
-  const made = table(header, rows, `Neighbouring samples, ${count(result.depths[0].samples)} a depth`);
+  const made = table(header, rows, `Neighbouring samples, ${count(result.depths[0].samples)} a depth. A sweep has no time: a step is one from a sample to its neighbour, and where one of them is free, its force is zero.`);
   made.querySelector('thead').prepend(el('tr.groups', {}, el('td', {colspan: 2}),
-      ...[[3, 'Step within patches, N'], [3, 'Step across edges, N'], [2, 'Angle, degrees'], [1, 'Error, N'], [1, '']]
+      ...[[3, 'Step within patches, N'], [3, 'Step across edges, N'], [3, 'Neighbours /100k'], [2, 'Angle, degrees'], [1, 'Error, N'], [1, '']]
           .map(([colspan, text]) => text ? el('th', {colspan, scope: 'colgroup'}, text) : el('td', {}))));
   return made;
 }

@@ -43,7 +43,8 @@ class PathCharts {
     this.element.replaceChildren(...this.methods.map((method, i) => el('.strip', {},
         el('h4', {}, swatch(methodColor(method.method), methodTitle(method.method)),
             el('span.aside', {}, `mean ${number(method.mean_change)} N, largest `,
-                `${number(method.largest[0]?.change ?? 0)} N`)),
+                `${number(method.largest[0]?.change ?? 0)} N, jumps ${number(method.jumps_per_100k)} and lost ${
+                number(method.lost_per_100k)} per 100\u2009000 ticks in contact`)),
         this.charts[i].element)));
   }
 
@@ -92,12 +93,14 @@ function figures(methods, charts) {
   const peak = ({step, change}) => button(`${number(change)} N`, `Show tick ${count(step)}`, () => charts.goTo(step));
   const header = [{text: 'Method'}, {text: 'Mean step, N', number: true},
     ...[1, 2, 3].map(i => ({text: `${['Largest', '2nd', '3rd'][i - 1]} step`, number: true})),
+    {text: 'Jumps /100k', number: true}, {text: 'Lost /100k', number: true}, {text: 'Unsound', number: true},
     {text: 'Largest force, N', number: true}, {text: 'Ticks', number: true}, {text: 'In contact', number: true}];
   return table(header, methods.map(m => [
     swatch(methodColor(m.method), methodTitle(m.method)), number(m.mean_change),
-    ...[0, 1, 2].map(i => m.largest[i] ? peak(m.largest[i]) : '–'), number(m.largest_force), count(m.ticks),
+    ...[0, 1, 2].map(i => m.largest[i] ? peak(m.largest[i]) : '–'), number(m.jumps_per_100k), number(m.lost_per_100k),
+    count(m.unsound), number(m.largest_force), count(m.ticks),
     count(m.in_contact),
-  ]), 'Steps of force along the path; a step leads to its tick');
+  ]), 'Steps of force along the path; a step leads to its tick. Jumps: ticks whose step is above 20 % of the force held lately; lost: contacts that end under more than that; each per 100 000 ticks in contact');
 }
 
 export function traceSection(result) {
@@ -116,7 +119,7 @@ export function traceSection(result) {
           }),
           button('Show all', 'Show the whole path', () => charts.show(...charts.range))),
       figure(`|F(i) − F(i−1)|, newtons: what the force changes by from one tick to the next, one axis for all methods. ${
-        thinned}A tick has a bar where it and the one before it are in contact. Drag to zoom, double-click to see all.`,
+        thinned}A tick has a bar where it or the one before it is in contact: gaining and losing contact are steps from zero and to zero. Drag to zoom, double-click to see all.`,
       charts.element),
       figures(charts.methods, charts),
     ],
