@@ -58,6 +58,21 @@ struct ForceStatistics {
     return has_step ? step : std::numeric_limits<double>::quiet_NaN();
   }
 
+  // Adds what another, complete series felt.
+  void merge(const ForceStatistics& other) noexcept {
+    largest_step = std::max(largest_step, other.largest_step);
+    largest_force = std::max(largest_force, other.largest_force);
+    ticks += other.ticks;
+    touching += other.touching;
+    entries += other.entries;
+    lost += other.lost;
+    unsound += other.unsound;
+    jumps_ += other.jumps();
+    steps_ += other.steps_;
+    steps_sum_ += other.steps_sum_;
+    if (steps_ > 0) mean_step = steps_sum_ / static_cast<double>(steps_);
+  }
+
   std::uint64_t jumps() const noexcept { return jumps_ + waiting_jumps(); }
   // Per 100,000 ticks in contact; 0 where there was no contact.
   double jumps_per_100k() const noexcept { return per_100k(jumps()); }

@@ -88,16 +88,17 @@ TEST(ForceStatistics, counts_a_jump_in_the_first_ticks_of_a_contact_at_once) {
 
 TEST(ForceStatistics, judges_by_the_force_held_lately) {
   ForceStatistics s;
-  for (int i = 0; i < 100; ++i) s.add(true, Vec3(0, 0, 10));
-  s.add(true, Vec3(0, 0, 8.5));  // 15 %
-  EXPECT_EQ(s.jumps(), 0u);
-  for (int i = 0; i < 400; ++i) s.add(true, Vec3(0, 0, 8.5 - 0.02 * i));
-  s.add(true, Vec3(0, 0, 1.5));  // of 0.5 N, after a hold of more
-  EXPECT_EQ(s.jumps(), 0u);
-  for (int i = 0; i < 400; ++i) s.add(true, Vec3(0, 0, 0.5));
-  EXPECT_EQ(s.jumps(), 1u);  // back to 0.5 N: two thirds of what was held
-  s.add(true, Vec3(0, 0, 0.65));
-  EXPECT_EQ(s.jumps(), 2u);
+  const auto hold = [&](int ticks, double force) {
+    for (int i = 0; i < ticks; ++i) s.add(true, Vec3(0, 0, force));
+    return s.jumps();
+  };
+  EXPECT_EQ(hold(100, 10), 0u);
+  EXPECT_EQ(hold(1, 8.5), 0u);  // 15 %
+  EXPECT_EQ(hold(1, 2), 1u);
+  EXPECT_EQ(hold(1, 3.5), 1u);    // 15 % of what was held lately
+  EXPECT_EQ(hold(400, 3.5), 1u);  // now that is what is held
+  EXPECT_EQ(hold(1, 4.1), 1u);
+  EXPECT_EQ(hold(1, 5.5), 2u);
 }
 
 TEST(ForceStatistics, never_takes_what_is_not_finite_for_a_small_step) {
