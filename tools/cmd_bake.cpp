@@ -3,6 +3,7 @@
 
 #include <set>
 
+#include "tools/curvature.h"
 #include "tools/surface_input.h"
 
 namespace gliss::tools {
@@ -74,6 +75,7 @@ void run(const BakeOptions& options) {
   BuildReport found;
   const PatchCache cache = build(mesh, options, *engine, build_options, &found);
   save_cache(cache, options.output);
+  tell_tight_curvature(options, cache, usual_depth(cache), "0.5 % of the diagonal");
 
   const std::size_t faces =
       build_options.faces.empty() ? mesh.face_count() : build_options.faces.size();
@@ -82,7 +84,7 @@ void run(const BakeOptions& options) {
   report(options,
          fmt::format("{}: {} of {} faces, {} patches of level {} in {}, unit {}\n"
                      "folded {}, degenerate {}; eased {}, split {}, bent {}\n"
-                     "rho_min {} {}, {} bytes, {:.2f} s\n",
+                     "least radius of curvature {} {}, {} bytes, {:.2f} s\n",
                      options.output, faces, mesh.face_count(), cache.patch_count(),
                      level_name(cache.level), precision_name(cache.precision()), unit, found.folded,
                      found.degenerate, found.eased, found.split, found.bent,

@@ -6,6 +6,7 @@
 #include <exception>
 #include <span>
 
+#include "tools/curvature.h"
 #include "tools/surface_input.h"
 
 namespace gliss::tools {
@@ -53,7 +54,8 @@ void run(const SurfaceOptions& options) {
         options.surface, {.unit = options.unit, .split_non_manifold = options.split_non_manifold},
         &findings);
     faces = mesh.face_count();
-    build(mesh, options, *make_engine(options), {}, &built);
+    const PatchCache cache = build(mesh, options, *make_engine(options), {}, &built);
+    tell_tight_curvature(options, cache, usual_depth(cache), "0.5 % of the diagonal");
   } catch (const MeshError&) {
     refusal = std::current_exception();
   }

@@ -2,12 +2,14 @@
 // its rows are a contract.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "host/generate.h"
 #include "host/units.h"
 #include "tools/compare.h"
+#include "tools/curvature.h"
 #include "tools/surface_input.h"
 
 namespace gliss::tools {
@@ -18,6 +20,8 @@ struct ComparingOptions : SurfaceOptions {
   std::vector<double> depths;  // m; empty: a hundredth of the mesh's diagonal
   std::string path, reference, output;
   int ticks = 4000;
+  WalkOptions walk{.walkers = 8};
+  std::string walk_depth = "0.5%";
   Budget budget;
   int dense_limit = 500000;
 };
@@ -49,6 +53,42 @@ double parse_memory(const std::string& option, const std::string& text) {
       return std::ldexp(parse_number<double>(option, text.substr(0, text.size() - 3)), bytes);
   }
   return parse_number<double>(option, text);
+}
+
+void add_walk_options(Command& command, ComparingOptions& options) {
+  WalkOptions& walk = options.walk;
+  const auto count = [](const char* name, std::size_t least) {
+    return [=](const std::string& text) {
+      const auto number = parse_number<std::size_t>(name, text);
+      if (number < least || number > 100000000)
+        throw InputError(fmt::format("{}: '{}' is not from {} to 100000000", name, text, least));
+      return number;
+    };
+  };
+  command.option(
+      {"--walks", "N",
+       "random walks over the whole mesh, in which jumps and lost contacts are counted; 0: none; "
+       "default 8"},
+      [&walk, read = count("--walks", 0)](const std::string& text) { walk.walkers = read(text); });
+  command.option({"--walk-ticks", "N", "ticks of a walk; default 2500"},
+                 [&walk, read = count("--walk-ticks", 1)](const std::string& text) {
+                   walk.ticks = read(text);
+                 });
+  command.option({"--walk-depth", "DEPTH",
+                  "of walks: a length, or a share of the mesh's diagonal; default 0.5%"},
+                 options.walk_depth);
+  command.option(
+      {"--walk-step", "RATIO",
+       "of the depth, that a walk moves in a tick: 1%, the default, stands for a loop of "
+       "1000 Hz, 2% for 500 Hz, 10% for 100 Hz"},
+      [&walk](const std::string& text) {
+        walk.step = parse_ratio("--walk-step", text);
+        if (!(walk.step > 0 && walk.step <= 1))
+          throw InputError(fmt::format("--walk-step: '{}' is not above 0 and at most 1", text));
+      });
+  command.option({"--seed", "N", "of the walks; default 1"}, [&walk](const std::string& text) {
+    walk.seed = parse_number<std::uint64_t>("--seed", text);
+  });
 }
 
 void describe(Command& command, ComparingOptions& options) {
@@ -87,6 +127,7 @@ void describe(Command& command, ComparingOptions& options) {
   command.option(
       {"--ticks", "N", "of its own path, a thousandth of the diagonal apart; default 4000"},
       options.ticks, 100, 10000000);
+  add_walk_options(command, options);
   add_stiffness_option(command, compare.stiffness);
   command.option(
       {"--reference", "MESH",
@@ -140,6 +181,27 @@ std::vector<ComparePath> make_paths(const ComparingOptions& options, const Mesh&
   return paths;
 }
 
+// m.
+double walk_depth_of(const ComparingOptions& options, const Mesh& mesh) {
+  const std::string& text = options.walk_depth;
+  const double depth =
+      text.ends_with('%') ? parse_ratio("--walk-depth", text) / 0.005 * walk_depth(mesh) * mesh.unit
+                          : parse_depths(text).front();
+  if (!(depth > 0)) throw InputError(fmt::format("--walk-depth: '{}' is not positive", text));
+  return depth;
+}
+
+CompareWalks make_walks(const ComparingOptions& options, const Mesh& mesh, const Topology& topology,
+                        const Engine& engine) {
+  CompareWalks made;
+  if (options.walk.walkers == 0) return made;
+  made.depth = walk_depth_of(options, mesh);
+  WalkOptions walk = options.walk;
+  walk.depth = made.depth / mesh.unit;
+  made.walks = walk_paths(mesh, topology, walk, interruptible(engine));
+  return made;
+}
+
 // From a point in the mesh's unit to the true surface.
 TrueDistance true_distance(const ComparingOptions& options, const Mesh& mesh) {
   if (options.reference.empty()) return nullptr;
@@ -188,6 +250,7 @@ Json json_of(const CompareRow& row) {
           {"p99_normal_gap_deg", row.p99_normal_gap * 180 / std::numbers::pi},
           {"max_force_step", row.max_force_step},
           {"p99_force_step", row.p99_force_step},
+          {"walk_max_force_step", number(row.walk_max_force_step)},
           {"jumps_per_100k", row.jumps_per_100k},
           {"lost_per_100k", row.lost_per_100k},
           {"unsound", row.unsound},
@@ -217,6 +280,22 @@ Json json_of(const DenseRow& row, const CompareRow& target) {
           {"needed_triangles", number(row.needed_triangles)}};
 }
 
+Json json_of(const CompareWalks& walks, const WalkOptions& walk) {
+  if (walks.walks.empty()) return {};
+  return {{"walkers", walk.walkers}, {"walks", walks.walks.size()}, {"ticks", walk.ticks},
+          {"depth_m", walks.depth},  {"step", walk.step},           {"seed", walk.seed}};
+}
+
+std::string text_of(const CompareWalks& walks, const WalkOptions& walk) {
+  const std::string jumps = "jumps/, lost/: per 100,000 ticks in contact, ";
+  if (walks.walks.empty()) return jumps + "along the path\n";
+  return jumps +
+         fmt::format(
+             "in {} random walks of {} ticks {:.3g} mm deep, {:.3g} mm a tick; walk, N: the "
+             "largest step there\n",
+             walk.walkers, walk.ticks, walks.depth * 1e3, walks.depth * walk.step * 1e3);
+}
+
 std::string rate_text(double per_second) {
   return std::isfinite(per_second) ? fmt::format("{:.3g} M", per_second * 1e-6) : "-";
 }
@@ -224,16 +303,15 @@ std::string rate_text(double per_second) {
 std::string text_of(const CompareRow& row) {
   return fmt::format(
              "{} {:<8} {:<6} {:<12} {:<6} {:>8.0f} {:>9} {:>8} {:>8} {:>10.3g} {:>10.3g} {:>9.2g} "
-             "{:>9.2g} "
-             "{:>9.4g} {:>9.4g} {:>8.1f} {:>8.1f} {:>8.3g} {:>8.3g} {:>7.2f}\n",
+             "{:>9.2g} {:>9.4g} {:>9.4g} {:>9.4g} {:>8.1f} {:>8.1f} {:>8.3g} {:>8.3g} {:>7.2f}\n",
              row.pareto ? '*' : ' ', row.candidate.name(), precision_name(row.precision),
              name_of(kSolverNames, row.solver), row.backend, row.bytes_per_patch,
              rate_text(row.build_per_s), rate_text(row.eval_per_s), rate_text(row.track_per_s),
              row.max_distance * 1e3, row.p99_distance * 1e3,
              row.max_normal_gap * 180 / std::numbers::pi,
              row.p99_normal_gap * 180 / std::numbers::pi, row.max_force_step, row.p99_force_step,
-             row.jumps_per_100k, row.lost_per_100k, 100 * row.max_force_error,
-             100 * row.p99_force_error, row.tick * 1e6) +
+             row.walk_max_force_step, row.jumps_per_100k, row.lost_per_100k,
+             100 * row.max_force_error, 100 * row.p99_force_error, row.tick * 1e6) +
          unsound_text(row.unsound, "steps");
 }
 
@@ -266,7 +344,8 @@ void write_table(const ComparingOptions& options, const PatchCache& exact,
           .add({"max_distance", "p99_distance", "true_max_distance", "true_p99_distance"},
                ColumnType::kFloat64, "m")
           .add({"max_normal_gap_deg", "p99_normal_gap_deg"}, ColumnType::kFloat64, "deg")
-          .add({"max_force_step", "p99_force_step"}, ColumnType::kFloat64, "N")
+          .add({"max_force_step", "p99_force_step", "walk_max_force_step"}, ColumnType::kFloat64,
+               "N")
           .add({"jumps_per_100k", "lost_per_100k", "unsound"})
           .add({"max_force_error", "p99_force_error"})
           .add({"tick_us"}, ColumnType::kFloat64, "us")
@@ -290,6 +369,7 @@ void write_table(const ComparingOptions& options, const PatchCache& exact,
   numbers([](const CompareRow& r) { return r.p99_normal_gap * 180 / std::numbers::pi; });
   numbers([](const CompareRow& r) { return r.max_force_step; });
   numbers([](const CompareRow& r) { return r.p99_force_step; });
+  numbers([](const CompareRow& r) { return r.walk_max_force_step; });
   numbers([](const CompareRow& r) { return r.jumps_per_100k; });
   numbers([](const CompareRow& r) { return r.lost_per_100k; });
   numbers([](const CompareRow& r) { return static_cast<double>(r.unsound); });
@@ -322,8 +402,12 @@ void run(const ComparingOptions& options) {
   std::vector<ComparePath> paths = make_paths(options, mesh, topology, exact);
   std::vector<double> depths;
   for (const ComparePath& path : paths) depths.push_back(path.depth);
-  const Comparison comparison(mesh, topology, exact, std::move(paths), true_distance(options, mesh),
-                              options, options.compare);
+  tell_tight_curvature(options, exact, *std::max_element(depths.begin(), depths.end()));
+  CompareWalks walks = make_walks(options, mesh, topology, *engine);
+  const std::string walks_text = text_of(walks, options.walk);
+  const Json walks_json = json_of(walks, options.walk);
+  const Comparison comparison(mesh, topology, exact, std::move(paths), std::move(walks),
+                              true_distance(options, mesh), options, options.compare);
   std::vector<CompareRow> rows;
   {
     Watch watch(options, "compare", comparison.row_count(), "rows");
@@ -349,10 +433,10 @@ void run(const ComparingOptions& options) {
 
   std::string text = fmt::format(
       "  {:<8} {:<6} {:<12} {:<6} {:>8} {:>9} {:>8} {:>8} {:>10} {:>10} {:>9} {:>9} {:>9} {:>9} "
-      "{:>8} {:>8} {:>8} {:>8} {:>7}\n",
+      "{:>9} {:>8} {:>8} {:>8} {:>8} {:>7}\n",
       "level", "prec.", "solver", "on", "B/patch", "build/s", "eval/s", "track/s", "far, mm",
-      "p99, mm", "gap, deg", "p99, deg", "step, N", "p99, N", "jumps/", "lost/", "error, %",
-      "p99, %", "tick, us");
+      "p99, mm", "gap, deg", "p99, deg", "step, N", "p99, N", "walk, N", "jumps/", "lost/",
+      "error, %", "p99, %", "tick, us");
   Json json = {{"program", "gliss"},
                {"version", GLISS_VERSION},
                {"command_line", command_line()},
@@ -361,7 +445,8 @@ void run(const ComparingOptions& options) {
                {"unit", unit_name(mesh.unit)},
                {"mesh_hash", hash_name(exact.mesh_hash)},
                {"depths_m", depths},
-               {"stiffness_N_per_m", options.compare.stiffness}};
+               {"stiffness_N_per_m", options.compare.stiffness},
+               {"walks", walks_json}};
   json["rows"] = Json::array();
   json["dense"] = Json::array();
   json["recommended"] = nullptr;
@@ -369,7 +454,7 @@ void run(const ComparingOptions& options) {
     text += text_of(row);
     json["rows"].push_back(json_of(row));
   }
-  text += "* no other is better in error, tick and memory at once\n";
+  text += "* no other is better in error, tick and memory at once\n" + walks_text;
   for (const DenseRow& row : dense) {
     text += text_of(row);
     json["dense"].push_back(json_of(row, *target));

@@ -124,7 +124,7 @@ void run(const SurfaceOptions& options) {
                      "folded faces  {}\n"
                      "unit          {} (coordinates here in {})\n"
                      "bounds        {:.6g} {:.6g} {:.6g} to {:.6g} {:.6g} {:.6g}\n"
-                     "rho_min       {}, median {}\n"
+                     "curvature     least radius of curvature {}, median of the patches {}\n"
                      "level         {}: {}\n"
                      "precision     {}, {:.2f} MiB\n"
                      "mesh hash     {}\n",

@@ -11,6 +11,7 @@
 #include "host/atomic_file.h"
 #include "runtime/realtime.h"
 #include "runtime/recorder.h"
+#include "tools/curvature.h"
 #include "tools/interrupt.h"
 #include "tools/run_devices.h"
 #include "tools/run_progress.h"
@@ -241,6 +242,22 @@ std::string text_of(const HapticLoop& loop, const Session& session, const Json& 
   return fmt::format("{}\nend: {}\n", out, text(session.end));
 }
 
+// Objects whose patches curve tighter than the HIP was deep; lazy ones do not know. With several
+// HIPs the objects come once for each.
+void tell_tight_objects(const RunOptions& options, const Scene& scene,
+                        const std::vector<SceneObject>& objects, const RunReport& report) {
+  std::vector<double> deepest(objects.size(), 0);
+  for (std::size_t i = 0; i < report.deepest().size(); ++i) {
+    double& of_object = deepest[i % objects.size()];
+    of_object = std::max(of_object, report.deepest()[i]);
+  }
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    if (objects[i].cache != nullptr && objects[i].method == Method::kGregory)
+      tell_tight_curvature(options, *objects[i].cache, deepest[i], "the deepest contact",
+                           scene.objects[i].surface);
+  }
+}
+
 std::vector<Attribute> provenance(const RunOptions& options, const HapticDevice& device) {
   return {{"program", "gliss"},
           {"version", GLISS_VERSION},
@@ -285,6 +302,7 @@ void run(const RunOptions& options) {
     report_file->write(printed(whole));
     report_file->commit();
   }
+  tell_tight_objects(options, scene, objects, session.report);
   report(options, text_of(loop, session, json), json);
   if (session.not_recorded) std::rethrow_exception(session.not_recorded);
   if (interrupted()) throw Interrupted();

@@ -2,12 +2,14 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
 #include "host/atomic_file.h"
 #include "host/sweep_parts.h"
 #include "host/units.h"
+#include "tools/curvature.h"
 #include "tools/sweep_files.h"
 #include "tools/sweep_report.h"
 #include "tools/watch.h"
@@ -80,6 +82,8 @@ void run(const SweepingOptions& options) {
   const auto engine = make_engine(options);
   const PatchCache cache = open_surface(options, *engine);
   SweepOptions grid = options.sweep;
+  if (has(grid.methods, Method::kGregory))
+    tell_tight_curvature(options, cache, *std::max_element(grid.depths.begin(), grid.depths.end()));
   grid.rings = options.samples > 0
                    ? rings_for(cache, static_cast<std::uint64_t>(std::ceil(options.samples)))
                    : static_cast<std::uint32_t>(options.rings);

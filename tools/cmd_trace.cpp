@@ -6,6 +6,7 @@
 
 #include "host/result_table.h"
 #include "host/trace.h"
+#include "tools/curvature.h"
 #include "tools/surface_input.h"
 #include "tools/watch.h"
 
@@ -108,10 +109,13 @@ void run(const TracingOptions& options) {
                         .add({"state"}, ColumnType::kText));
   const UnitChange outward(cache.unit, options.unit);
   std::vector<Row> rows;
+  double deepest = 0;  // of the patches' contacts, m
   Watch watch(options, "trace", hips.size(), "ticks");
   const auto statistics =
       trace(cache, hips, options.trace, [&](std::size_t tick, std::span<const TraceStep> felt) {
         for (std::size_t m = 0; m < felt.size(); ++m) {
+          if (options.trace.methods[m] == Method::kGregory && felt[m].contact.touching)
+            deepest = std::max(deepest, -felt[m].contact.distance * cache.unit);
           rows.push_back({steps ? (*steps)[tick] : static_cast<double>(tick),
                           across(path.points[tick]), options.trace.methods[m], felt[m]});
         }
@@ -124,6 +128,7 @@ void run(const TracingOptions& options) {
       });
   write(rows, outward, table);
   file->close();
+  tell_tight_curvature(options, cache, deepest, "the deepest contact");
   report_statistics(options, statistics);
 }
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "host/units.h"
+#include "tools/interrupt.h"
 
 namespace gliss::tools {
 namespace {
@@ -177,6 +178,15 @@ void report(const ReportOptions& options, const std::string& text, const Json& j
 
 std::string printed(const Json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+ParallelFor interruptible(const Engine& engine) {
+  return [&engine](std::size_t count, std::size_t grain, const auto& body) {
+    engine.for_each(count, grain, [&](std::size_t begin, std::size_t end) {
+      if (interrupted()) throw Interrupted();
+      body(begin, end);
+    });
+  };
 }
 
 std::string unsound_text(std::uint64_t count, const std::string& what) {

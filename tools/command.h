@@ -94,6 +94,10 @@ auto parse_list(const std::string& option, const std::string& text, Parse parse)
   return values;
 }
 
+inline bool has(const std::vector<Method>& methods, Method method) {
+  return std::find(methods.begin(), methods.end(), method) != methods.end();
+}
+
 std::vector<double> parse_depths(const std::string& text);  // m, of --depth
 Level parse_level(const std::string& option, const std::string& name);
 
@@ -110,6 +114,9 @@ void add_command(Command& parent, const std::string& name, const std::string& de
   add_common_options(command, *options);
   command.on_run([options, run] { run(*options); });
 }
+
+// Loops on the engine's threads that end with Interrupted after Ctrl-C.
+ParallelFor interruptible(const Engine& engine);
 
 std::unique_ptr<Engine> make_engine(const CommonOptions& options);
 

@@ -39,11 +39,13 @@ struct Comparison::Surface {
 };
 
 Comparison::Comparison(const Mesh& mesh, const Topology& topology, const PatchCache& exact,
-                       std::vector<ComparePath> paths, const TrueDistance& distance,
-                       const CommonOptions& common, const CompareOptions& options)
+                       std::vector<ComparePath> paths, CompareWalks walks,
+                       const TrueDistance& distance, const CommonOptions& common,
+                       const CompareOptions& options)
     : mesh_(mesh),
       exact_(exact),
       paths_(std::move(paths)),
+      walks_(std::move(walks)),
       distance_(distance),
       common_(common),
       options_(options),
@@ -79,6 +81,7 @@ std::vector<CompareRow> Comparison::measure(Watch& watch) const {
             felt.push_back(shape);
             felt.back().solver = solver;
             measure_feel(surface.cache, query_of(candidate, solver), felt.back());
+            measure_walks(surface.cache, query_of(candidate, solver), *engine, felt.back());
           }
         }
         const auto resident = engine->reside(surface.cache);
@@ -180,6 +183,18 @@ void Comparison::measure_feel(const PatchCache& cache, const QueryOptions& query
       tick = std::min(tick, ride(cache, query, path.hips, depth, {}).median_tick);
     row.tick = std::max(row.tick, tick);
   }
+}
+
+void Comparison::measure_walks(const PatchCache& cache, const QueryOptions& query,
+                               const Engine& engine, CompareRow& row) const {
+  row.walk_max_force_step = kUnknown;
+  if (walks_.walks.empty()) return;
+  const ForceStatistics felt =
+      feel_walks(cache, query, walks_.walks, walks_.depth / mesh_.unit, interruptible(engine));
+  row.walk_max_force_step = options_.stiffness * mesh_.unit * felt.largest_step;
+  row.jumps_per_100k = felt.jumps_per_100k();
+  row.lost_per_100k = felt.lost_per_100k();
+  row.unsound += felt.unsound;
 }
 
 double Comparison::evaluation_rate(const ResidentSurface& resident) const {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "host/fidelity.h"
+#include "host/walk.h"
 #include "tools/command.h"
 #include "tools/watch.h"
 
@@ -43,7 +44,8 @@ struct CompareRow {
   double true_max_distance = 0, true_p99_distance = 0;  // to the reference
   double max_normal_gap = 0, p99_normal_gap = 0;        // rad
   double max_force_step = 0, p99_force_step = 0;        // N, along the path
-  double jumps_per_100k = 0, lost_per_100k = 0;         // as ForceStatistics counts
+  double walk_max_force_step = 0;                       // N, in the walks
+  double jumps_per_100k = 0, lost_per_100k = 0;         // in the walks; without, along the path
   std::uint64_t unsound = 0;                            // steps that are not finite
   // Of stiffness x depth, to the force of the exact surface.
   double max_force_error = 0, p99_force_error = 0;
@@ -74,6 +76,12 @@ struct ComparePath {
   std::vector<Vec3> hips, reference;  // mesh's unit; pushes of the exact surface
 };
 
+// Random walks, all at one depth; none: they are switched off.
+struct CompareWalks {
+  double depth = 0;  // m
+  std::vector<Walk> walks{};
+};
+
 // `distance`: from a point (mesh's unit) to the true surface, same unit; null: unknown.
 using TrueDistance = std::function<double(const Vec3&)>;
 
@@ -81,7 +89,7 @@ class Comparison {
  public:
   // `exact`: in double, of the whole mesh; the mesh has normals.
   Comparison(const Mesh& mesh, const Topology& topology, const PatchCache& exact,
-             std::vector<ComparePath> paths, const TrueDistance& distance,
+             std::vector<ComparePath> paths, CompareWalks walks, const TrueDistance& distance,
              const CommonOptions& common, const CompareOptions& options);
 
   std::size_t row_count() const;
@@ -95,6 +103,8 @@ class Comparison {
   Surface build(const Candidate& candidate, Precision precision, const Engine& engine) const;
   void measure_shape(const Surface& surface, CompareRow& row) const;
   void measure_feel(const PatchCache& cache, const QueryOptions& query, CompareRow& row) const;
+  void measure_walks(const PatchCache& cache, const QueryOptions& query, const Engine& engine,
+                     CompareRow& row) const;
   double evaluation_rate(const ResidentSurface& resident) const;
   double tracking_rate(const ResidentSurface& resident, const QueryOptions& query) const;
   QueryOptions query_of(const Candidate& candidate, Solver solver) const;
@@ -102,6 +112,7 @@ class Comparison {
   const Mesh& mesh_;
   const PatchCache& exact_;
   const std::vector<ComparePath> paths_;
+  const CompareWalks walks_;
   const TrueDistance distance_;
   const CommonOptions& common_;
   const CompareOptions& options_;

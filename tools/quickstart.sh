@@ -61,7 +61,7 @@ row .gliss "the patches, for every other command"
 row .json "how smooth each method is at each depth: step_N, edge_step_N, angle_rad, error_N"
 row .h5 "samples with their forces (Python: h5py)"
 if [[ -f $name.html ]]; then row .html "look at this one first, in a browser"; fi
-row .vtp "HIPs with their forces for ParaView; _mesh.vtp: the mesh with rho_min"
+row .vtp "HIPs with their forces for ParaView; _mesh.vtp: the mesh with each face's least radius of curvature (rho_min)"
 if (($# == 0)); then
   row _forces.csv "force at each tick of the path"
   row _forces.svg "what the force changes by from tick to tick, as a picture"

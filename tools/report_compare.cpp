@@ -21,6 +21,7 @@ constexpr RowKey kRowKeys[] = {{"level", Expect::kText},
                                {"p99_normal_gap_deg", Expect::kNumber},
                                {"max_force_step", Expect::kNumber},
                                {"p99_force_step", Expect::kNumber},
+                               {"walk_max_force_step", Expect::kNumber},
                                {"jumps_per_100k", Expect::kNumber},
                                {"lost_per_100k", Expect::kNumber},
                                {"unsound", Expect::kNumber},
@@ -43,7 +44,8 @@ constexpr RowKey kDenseKeys[] = {
 Json read_comparison(const Json& json, const ReportSource& source) {
   Json result = {{"kind", "compare"}, {"origin", Json::object()}};
   if (json.contains("mesh") && json["mesh"].is_string()) result["origin"]["surface"] = json["mesh"];
-  for (const char* name : {"faces", "recommended"}) result[name] = json.value(name, Json());
+  for (const char* name : {"faces", "recommended", "walks"})
+    result[name] = json.value(name, Json());
   result["rows"] = read_rows(json["rows"], "rows", kRowKeys, kWriter, source);
   const Json dense = json.value("dense", Json::array());
   result["dense"] =

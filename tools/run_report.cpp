@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "tools/timing_text.h"
 
 namespace gliss::tools {
@@ -31,6 +33,10 @@ Json json_of(const LoopTick& tick) {
 void RunReport::add(const LoopTick& tick) {
   if (tick.rendered.allFinite()) rendered_.add(tick.touching, tick.rendered);
   sent_.add(tick.sent != Vec3::Zero(), tick.sent);
+  if (tick.touching && tick.object != LoopTick::kNothing) {
+    if (deepest_.size() <= tick.object) deepest_.resize(tick.object + 1, 0);
+    deepest_[tick.object] = std::max(deepest_[tick.object], -tick.distance);
+  }
   const bool was_safe = !last_.empty() && last_.back().state == GuardState::kSafe;
   if (last_.size() == TickRecord::kLast) last_.pop_front();
   last_.push_back(tick);

@@ -23,6 +23,8 @@ class RunReport {
 
   const ForceStatistics& rendered() const { return rendered_; }
   const ForceStatistics& sent() const { return sent_; }
+  // How deep the HIP has been in each object, m, in ticks in which it pushed most; as far as met.
+  const std::vector<double>& deepest() const { return deepest_; }
   Json trips_json() const;  // each with the ticks that led to it
 
  private:
@@ -31,7 +33,8 @@ class RunReport {
     std::deque<LoopTick> ticks;  // up to it
   };
   ForceStatistics rendered_, sent_;  // sent: in contact while it is not zero
-  std::deque<LoopTick> last_;        // TickRecord::kLast
+  std::vector<double> deepest_;
+  std::deque<LoopTick> last_;  // TickRecord::kLast
   std::vector<Trip> trips_;
   DurationHistogram compute_;  // since the last line
   std::uint64_t missed_ = 0;

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "tools/interrupt.h"
 #include "tools/watch.h"
 
 namespace gliss::tools {
@@ -27,12 +26,7 @@ PatchCache build(const Mesh& mesh, const SurfaceOptions& options, const Engine& 
               build_options.faces.empty() ? mesh.face_count() : build_options.faces.size(),
               "faces");
   BuildBackend backend = engine.build_backend();
-  backend.parallel = [&](std::size_t count, std::size_t grain, const auto& body) {
-    engine.for_each(count, grain, [&](std::size_t begin, std::size_t end) {
-      if (interrupted()) throw Interrupted();
-      body(begin, end);
-    });
-  };
+  backend.parallel = interruptible(engine);
   backend.progress = [&](std::size_t faces) { watch.reach(faces); };
   return build_cache(mesh, build_options, report, backend);
 }

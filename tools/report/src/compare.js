@@ -65,6 +65,7 @@ function tellRow(row) {
     ['tick', `${number(row.tick_us)} µs`], ['evaluations', `${rate(row.eval_per_s)} /s`],
     ['memory a patch', bytes(row.bytes_per_patch)], ['error of force', percent(row.max_force_error)],
     ['step of force', `${number(row.max_force_step)} N, p99 ${number(row.p99_force_step)} N`],
+    ['step in walks', `${number(row.walk_max_force_step)} N`],
     ['jumps, lost /100k', `${number(row.jumps_per_100k)}, ${number(row.lost_per_100k)}`],
     ['distance', row.max_distance === null ? '–' : `${number(1e6 * row.max_distance)} µm`],
     ['normals apart', row.max_normal_gap_deg === null ? '–' : `${number(row.max_normal_gap_deg)}°`],
@@ -74,17 +75,19 @@ function tellRow(row) {
 function rowTable(result) {
   const header = [{text: 'Level'}, {text: 'Precision'}, {text: 'Solver'}, {text: 'Backend'},
     ...['Tick, µs', 'Build /s', 'Eval /s', 'Track /s', 'Bytes a patch', 'Distance p99, µm', 'Distance, µm',
-      'Normal gap p99, °', 'Normal gap, °', 'Force step p99, N', 'Force step, N', 'Jumps /100k', 'Lost /100k', 'Unsound',
+      'Normal gap p99, °', 'Normal gap, °', 'Force step p99, N', 'Force step, N', 'Step in walks, N', 'Jumps /100k', 'Lost /100k', 'Unsound',
       'Force error p99', 'Force error'].map(text => ({text, number: true}))];
   const micro = v => v === null ? null : 1e6 * v;
   const rows = result.rows.map(r => Object.assign([
     String(r.level ?? '–'), r.precision ?? '–', r.solver ?? '–', r.backend ?? '–', number(r.tick_us), rate(r.build_per_s),
     rate(r.eval_per_s), rate(r.track_per_s), count(r.bytes_per_patch), number(micro(r.p99_distance)),
     number(micro(r.max_distance)), number(r.p99_normal_gap_deg), number(r.max_normal_gap_deg), number(r.p99_force_step),
-    number(r.max_force_step), number(r.jumps_per_100k), number(r.lost_per_100k), count(r.unsound), percent(r.p99_force_error),
+    number(r.max_force_step), number(r.walk_max_force_step), number(r.jumps_per_100k), number(r.lost_per_100k), count(r.unsound), percent(r.p99_force_error),
     percent(r.max_force_error),
   ], {mark: sameAs(r, result.recommended) ? 'recommended' : r.pareto ? 'best' : ''}));
-  return table(header, rows, 'All that was compared; bold: not beaten in every figure by another; marked: recommended');
+  const {walks} = result;
+  const where = walks ? `in ${count(walks.walkers)} random walks of ${count(walks.ticks)} ticks, ${number(1e3 * walks.depth_m)} mm deep` : 'along the path';
+  return table(header, rows, `All that was compared; bold: not beaten in every figure by another; marked: recommended. Jumps and lost contacts are counted ${where}, per 100\u2009000 ticks in contact`);
 }
 
 function denseTable(result) {
