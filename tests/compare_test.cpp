@@ -79,6 +79,34 @@ TEST_F(Compare, rows_have_the_columns_that_were_promised) {
   EXPECT_LT(find("bezier", "bytes_per_patch"), find("exact", "bytes_per_patch"));
 }
 
+TEST_F(Compare, walks_by_itself_over_the_mesh) {
+  const std::vector<std::string> words = {"--dense-limit", "0",          "--precisions", "double",
+                                          "--levels",      "exact,flat", "--depth",      "0.5mm"};
+  const auto walked = [&](std::vector<std::string> more) {
+    more.insert(more.end(), words.begin(), words.end());
+    return json_of(more);
+  };
+  const Json json = walked({"--walks", "10", "--walk-depth", "0.4mm"});
+  EXPECT_EQ(json["walks"]["walkers"], 10);
+  EXPECT_EQ(json["walks"]["depth_m"], 0.4e-3);
+  EXPECT_EQ(json["rows"][0]["jumps_per_100k"], 0);
+  EXPECT_EQ(json["rows"][0]["lost_per_100k"], 0);
+  EXPECT_GT(json["rows"][1]["jumps_per_100k"], 20);
+  EXPECT_GT(json["rows"][1]["walk_max_force_step"], 0.2 * 0.2);  // 20 % of 0.2 N
+  const Json again = walked({"--walks", "10", "--walk-depth", "0.4mm", "--threads", "3"});
+  const Json other = walked({"--walks", "10", "--walk-depth", "0.4mm", "--seed", "7"});
+  const auto step = [](const Json& of) { return of["rows"][1]["walk_max_force_step"]; };
+  EXPECT_EQ(step(again), step(json));
+  EXPECT_NE(step(other), step(json));
+  const Json percent = walked({"--walks", "1", "--walk-depth", "0.1%"});
+  // The mesh is 80 x 80 x 20 mm.
+  EXPECT_NEAR(percent["walks"]["depth_m"], 0.1149e-3, 2e-6);
+  const Json none = walked({"--walks", "0"});
+  EXPECT_TRUE(none["walks"].is_null());
+  EXPECT_TRUE(none["rows"][0]["walk_max_force_step"].is_null());
+  EXPECT_TRUE(none["rows"][0]["jumps_per_100k"].is_number());
+}
+
 TEST_F(Compare, a_row_is_marked_where_no_other_is_better_in_all) {
   const Json rows = json_of({"--dense-limit", "0", "--precisions", "float"})["rows"];
   for (const Json& row : rows) {
@@ -142,6 +170,9 @@ TEST_F(Compare, writes_tables_and_names_what_is_wrong) {
       {{"--backends", "cuda"}, "--backends: 'cuda' is none of"},
       {{"--max-force-error", "little"}, "--max-force-error: 'little' is not a number"},
       {{"--depth", "0"}, "--depth: '0' is not positive"},
+      {{"--walks", "many"}, "--walks: 'many' is not"},
+      {{"--walk-depth", "0%"}, "--walk-depth: '0%' is not positive"},
+      {{"--walk-step", "200%"}, "--walk-step: '200%' is not above 0"},
       {{"--path", "none.csv"}, "none.csv"}};
   for (const auto& [words, message] : wrong) {
     const test::Outcome ran = run(words);

@@ -71,7 +71,7 @@ class Report : public test::RunTest {
   }
 };
 
-TEST_F(Report, BarsAreTheStepsBetweenTicksInContact) {
+TEST_F(Report, BarsAreTheStepsOfForceToZeroAndBackToo) {
   folder_.write("forces.csv", std::string(kTraceHeader) +
                                   "10,flat,0,0,0,0,0,0,0,0,1,3,contact\n"
                                   "11,flat,0,0,0,0,0,0,0,0,3,3,contact\n"
@@ -89,14 +89,17 @@ TEST_F(Report, BarsAreTheStepsBetweenTicksInContact) {
   EXPECT_EQ(flat["method"], "flat");
   EXPECT_EQ(flat["ticks"], 5);
   EXPECT_EQ(flat["in_contact"], 4);
-  EXPECT_EQ(flat["mean_change"], 2.5);
+  EXPECT_EQ(flat["mean_change"], 3);
+  EXPECT_EQ(flat["jumps_per_100k"], 1e5);
+  EXPECT_EQ(flat["lost_per_100k"], 0.25e5);
+  EXPECT_EQ(flat["unsound"], 0);
   EXPECT_EQ(flat["largest_force"], 5);
-  EXPECT_EQ(flat["largest"][0]["step"], 14);
-  EXPECT_EQ(flat["largest"][0]["change"], 3);
-  EXPECT_THAT(floats(flat["step"]), ElementsAre(11, 14));
-  EXPECT_THAT(floats(flat["change"]), ElementsAre(2, 3));
-  EXPECT_THAT(floats(flat["force"]), ElementsAre(3, 5));
-  EXPECT_THAT(floats(flat["z"]), ElementsAre(0, 9));
+  EXPECT_EQ(flat["largest"][0]["step"], 13);
+  EXPECT_EQ(flat["largest"][0]["change"], 4);
+  EXPECT_THAT(floats(flat["step"]), ElementsAre(11, 12, 13, 14));
+  EXPECT_THAT(floats(flat["change"]), ElementsAre(2, 3, 4, 3));
+  EXPECT_THAT(floats(flat["force"]), ElementsAre(3, 0, 4, 5));
+  EXPECT_THAT(floats(flat["z"]), ElementsAre(0, 0, 0, 9));
   const auto& gregory = result["methods"][1];
   EXPECT_EQ(gregory["method"], "gregory");
   EXPECT_THAT(floats(gregory["change"]), ElementsAre(0.5f));

@@ -2,6 +2,7 @@
 # Measures Gliss beside peers and the machine's limits, and writes the section of bench/RESULTS.md between its two
 # markers. No figure fails it. Takes a quarter of an hour; --quick is for trying it: a short run, printed only.
 # Further arguments go to gliss_bench: tools/bench.sh --size=100000
+# How often the force jumps on random walks is measured by bench/walks.py, over the meshes of a folder.
 set -euo pipefail
 cd "$(dirname -- "${BASH_SOURCE[0]}")/.."
 source tools/packages.sh

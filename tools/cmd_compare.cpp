@@ -186,7 +186,7 @@ double walk_depth_of(const ComparingOptions& options, const Mesh& mesh) {
   const std::string& text = options.walk_depth;
   const double depth =
       text.ends_with('%') ? parse_ratio("--walk-depth", text) / 0.005 * walk_depth(mesh) * mesh.unit
-                          : parse_depths(text).front();
+                          : parse_length(text);
   if (!(depth > 0)) throw InputError(fmt::format("--walk-depth: '{}' is not positive", text));
   return depth;
 }

@@ -1,0 +1,86 @@
+#!/usr/bin/env python3
+"""How often the force jumps on random walks beneath meshes, as a table of Markdown: Gregory patches
+(exact, bezier) beside force shading and flat polygons, 0.5 % and 0.1 % of the size deep.
+
+Usage: bench/walks.py GLISS FOLDER_OR_MESH... [--ticks 100000] [--seed 1] [--step 1%] [--unit mm]
+
+GLISS is the program; FOLDER holds .obj, .off and .ply files; the generated knot, goldberg and banana
+come first. Counts are ticks whose force changes by more than 20 % of stiffness times depth, contacts
+lost under more than that included, per 100,000 ticks in contact (host/walk.h); all surfaces of a mesh
+get the same HIPs. Bold: more often than force shading.
+"""
+
+import argparse
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+LEVELS = ("exact", "bezier", "shaded", "flat")
+DEPTHS = ("0.5%", "0.1%")
+TICKS_A_WALK = 2500
+STIFFNESS = 500  # N/m
+
+
+def meshes_of(names, gliss, folder):
+    for name in ("knot", "goldberg", "banana"):
+        path = pathlib.Path(folder) / f"generated {name}.obj"
+        subprocess.run([gliss, "generate", name, "-o", path, "--quiet"], check=True)
+        yield path
+    for name in map(pathlib.Path, names):
+        yield from sorted(p for p in name.iterdir() if p.suffix in (".obj", ".off", ".ply")) \
+            if name.is_dir() else [name]
+
+
+def compare(mesh, depth, options):
+    """The rows by level and the depth in m; or the error of a mesh that is refused."""
+    command = [options.gliss, "compare", mesh, "--unit", options.unit, "--levels", ",".join(LEVELS),
+               "--precisions", "double", "--dense-limit", "0", "--ticks", "100", "--json", "--quiet",
+               "--walks", str(options.ticks // TICKS_A_WALK), "--walk-ticks", str(TICKS_A_WALK),
+               "--walk-depth", depth, "--walk-step", options.step, "--seed", str(options.seed),
+               "--stiffness", str(STIFFNESS)]
+    ran = subprocess.run(command, capture_output=True, text=True)
+    if ran.returncode != 0:
+        return None, ran.stderr.strip().splitlines()[-1] if ran.stderr else "failed"
+    result = json.loads(ran.stdout)
+    return {row["level"]: row for row in result["rows"]}, result["walks"]["depth_m"]
+
+
+def cells(rows, depth):
+    limit = rows["shaded"]["jumps_per_100k"]
+    for level in LEVELS:
+        jumps = rows[level]["jumps_per_100k"]
+        worse = level in ("exact", "bezier") and jumps > limit
+        yield f"**{jumps:.1f}**" if worse else f"{jumps:.1f}"
+    yield f"{rows['exact']['lost_per_100k']:.1f}"
+    step = rows["exact"]["walk_max_force_step"]
+    yield "not finite" if step is None else f"{step / (STIFFNESS * depth):.1f}"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("gliss")
+    parser.add_argument("meshes", nargs="*")
+    parser.add_argument("--ticks", type=int, default=100000, help="of each row")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--step", default="1%", help="of the depth, a tick")
+    parser.add_argument("--unit", default="mm")
+    options = parser.parse_args()
+    head = [f"{depth}: {name}" for depth in DEPTHS
+            for name in ("exact", "bezier", "shaded", "flat", "lost", "largest, k d")]
+    print("| mesh | " + " | ".join(head) + " |\n|---|" + "---|" * len(head), flush=True)
+    with tempfile.TemporaryDirectory() as folder:
+        for mesh in meshes_of(options.meshes, options.gliss, folder):
+            found = []
+            for depth in DEPTHS:
+                rows, told = compare(mesh, depth, options)
+                if rows is None:
+                    found = [told.replace("|", "/")]
+                    break
+                found += cells(rows, told)
+            print(f"| {mesh.stem} | " + " | ".join(found) + " |", flush=True)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
