@@ -42,7 +42,8 @@ def compare(mesh, depth, options):
                "--stiffness", str(STIFFNESS)]
     ran = subprocess.run(command, capture_output=True, text=True)
     if ran.returncode != 0:
-        return None, ran.stderr.strip().splitlines()[-1] if ran.stderr else "failed"
+        told = ran.stderr.strip().splitlines() or ["failed"]
+        return None, "refused: " + told[-1].removeprefix("gliss: ").replace(str(mesh), mesh.name)
     result = json.loads(ran.stdout)
     return {row["level"]: row for row in result["rows"]}, result["walks"]["depth_m"]
 
