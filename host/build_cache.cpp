@@ -5,6 +5,7 @@
 
 #include "host/hierarchy.h"
 #include "host/kernels.h"
+#include "host/parts.h"
 #include "host/patch_cache.h"
 #include "host/patch_layout.h"
 #include "host/patch_tame.h"
@@ -236,6 +237,7 @@ class CacheBuilder {
     for_chunks(BatchStep::kControl, [&](const Chunk& c) { store_chunk(c, s, boxes); });
     s.control.shrink_to_fit();
     build_hierarchy(boxes, s.node, s.child, backend_.parallel);
+    find_parts(boxes, s);
   }
 
   template <class Real>

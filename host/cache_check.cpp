@@ -52,6 +52,7 @@ class Check {
     check_forms();
     check_patches();
     check_hierarchy();
+    check_parts();
     check_numbers();
   }
 
@@ -213,6 +214,25 @@ class Check {
     }
   }
 
+  // All empty, or of parts that meet.
+  void check_parts() const {
+    const std::size_t parts = s_.part_table.size() / kPartUints;
+    require_size(s_.part.size(), s_.partner.empty() ? 0 : patches_, "part");
+    require_size(s_.part_table.size(), s_.partner.empty() ? 0 : parts * kPartUints, "part_table");
+    require_size(s_.part_box.size(), 6 * parts, "part_box");
+    for (std::size_t p = 0; p < s_.part.size(); ++p)
+      require((s_.part[p] & kPartMask) < parts, "part", p, "out of range");
+    for (std::size_t p = 0; p < s_.partner.size(); ++p)
+      require(s_.partner[p] < parts, "partner", p, "out of range");
+    for (std::size_t p = 0; p < parts; ++p) {
+      const std::uint32_t* table = &s_.part_table[p * kPartUints];
+      require(table[0] <= table[1] && table[1] <= s_.partner.size(), "part_table", p,
+              "its partners are out of range");
+      require(table[2] < patches_ && (s_.part[table[2]] & kPartMask) == p, "part_table", p,
+              "its first patch is another part's");
+    }
+  }
+
   void check_numbers() const {
     const auto require_finite = [&](const auto& numbers, const char* section) {
       if (all_finite(numbers)) return;
@@ -223,6 +243,7 @@ class Check {
     require_finite(s_.corner, "corner");
     require_finite(s_.patch, "patch");
     require_finite(s_.node, "node");
+    require_finite(s_.part_box, "part_box");
     require_finite(c_.rho_min, "rho_min");
   }
 

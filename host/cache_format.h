@@ -17,7 +17,7 @@ inline constexpr std::string_view kMagic = "\x89GLS\r\n\x1a\n";  // no transfer 
 inline constexpr std::size_t kNameBytes = 4;  // of it; a damaged cache is still known by these
 inline constexpr std::uint32_t kByteOrder = 0x01020304, kSwappedByteOrder = 0x04030201;
 inline constexpr std::uint32_t kFormat =
-    3;  // of Header, Section, which sections there are, what they mean
+    4;  // of Header, Section, which sections there are, what they mean
 inline constexpr std::uint32_t kMaxHeaderBytes = 1 << 16;
 
 // Up to header_bytes it stays as it is in every later format, so that their files are told from
@@ -53,7 +53,7 @@ struct Section {
 };
 static_assert(sizeof(Section) == 48, "no padding");
 
-inline constexpr std::size_t kSections = 20;
+inline constexpr std::size_t kSections = 24;
 inline constexpr std::size_t kHeaderBytes = sizeof(Header) + kSections * sizeof(Section);
 
 // Calls f(name, vector) for each section, in the order of the file.
@@ -74,6 +74,10 @@ void for_each_section(Cache& cache, const F& f) {
         f("triangle", s.triangle);
         f("node", s.node);
         f("child", s.child);
+        f("part", s.part);
+        f("part_table", s.part_table);
+        f("partner", s.partner);
+        f("part_box", s.part_box);
       },
       cache.surface);
   f("patch_face", cache.patch_face);

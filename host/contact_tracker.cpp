@@ -187,6 +187,7 @@ void ContactTracker::move_to(const PatchCache& cache) noexcept {
   std::visit(
       [&](auto& state) {
         std::uint32_t& patch = state.uints[kContactPatch];
+        state.held_count = 0;
         const std::uint32_t face = cache_->patch_face[patch], first = cache.face_patch[face];
         // Free, the patch is only remembered.
         patch = first == kNone ? 0 : first + (patch - cache_->face_patch[face]);

@@ -35,6 +35,7 @@ Contact contact_of(const PatchCache& cache, const Surface<Real>& s, const RawCon
 template <class Real>
 void place_at(const PatchPlace& place, RawContact<Real>& state) {
   state.uints[kContactPatch] = place.patch;
+  state.held_count = 0;
   state.reals[kContactXi] = static_cast<Real>(place.xi);
   state.reals[kContactEta] = static_cast<Real>(place.eta);
 }

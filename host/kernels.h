@@ -17,7 +17,8 @@ enum class Solver { kNewton, kGaussNewton, kPaper };
 // Layout of the arrays that kernels/ defines, for the host.
 inline constexpr std::size_t kSideReals = 51, kPatchReals = 22, kNodeReals = 12;
 inline constexpr std::uint32_t kFormExact = 0, kFormRibbon = 1, kFormBezier = 2, kFormTable = 3;
-inline constexpr std::uint32_t kFormMask = 255;  // above it, the r of a table
+inline constexpr std::uint32_t kFormsUnited = 256;  // among bits of forms: parts overlap
+inline constexpr std::uint32_t kFormMask = 255;     // above it, the r of a table
 inline constexpr std::size_t kSideLength = 48, kSideEase = 50;
 inline constexpr std::size_t kPatchOrigin = 0, kPatchNormal = 3, kPatchScale = 6, kPatchUnscale = 7,
                              kPatchSag = 8, kPatchTangent = 9, kPatchLow = 12, kPatchHigh = 15,
@@ -27,6 +28,9 @@ inline constexpr std::size_t kShapeLow = 0, kShapeHigh = 3, kShapeAlongLow = 6, 
                              kShapeBend = 12, kShapeTurn = 15, kShapeCurvature = 16,
                              kShapeStretch2 = 17, kShapeSag2 = 18, kShapeFinite = 19;
 inline constexpr std::uint32_t kNodeLeaf = 0x80000000u;
+inline constexpr std::uint32_t kPatchBuried = 0x40000000u, kPatchMixed = 0x80000000u;
+inline constexpr std::uint32_t kPartMask = 0x3FFFFFFFu;
+inline constexpr std::size_t kPartUints = 3;
 
 // Bits of a contact's flags. kNotBuilt: its patches are not there yet, it is of the base polygons.
 inline constexpr std::uint32_t kConverged = 1, kOnBorder = 2, kOnCrease = 4, kNotBuilt = 8;
@@ -53,6 +57,10 @@ struct RawContact {
   // What a tick leaves for the next one: bend and drift, once warm.
   Real warmth[5] = {};
   bool warm = false;
+  // Points of other parts that a contact on a seam rests against too: patch, xi, eta.
+  std::uint32_t held_count = 0;
+  std::uint32_t held_patch[2] = {};
+  Real held_at[2][2] = {};
 };
 
 // A HIP of the mesh frame as high and low part: their sum.

@@ -14,13 +14,14 @@ constexpr Precision kPrecision = sizeof(Real) == 4 ? Precision::kFloat : Precisi
 template <class Real>
 struct DeviceSurface {
   cl::Buffer domain, domain_begin, side_begin, side_patch, side_twin, control, control_begin, form,
-      corner, patch, triangle, node, child;
+      corner, patch, triangle, node, child, part, part_table, partner, part_box;
   cl_uint patch_count;
-  std::uint32_t forms = 0;  // bits: those of its patches
+  std::uint32_t forms = 0;  // bits: those of its patches, and kFormsUnited
   std::uint64_t bytes = 0;
 
   DeviceSurface(const Device& device, const Surface<Real>& s) : patch_count(s.patch_count()) {
     for (const std::uint32_t form : s.form) forms |= 1u << (form & kFormMask);
+    if (!s.part.empty()) forms |= kFormsUnited;
     for_each_array(
         s, [&](cl::Buffer&, const auto& array) { bytes += array.size() * sizeof(array[0]); });
     device.require_room(bytes, "the patches need");
@@ -47,6 +48,10 @@ struct DeviceSurface {
     f(triangle, s.triangle);
     f(node, s.node);
     f(child, s.child);
+    f(part, s.part);
+    f(part_table, s.part_table);
+    f(partner, s.partner);
+    f(part_box, s.part_box);
   }
 
   Launch launch(const Device& device, const char* program, const char* name, int lanes) const {
@@ -54,7 +59,8 @@ struct DeviceSurface {
             domain,    domain_begin, side_begin,    side_patch,
             side_twin, control,      control_begin, form,
             corner,    patch,        triangle,      node,
-            child,     patch_count};
+            child,     part,         part_table,    partner,
+            part_box,  patch_count};
   }
 };
 

@@ -23,6 +23,11 @@ struct Surface {
   LargeArray<std::uint32_t> triangle;       // [side_begin[p] - 2 p][3]
   LargeArray<Real> node;                    // [node][2][6]
   LargeArray<std::uint32_t> child;          // [node][2]
+  // Of overlapping parts (kernels/union.h); all empty where no part meets another.
+  LargeArray<std::uint32_t> part;         // [patch], its part and kPatch...
+  std::vector<std::uint32_t> part_table;  // [part][kPartUints]
+  std::vector<std::uint32_t> partner;     // solid parts that may hold a part's points
+  std::vector<Real> part_box;             // [part][6], mesh frame
 
   std::uint32_t patch_count() const { return static_cast<std::uint32_t>(side_begin.size()) - 1; }
   std::uint32_t valence(std::uint32_t patch) const {

@@ -6,12 +6,14 @@
       __global const uint *side_twin, __global const scalar *control,                             \
       __global const uint *control_begin, __global const uint *form,                              \
       __global const scalar *corner, __global const scalar *patch, __global const uint *triangle, \
-      __global const scalar *node, __global const uint *child, uint patch_count
+      __global const scalar *node, __global const uint *child, __global const uint *part,         \
+      __global const uint *part_table, __global const uint *partner,                              \
+      __global const scalar *part_box, uint patch_count
 
 #define SURFACE_VIEW                                                                               \
   {                                                                                                \
     domain, domain_begin, side_begin, side_patch, side_twin, control, control_begin, form, corner, \
-        patch, triangle, node, child, patch_count                                                  \
+        patch, triangle, node, child, part, part_table, partner, part_box, patch_count             \
   }
 
 // Work-groups have this size; what is over does nothing.

@@ -14,9 +14,10 @@ FN patch_point evaluate_valence(GLOBAL scalar* domain, control_data control, uin
   return evaluate(domain, control, form, UNROLLED_VALENCE, xi, eta);
 }
 
-// Which forms there are code for: those that a device's surface has, else all.
+// Which forms there are code for: those that a device's surface has, else all. Bit 8: parts may
+// overlap.
 #ifndef GLISS_FORMS
-#define GLISS_FORMS 15u
+#define GLISS_FORMS 271u
 #endif
 #define IS_FORM(form, which) ((GLISS_FORMS >> (which)&1u) && ((form)&255u) == (which))
 

@@ -28,5 +28,6 @@
 #include "kernels/hierarchy.h"
 #include "kernels/query.h"
 #include "kernels/method.h"
+#include "kernels/union.h"
 #endif
 // clang-format on

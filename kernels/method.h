@@ -25,6 +25,9 @@ typedef struct {
   int warm;  // whether they are there
   sym2 bend;
   domain_vector drift;
+  // Points of other parts that a contact on a seam rests against too (union.h).
+  int held_count;
+  domain_point held[2];
 } contact;
 
 // A contact in memory: CONTACT_REALS rows of numbers and CONTACT_UINTS of whole ones.
@@ -143,6 +146,7 @@ FN contact contact_of_foot(surface_view view, foot f) {
   c.warm = 1;
   c.bend = f.bend;
   c.drift = make_vector(K(0), K(0));
+  c.held_count = 0;
   // Inside where the way out goes along the normal.
   c.state = dot3(f.r, c.normal) > K(0) ? CONTACT_TOUCHING : CONTACT_FREE;
   return f.flags & FOOT_BORDER ? past_border(c, c.normal) : c;
@@ -181,6 +185,7 @@ FN contact contact_of_base(surface_view view, hip_point h, base_point b, int met
   c.crossings = crossings;
   c.flags = FOOT_CONVERGED;
   c.warm = 0;
+  c.held_count = 0;
   c.state = dot3(r, c.normal) > K(0) ? CONTACT_TOUCHING : CONTACT_FREE;
   if (is_on_border(view, b)) {
     c.flags |= FOOT_BORDER;
@@ -200,9 +205,16 @@ FN contact within_reach(hip_point h, contact c) {
   return c;
 }
 
+// Where parts overlap (union.h): what a contact found on one part is on the union of all.
+FN_LARGE contact unite_nearest(surface_view view, hip_point h, contact c, track_options options);
+FN_LARGE contact unite_tracked(surface_view view, hip_point h, contact last, contact c,
+                               track_options options);
+
 FN_LARGE contact nearest_contact_from(surface_view view, hip_point h, foot first,
                                       const near_patches* near, track_options options) {
-  return within_reach(h, contact_of_foot(view, nearest_foot(view, h, first, near, options)));
+  const contact c =
+      within_reach(h, contact_of_foot(view, nearest_foot(view, h, first, near, options)));
+  return HAS_UNION(view) ? unite_nearest(view, h, c, options) : c;
 }
 
 // Global: the nearest point of the surface, given that of the base polygons.
@@ -213,10 +225,11 @@ FN_LARGE contact nearest_contact(surface_view view, hip_point h, base_point base
   return nearest_contact_from(view, h, first, near, options);
 }
 
-FN_LARGE contact track_contact_from(surface_view view, hip_point h, foot first,
+FN_LARGE contact track_contact_from(surface_view view, hip_point h, contact last, foot first,
                                     track_options options) {
   const known_minimum none = {NONE, K(0)};
-  return within_reach(h, contact_of_foot(view, end_foot(view, h, first, options, none)));
+  const contact c = within_reach(h, contact_of_foot(view, end_foot(view, h, first, options, none)));
+  return HAS_UNION(view) ? unite_tracked(view, h, last, c, options) : c;
 }
 
 // Local: the point that `last` was, after the HIP has moved to h.
@@ -227,7 +240,7 @@ FN_LARGE contact track_contact(surface_view view, hip_point h, contact last,
     return within_reach(h, contact_of_base(view, h, base, last.method, 0));
   }
   const domain_point at = {last.patch, last.xi, last.eta};
-  return track_contact_from(view, h, begin_foot(view, h, at, options), options);
+  return track_contact_from(view, h, last, begin_foot(view, h, at, options), options);
 }
 
 // Where the contact would be had it gone on as in the last tick; where it was, if that is outside.
@@ -259,6 +272,7 @@ FN_LARGE contact follow_contact(surface_view view, hip_point h, contact last,
     return again;
   }
   contact c = within_reach(h, contact_of_foot(view, f));
+  if (HAS_UNION(view)) c = unite_tracked(view, h, last, c, options);
   if (c.patch == last.patch) c.drift = make_vector(c.xi - last.xi, c.eta - last.eta);
   return c;
 }

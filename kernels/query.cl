@@ -34,6 +34,7 @@ __kernel GROUP void track(SURFACE_ARGUMENTS, uint count, __global const scalar* 
   last.patch = start_patch[i];
   last.xi = start[i];
   last.eta = start[count + i];
+  last.held_count = 0;
   store_contact(reals + i, uints + i, ROW_STRIDE(count),
                 track_contact(view, load_hip(hip + i, count), last, options));
 }

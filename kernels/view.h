@@ -26,6 +26,16 @@
 #define NODE_LEAF 0x80000000u  // a child with this bit is a patch
 #define HIERARCHY_DEPTH 64
 
+// A patch lies in a solid part other than its own, or may do so in places; else nowhere.
+#define PATCH_BURIED 0x40000000u
+#define PATCH_MIXED 0x80000000u
+#define PART_MASK 0x3FFFFFFFu
+// Numbers of a part: where its partners begin and end, its first patch.
+#define PART_PARTNERS 0
+#define PART_PARTNERS_END 1
+#define PART_FIRST 2
+#define PART_UINTS 3
+
 typedef struct {
   GLOBAL scalar* domain;       // tables of the valences in use (domain.h)
   GLOBAL uint* domain_begin;   // [valence], where its table begins
@@ -41,8 +51,19 @@ typedef struct {
       triangle;  // [side_begin[p] - 2 p][3], local corners: fixed triangulation of p's base polygon
   GLOBAL scalar* node;  // [node][NODE_REALS]
   GLOBAL uint* child;   // [node][2]
+  // Of overlapping parts (union.h), where HAS_UNION.
+  GLOBAL uint* part;        // [patch], its part and PATCH_BURIED or PATCH_MIXED
+  GLOBAL uint* part_table;  // [part][PART_UINTS]
+  GLOBAL uint* partner;     // solid parts that may hold points of a part
+  GLOBAL scalar* part_box;  // [part][6], mesh frame
   uint patch_count;
 } surface_view;
+
+#ifdef __OPENCL_C_VERSION__
+#define HAS_UNION(view) (GLISS_FORMS >> 8 & 1u)
+#else
+#define HAS_UNION(view) ((view).part != 0)
+#endif
 
 FN int valence_of(surface_view view, uint patch) {
   return (int)(view.side_begin[patch + 1] - view.side_begin[patch]);

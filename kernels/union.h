@@ -1,0 +1,457 @@
+// Parts that overlap or touch are a union of solids. A foot of one part that lies inside another is
+// buried: the contact then lies on the seam of both, a concave crease, or elsewhere on the union's
+// surface. On a seam the contact is the point nearest to the HIP among those outside of the tangent
+// planes at its feet on two or three parts; these are taken anew at each point found, until that
+// stays.
+
+// A point of a part that the contact may rest against.
+typedef struct {
+  domain_point at;
+  real3 scp;     // local frame
+  real3 normal;  // outward, unit
+  real3 out;     // point - HIP, mesh frame
+  real weight;   // of its normal in the push
+} union_rest;
+
+#define UNION_RESTS 4
+typedef struct {
+  int count, iterations;
+  union_rest rest[UNION_RESTS];
+  real3 push;  // contact point - HIP, mesh frame
+  int state;   // CONTACT_*, or UNION_LOST
+  foot only;   // of the HIP, where there is one rest
+} union_search;
+#define UNION_LOST 2
+
+// Burial is judged this far outside of a surface, mesh frame, so that faces of two parts that touch
+// bury each other.
+#define UNION_GAP (sizeof(scalar) == 4 ? K(0x1p-17f) : K(0x1p-32f))
+
+FN uint part_of(surface_view view, uint patch) { return view.part[patch] & PART_MASK; }
+FN int is_exposed(surface_view view, uint patch) {
+  return !(view.part[patch] & (PATCH_BURIED | PATCH_MIXED));
+}
+
+// The HIP moved, with what high parts cannot hold in the low ones.
+FN real moved_low(real high, real low, real by) {
+  const real sum = high + by, part = sum - high;
+  return low + ((high - (sum - part)) + (by - part));
+}
+FN hip_point moved_hip(hip_point h, real3 by) {
+  hip_point r;
+  r.high = add3(h.high, by);
+  r.low = make3(moved_low(h.high.x, h.low.x, by.x), moved_low(h.high.y, h.low.y, by.y),
+                moved_low(h.high.z, h.low.z, by.z));
+  return r;
+}
+
+FN int is_within(surface_view view, foot f) {
+  return contact_of_foot(view, f).state == CONTACT_TOUCHING;
+}
+
+// Nearest point of one part's surface.
+FN_LARGE foot nearest_on_part(surface_view view, hip_point h, uint part, track_options options) {
+  walk w = start_walk(view);
+  base_point base = base_point_on(view, h, view.part_table[PART_UINTS * part + PART_FIRST]);
+  for (uint p = next_patch(view, &w, h.high, base.distance2); p != NONE;
+       p = next_patch(view, &w, h.high, base.distance2)) {
+    if (part_of(view, p) != part || !(patch_box_distance2(view, h, p) < base.distance2)) continue;
+    const base_point b = base_point_on(view, h, p);
+    if (b.distance2 < base.distance2) base = b;
+  }
+  foot best;
+  best.patch = NONE;
+  best.distance2 = K(0);
+  best.iterations = 0;
+  const foot first = begin_foot(view, h, start_on_base(view, base), options);
+  best = search_patch(view, h, first, options, best);
+  w = start_walk(view);
+  for (uint p = next_patch(view, &w, h.high, best.distance2); p != NONE;
+       p = next_patch(view, &w, h.high, best.distance2)) {
+    if (p != base.patch && part_of(view, p) == part &&
+        patch_box_distance2(view, h, p) < best.distance2)
+      best = try_patch(view, h, p, options, best);
+  }
+  return best;
+}
+
+FN int in_part_box(surface_view view, hip_point h, uint part) {
+  return !(box_distance2(view.part_box + 6 * (ulong)part, h.high) > K(0));
+}
+
+// True if a point lies in a solid part that may hold points of a patch.
+FN_LARGE int is_in_partner(surface_view view, hip_point h, uint patch, track_options options) {
+  GLOBAL uint* table = view.part_table + PART_UINTS * (ulong)part_of(view, patch);
+  for (uint i = table[PART_PARTNERS]; i < table[PART_PARTNERS_END]; ++i) {
+    const uint part = view.partner[i];
+    if (in_part_box(view, h, part) && is_within(view, nearest_on_part(view, h, part, options)))
+      return 1;
+  }
+  return 0;
+}
+
+// The foot of the HIP moved by `push`. Held by an edge or corner, the way out is that to the point.
+FN union_rest rest_of(surface_view view, foot f, real3 push, track_options options) {
+  const real unscale = numbers_of(view, f.patch)[PATCH_UNSCALE];
+  union_rest r;
+  r.at.patch = f.patch;
+  r.at.xi = f.xi;
+  r.at.eta = f.eta;
+  r.scp = f.at.g;
+  r.normal = normal_of_foot(view, f);
+  r.out = fma3(unscale, f.r, push);
+  r.weight = K(0);
+  const real length = norm3(f.r);
+  if ((f.flags & (FOOT_CREASE | FOOT_BORDER)) && length > K(1024) * options.tolerance)
+    r.normal = mul3((is_within(view, f) ? K(1) : K(-1)) / length, f.r);
+  return r;
+}
+
+// Adds the rest on a solid part that buries the contact point, as seen from a patch that it lies
+// on with an outward direction there; false where there is none.
+FN_LARGE int join_burier(surface_view view, hip_point h, uint patch, real3 outward, union_search* u,
+                         track_options options) {
+  if (is_exposed(view, patch) || u->count == UNION_RESTS) return 0;
+  const real3 push = fma3(UNION_GAP, outward, u->push);
+  const hip_point x = moved_hip(h, push);
+  GLOBAL uint* table = view.part_table + PART_UINTS * (ulong)part_of(view, patch);
+  for (uint i = table[PART_PARTNERS]; i < table[PART_PARTNERS_END]; ++i) {
+    const uint part = view.partner[i];
+    int is_held = !in_part_box(view, x, part);
+    for (int k = 0; k < u->count; ++k)
+      is_held = is_held || part_of(view, u->rest[k].at.patch) == part;
+    if (is_held) continue;
+    const foot f = nearest_on_part(view, x, part, options);
+    u->iterations += f.iterations;
+    if (!is_within(view, f)) continue;
+    u->rest[u->count++] = rest_of(view, f, push, options);
+    return 1;
+  }
+  return 0;
+}
+
+FN int holds_rests(const union_search* u, real3 push) {
+  for (int i = 0; i < u->count; ++i) {
+    const real3 n = u->rest[i].normal;
+    const real needed = dot3(n, u->rest[i].out);
+    const real slack = K(256) * EPSILON * (norm3(push) + fabs(needed));
+    if (!(dot3(n, push) >= needed - slack)) return 0;
+  }
+  return 1;
+}
+
+// The shortest push out of all tangent planes, and the weights of those that it rests on; false
+// where there is none.
+FN_LARGE int shortest_push(union_search* u, real3* push) {
+  const real none = K(0);
+  int rests = 0;
+  for (int i = 0; i < u->count; ++i) {
+    u->rest[i].weight = none;
+    rests += dot3(u->rest[i].normal, u->rest[i].out) > none;
+  }
+  *push = make3(none, none, none);
+  if (rests == 0) return 1;
+  for (int i = 0; i < u->count; ++i) {
+    const real3 n = u->rest[i].normal;
+    const real b = dot3(n, u->rest[i].out);
+    *push = mul3(b, n);
+    if (b > none && holds_rests(u, *push)) {
+      u->rest[i].weight = b;
+      return 1;
+    }
+  }
+  for (int i = 0; i < u->count; ++i) {
+    for (int j = i + 1; j < u->count; ++j) {
+      const real3 n = u->rest[i].normal, m = u->rest[j].normal;
+      const real b = dot3(n, u->rest[i].out), c = dot3(m, u->rest[j].out), along = dot3(n, m);
+      const real3 across = cross3(n, m);
+      const real apart = dot3(across, across);
+      if (!(apart > K(0x1p-24f))) continue;
+      const real v = (b - along * c) / apart, w = (c - along * b) / apart;
+      *push = fma3(v, n, mul3(w, m));
+      if (v > none && w > none && holds_rests(u, *push)) {
+        u->rest[i].weight = v;
+        u->rest[j].weight = w;
+        return 1;
+      }
+    }
+  }
+  for (int skip = u->count - 1; u->count >= 3 && skip >= (u->count == 4 ? 0 : 2); --skip) {
+    // All but one of four; the first three of three.
+    const int left = u->count == 4 ? skip : 3;
+    const int i = left == 0 ? 1 : 0, j = left <= 1 ? 2 : 1, k = left <= 2 ? 3 : 2;
+    const real3 a = u->rest[i].normal, b = u->rest[j].normal, c = u->rest[k].normal;
+    const real3 bc = cross3(b, c), ca = cross3(c, a), ab = cross3(a, b);
+    const real det = dot3(a, bc);
+    if (!(det * det > K(0x1p-24f))) continue;
+    const real over = K(1) / det;
+    *push = mul3(over, fma3(dot3(a, u->rest[i].out), bc,
+                            fma3(dot3(b, u->rest[j].out), ca, mul3(dot3(c, u->rest[k].out), ab))));
+    const real v = over * dot3(*push, bc), w = over * dot3(*push, ca), x = over * dot3(*push, ab);
+    if (v > none && w > none && x > none && holds_rests(u, *push)) {
+      u->rest[i].weight = v;
+      u->rest[j].weight = w;
+      u->rest[k].weight = x;
+      return 1;
+    }
+  }
+  return 0;
+}
+
+FN void keep_pressed(union_search* u) {
+  int count = 0;
+  for (int i = 0; i < u->count; ++i) {
+    if (u->rest[i].weight > K(0)) u->rest[count++] = u->rest[i];
+  }
+  u->count = count;
+}
+
+// Moves the rests to the feet of the HIP moved by the push.
+FN void move_rests(surface_view view, hip_point h, union_search* u, track_options options) {
+  const hip_point x = moved_hip(h, u->push);
+  const known_minimum none = {NONE, K(0)};
+  for (int i = 0; i < u->count; ++i) {
+    const real weight = u->rest[i].weight;
+    const foot f = end_foot(view, x, begin_foot(view, x, u->rest[i].at, options), options, none);
+    u->iterations += f.iterations + 1;
+    u->rest[i] = rest_of(view, f, u->push, options);
+    u->rest[i].weight = weight;
+  }
+}
+
+// True if another part buries the contact on a seam: its rest is added.
+FN int is_seam_buried(surface_view view, hip_point h, union_search* u, track_options options) {
+  const int count = u->count;
+  const real3 outward = unit3(u->push);
+  for (int i = 0; i < count; ++i) {
+    if (join_burier(view, h, u->rest[i].at.patch, outward, u, options)) return 1;
+  }
+  return 0;
+}
+
+// From rests and a push to a contact point that no part buries. Along the seam of two parts the
+// step is the secant's, for there the planes know nothing of its curvature.
+FN_LARGE void settle(surface_view view, hip_point h, union_search* u, track_options options) {
+  const known_minimum none = {NONE, K(0)};
+  real last_slope = K(0), last_step = K(0);
+  u->state = UNION_LOST;
+  for (int i = 0; i < 40; ++i) {
+    const int before = u->count;
+    real3 push;
+    if (!shortest_push(u, &push)) return;
+    keep_pressed(u);
+    if (u->count != before) last_step = K(0);
+    if (u->count == 0) {
+      u->state = CONTACT_FREE;
+      return;
+    }
+    if (u->count == 1) {
+      u->only = end_foot(view, h, begin_foot(view, h, u->rest[0].at, options), options, none);
+      u->iterations += u->only.iterations + 1;
+      u->rest[0] = rest_of(view, u->only, make3(K(0), K(0), K(0)), options);
+      u->push = u->rest[0].out;
+      u->state = is_within(view, u->only) ? CONTACT_TOUCHING : CONTACT_FREE;
+      if (u->state == CONTACT_FREE ||
+          !join_burier(view, h, u->rest[0].at.patch, u->rest[0].normal, u, options))
+        return;
+      u->state = UNION_LOST;
+      last_step = K(0);
+      continue;
+    }
+    if (u->count == 2) {
+      const real3 along = unit3(cross3(u->rest[0].normal, u->rest[1].normal));
+      const real slope = dot3(along, u->push);
+      real bend = K(1);
+      if (last_step != K(0)) {
+        bend = fabs((slope - last_slope) / last_step);
+        bend = smaller(larger(bend, K(0.125f)), K(4));
+      }
+      last_slope = slope;
+      last_step = -slope / bend;
+      push = fma3(slope + last_step, along, push);
+    }
+    const real3 step = sub3(push, u->push);
+    u->push = push;
+    move_rests(view, h, u, options);
+    const real close =
+        larger(options.tolerance * numbers_of(view, u->rest[0].at.patch)[PATCH_UNSCALE],
+               K(16) * EPSILON * norm3(push));
+    if (norm3(step) > close) continue;
+    if (is_seam_buried(view, h, u, options)) {
+      last_step = K(0);
+      continue;
+    }
+    u->state = CONTACT_TOUCHING;
+    return;
+  }
+}
+
+// Touching; on a seam, that of the part pressed most.
+FN contact contact_of_union(surface_view view, hip_point h, union_search* u) {
+  contact c;
+  if (u->count == 1) {
+    c = contact_of_foot(view, u->only);
+  } else {
+    int most = 0;
+    for (int i = 1; i < u->count; ++i) {
+      if (u->rest[i].weight > u->rest[most].weight) most = i;
+    }
+    c.method = METHOD_GREGORY;
+    c.patch = u->rest[most].at.patch;
+    c.xi = u->rest[most].at.xi;
+    c.eta = u->rest[most].at.eta;
+    c.scp = u->rest[most].scp;
+    c.normal = unit3(u->push);
+    c.offset = c.push = u->push;
+    c.crossings = 0;
+    c.flags = FOOT_CONVERGED | FOOT_CREASE;
+    c.warm = 0;
+    c.held_count = 0;
+    for (int i = 0; i < u->count; ++i) {
+      if (i != most && c.held_count < 2) c.held[c.held_count++] = u->rest[i].at;
+    }
+  }
+  c.iterations = u->iterations;
+  c.state = CONTACT_TOUCHING;
+  return within_reach(h, c);
+}
+
+FN union_search start_union(contact c) {
+  union_search u;
+  u.count = 1;
+  u.iterations = c.iterations;
+  u.rest[0].at.patch = c.patch;
+  u.rest[0].at.xi = c.xi;
+  u.rest[0].at.eta = c.eta;
+  u.rest[0].scp = c.scp;
+  u.rest[0].normal = c.normal;
+  u.rest[0].out = u.push = c.offset;
+  u.rest[0].weight = K(1);
+  u.state = UNION_LOST;
+  return u;
+}
+
+// What is nearest on one patch, or on the seams there, for a HIP inside: from its point nearest to
+// the HIP on the base polygon.
+FN_LARGE void seek_on_patch(surface_view view, hip_point h, base_point base, real nearer2,
+                            union_search* u, track_options options) {
+  const foot first = begin_foot(view, h, start_on_base(view, base), options);
+  u->count = 1;
+  u->state = UNION_LOST;
+  if (is_exposed(view, base.patch)) {
+    foot none;
+    none.patch = NONE;
+    none.distance2 = K(0);
+    none.iterations = 0;
+    u->only = search_patch(view, h, first, options, none);
+    u->iterations += u->only.iterations;
+    u->rest[0] = rest_of(view, u->only, make3(K(0), K(0), K(0)), options);
+    u->push = u->rest[0].out;
+    if (u->only.distance2 < nearer2 &&
+        !join_burier(view, h, u->only.patch, u->rest[0].normal, u, options))
+      u->state = CONTACT_TOUCHING;
+    return;
+  }
+  u->rest[0] = rest_of(view, first, make3(K(0), K(0), K(0)), options);
+  u->push = u->rest[0].out;
+  join_burier(view, h, base.patch, u->rest[0].normal, u, options);
+  settle(view, h, u, options);
+}
+
+// The nearest point of the union, given that of all parts.
+FN_LARGE contact unite_nearest(surface_view view, hip_point h, contact c, track_options options) {
+  const real reach = fabs(h.high.x) + fabs(h.high.y) + fabs(h.high.z);
+  if (is_exposed(view, c.patch) || !(reach <= FAR_OUTSIDE)) return c;
+  union_search u = start_union(c);
+  if (!join_burier(view, h, c.patch, c.normal, &u, options)) return c;
+  if (c.state != CONTACT_TOUCHING && !is_in_partner(view, h, c.patch, options)) return c;
+  settle(view, h, &u, options);
+  union_search best = u;
+  real nearest2 = u.state == CONTACT_TOUCHING ? dot3(u.push, u.push) : K(0x1p126f);
+  walk w = start_walk(view);
+  for (uint p = next_patch(view, &w, h.high, nearest2); p != NONE;
+       p = next_patch(view, &w, h.high, nearest2)) {
+    if ((view.part[p] & PATCH_BURIED) || !(patch_box_distance2(view, h, p) < nearest2)) continue;
+    GLOBAL scalar* numbers = numbers_of(view, p);
+    const base_point b = base_point_on(view, h, p);
+    const real least = (sqrt(b.at.distance2) - numbers[PATCH_SAG]) * numbers[PATCH_UNSCALE];
+    if (least > K(0) && least * least >= nearest2) continue;
+    seek_on_patch(view, h, b, nearest2, &u, options);
+    const real distance2 = dot3(u.push, u.push);
+    if (u.state == CONTACT_TOUCHING && distance2 < nearest2) {
+      best = u;
+      nearest2 = distance2;
+    }
+  }
+  best.iterations = u.iterations;
+  if (best.state == CONTACT_TOUCHING) return contact_of_union(view, h, &best);
+  c.state = CONTACT_TOUCHING;
+  c.flags &= ~FOOT_CONVERGED;
+  c.iterations = u.iterations;
+  return c;
+}
+
+FN_LARGE contact search_union(surface_view view, hip_point h, int iterations,
+                              track_options options) {
+  near_patches near;
+  const base_point base = nearest_base(view, h, 1, &near);
+  contact c = nearest_contact(view, h, base, &near, METHOD_GREGORY, options);
+  c.iterations += iterations;
+  return c;
+}
+
+// The contact that was on a seam.
+FN_LARGE contact follow_seam(surface_view view, hip_point h, contact last, track_options options) {
+  union_search u;
+  u.count = 0;
+  u.iterations = 0;
+  for (int i = 0; i <= last.held_count; ++i) {
+    const domain_point own = {last.patch, last.xi, last.eta};
+    const domain_point at = i == 0 ? own : last.held[i - 1];
+    const foot f = start_foot(view, h, at.patch, at.xi, at.eta);
+    u.rest[u.count++] = rest_of(view, f, make3(K(0), K(0), K(0)), options);
+  }
+  u.push = u.rest[0].out;
+  settle(view, h, &u, options);
+  return u.state == CONTACT_TOUCHING ? contact_of_union(view, h, &u)
+                                     : search_union(view, h, u.iterations, options);
+}
+
+// From a part that the HIP has left within another: on from above the HIP, where the contact was.
+FN_LARGE contact hand_over(surface_view view, hip_point h, contact last, contact c,
+                           track_options options) {
+  if (!is_in_partner(view, h, last.patch, options)) return c;
+  const foot f = start_foot(view, h, last.patch, last.xi, last.eta);
+  const union_rest left = rest_of(view, f, make3(K(0), K(0), K(0)), options);
+  const real height = larger(dot3(left.normal, left.out), K(0));
+  union_search u = start_union(c);
+  u.push = mul3(height, left.normal);
+  const hip_point x = moved_hip(h, u.push);
+  GLOBAL uint* table = view.part_table + PART_UINTS * (ulong)part_of(view, last.patch);
+  for (uint i = table[PART_PARTNERS]; i < table[PART_PARTNERS_END]; ++i) {
+    const uint part = view.partner[i];
+    if (!in_part_box(view, h, part)) continue;
+    const foot on = nearest_on_part(view, x, part, options);
+    u.rest[0] = rest_of(view, on, u.push, options);
+    u.count = 1;
+    if (!(dot3(u.rest[0].normal, u.rest[0].out) > K(0))) continue;
+    settle(view, h, &u, options);
+    if (u.state == CONTACT_TOUCHING) return contact_of_union(view, h, &u);
+  }
+  return search_union(view, h, u.iterations, options);
+}
+
+// The contact that followed `last` to c on its own part.
+FN_LARGE contact unite_tracked(surface_view view, hip_point h, contact last, contact c,
+                               track_options options) {
+  const real reach = fabs(h.high.x) + fabs(h.high.y) + fabs(h.high.z);
+  if (!(reach <= FAR_OUTSIDE)) return c;
+  if (last.held_count > 0) return follow_seam(view, h, last, options);
+  if (is_exposed(view, c.patch)) return c;
+  if (c.state != CONTACT_TOUCHING) return hand_over(view, h, last, c, options);
+  union_search u = start_union(c);
+  if (!join_burier(view, h, c.patch, c.normal, &u, options)) return c;
+  settle(view, h, &u, options);
+  return u.state == CONTACT_TOUCHING ? contact_of_union(view, h, &u)
+                                     : search_union(view, h, u.iterations, options);
+}

@@ -1,0 +1,204 @@
+// Parts that overlap or touch are a union of solids: inside one is inside, the contact lies on the
+// union's surface, and on a seam it rests against two or three parts at once.
+#include "host/engine.h"
+#include "host/opencl.h"
+#include "tests/extremes.h"
+#include "tests/union_oracle.h"
+
+namespace gliss {
+namespace {
+
+using oracle::Rng, oracle::uniform;
+
+constexpr double kRadius = 10;
+
+std::vector<Mesh> two_spheres(double overlap) {
+  const Mesh sphere = goldberg(4, kRadius).mesh;
+  return {sphere, test::moved(sphere, Vec3(2 * kRadius - overlap, 0, 0))};
+}
+
+// Where three spheres meet there are corners.
+std::vector<Mesh> three_spheres() {
+  const Mesh sphere = goldberg(4, kRadius).mesh;
+  return {sphere, test::moved(sphere, Vec3(15, 0.4, 0.3)), test::moved(sphere, Vec3(7.3, 13.2, 1))};
+}
+
+std::vector<Mesh> linked_tori() {
+  Mesh other = torus().mesh;
+  for (auto* vectors : {&other.positions, &other.normals}) {
+    for (Vec3& v : *vectors) v = Vec3(v.x(), -v.z(), v.y());
+  }
+  return {torus().mesh, test::moved(other, Vec3(33, 4, 3))};
+}
+
+std::vector<Mesh> crossing_plates() {
+  Mesh other = thin_plate(8, 8, 20, 4).mesh;
+  for (auto* vectors : {&other.positions, &other.normals}) {
+    for (Vec3& v : *vectors) v = Vec3(v.x(), -v.z(), v.y());
+  }
+  return {thin_plate(8, 8, 30, 6).mesh, test::moved(other, Vec3(1, 2, 5))};
+}
+
+struct Scene {
+  const char* name;
+  std::vector<Mesh> parts;
+};
+std::vector<Scene> scenes() {
+  return {{"spheres 0.1", two_spheres(0.1)},  {"spheres 0.5", two_spheres(0.5)},
+          {"spheres 1", two_spheres(1)},      {"spheres 5", two_spheres(5)},
+          {"three spheres", three_spheres()}, {"tori", linked_tori()},
+          {"plates", crossing_plates()}};
+}
+
+// Near the surface of the union, within `reach` of a random point of it.
+std::vector<Vec3> hips_near(const PatchCache& cache, double reach, int count, unsigned seed) {
+  Rng rng(seed);
+  std::vector<Vec3> hips;
+  while (static_cast<int>(hips.size()) < count) {
+    const auto face = static_cast<std::uint32_t>(rng() % cache.mesh_face_count);
+    const int n = static_cast<int>(cache.face_valence[face]);
+    const Vec3 x = test::at(cache, face, oracle::random_inside<double>(rng, n)).position;
+    hips.push_back(x + uniform(rng, 0, reach) * oracle::random_unit(rng));
+  }
+  return hips;
+}
+
+double size_of(const PatchCache& cache) {
+  const Box box = cache.bounds();
+  return (box.high - box.low).maxCoeff();
+}
+
+TEST(Union, of_parts_knows_what_is_inside) {
+  for (const auto& [name, parts] : scenes()) {
+    const PatchCache cache = test::cache_of(test::with_normals(test::joined(parts)));
+    const test::UnionOracle truth(parts, 1);
+    int wrong = 0, inside = 0, judged = 0;
+    const int count = static_cast<int>(test::samples(1500, 100'000));
+    for (const Vec3& hip : hips_near(cache, 0.1 * size_of(cache), count, 1)) {
+      if (truth.off_surface(hip) < 1e-6 * size_of(cache)) continue;
+      const bool is_inside = truth.depth(hip) > 0;
+      ++judged;
+      inside += is_inside;
+      wrong += nearest(cache, hip).touching != is_inside;
+    }
+    test::record(name, "{} of {} signs wrong, {} inside", wrong, judged, inside);
+    EXPECT_EQ(wrong, 0) << name;
+    EXPECT_GT(inside, count / 5) << name;
+  }
+}
+
+TEST(Union, has_contacts_on_its_surface_that_are_nearest) {
+  for (const auto& [name, parts] : scenes()) {
+    const PatchCache cache = test::cache_of(test::with_normals(test::joined(parts)));
+    const test::UnionOracle truth(parts, 10);
+    const double size = size_of(cache);
+    int touching = 0, seams = 0, far = 0, lost = 0;
+    test::Worst off, deep, longer;
+    for (const Vec3& hip :
+         hips_near(cache, 0.15 * size, static_cast<int>(test::samples(400, 20'000)), 2)) {
+      const Contact contact = nearest(cache, hip);
+      if (!contact.touching) continue;
+      ++touching;
+      const bool seam = (contact.flags & kOnCrease) != 0;
+      seams += seam;
+      lost += (contact.flags & kConverged) == 0;
+      off.add(truth.off_surface(contact.scp) / size);
+      deep.add(std::max(0.0, truth.depth(contact.scp)) / size);
+      const double more = contact.push.norm() - truth.to_samples(hip);
+      longer.add(more / size);
+      far += more > 1e-9 * size;
+    }
+    test::record(
+        name,
+        "{} touching, {} on seams, {} not converged; off the surface {:.1g}, beneath it {:.1g}; "
+        "{} farther than a sample, by {:.1g}",
+        touching, seams, lost, off.value, deep.value, far, longer.value);
+    EXPECT_GT(touching, 0) << name;
+    EXPECT_EQ(lost, 0) << name;
+    EXPECT_LE(off.value, 1e-8) << name;
+    EXPECT_LE(deep.value, 1e-8) << name;
+    EXPECT_EQ(far, 0) << name;
+  }
+}
+
+// 0.5 mm beneath the first sphere, through the seam, on beneath its buried side.
+TEST(Union, is_felt_all_along_a_path_through_a_seam) {
+  for (const double overlap : {0.1, 0.5, 1.0, 5.0}) {
+    const PatchCache cache = test::cache_of(test::with_normals(test::joined(two_spheres(overlap))));
+    for (const Method method : {Method::kGregory}) {
+      QueryOptions options;
+      options.method = method;
+      ContactTracker tracker(cache, options);
+      constexpr int kTicks = 4000;
+      double largest = 0, step = 0;
+      int free = 0, seams = 0;
+      Contact last;
+      Vec3 before = Vec3::Zero();
+      for (int i = 0; i <= kTicks; ++i) {
+        const double angle = std::numbers::pi * (0.6 - 1.2 * i / kTicks);
+        const double r = i < 200 ? 10.5 - i / 200.0 : 9.5;
+        const Vec3 hip = r * Vec3(std::cos(angle), std::sin(angle), 0.03);
+        const Contact contact = tracker.tick(hip);
+        free += i > 250 && !contact.touching;
+        seams += (contact.flags & kOnCrease) != 0;
+        if (i > 250) {
+          largest = std::max(largest, (contact.push - last.push).norm() / (hip - before).norm());
+          step = std::max(step, contact.push.norm());
+          EXPECT_LT(std::abs((contact.scp - hip).norm() - contact.push.norm()), 1e-9);
+        }
+        last = contact;
+        before = hip;
+      }
+      test::record(fmt::format("overlap {}", overlap),
+                   "{} free ticks, {} on the seam, largest step {:.3f} |dx|, deepest {:.2f} mm",
+                   free, seams, largest, step);
+      EXPECT_EQ(free, 0) << overlap;
+      EXPECT_GT(seams, 10) << overlap;
+      EXPECT_LE(largest, 2) << overlap;
+    }
+  }
+}
+
+TEST(Union, costs_nothing_where_parts_do_not_meet) {
+  const auto part_arrays = [](const PatchCache& cache) {
+    const auto& s = std::get<Surface<double>>(cache.surface);
+    return s.part.size() + s.part_table.size() + s.partner.size() + s.part_box.size();
+  };
+  EXPECT_EQ(part_arrays(test::cache_of(torus_knot().mesh)), 0u);
+  EXPECT_EQ(part_arrays(test::cache_of(test::joined(two_spheres(-0.2)))), 0u);
+  EXPECT_GT(part_arrays(test::cache_of(test::joined(two_spheres(0.2)))), 0u);
+  const Mesh sphere = goldberg(4, 10).mesh;
+  EXPECT_GT(part_arrays(test::cache_of(test::joined({sphere, goldberg(2, 3).mesh}))), 0u);
+  EXPECT_EQ(part_arrays(test::cache_of(
+                test::joined({sphere, test::moved(goldberg(2, 3).mesh, Vec3(12, 12, 0))}))),
+            0u);
+}
+
+TEST(Union, gives_the_same_bytes_on_opencl) {
+  const auto serial = make_serial_engine();
+  OpenClOptions on_device;
+  on_device.smallest_batch = 0;
+  std::unique_ptr<Engine> opencl;
+  try {
+    opencl = make_opencl_engine(on_device);
+  } catch (const DeviceError& e) {
+    GTEST_SKIP() << "skipped: " << e.what();
+  }
+  for (const Precision precision : {Precision::kFloat, Precision::kDouble}) {
+    const PatchCache cache =
+        test::cache_of(test::with_normals(test::joined(three_spheres())), precision);
+    const std::vector<Vec3> hips = hips_near(cache, 3, 600, 3);
+    std::vector<Contact> want(hips.size()), got(hips.size());
+    serial->reside(cache)->project(hips, {}, want);
+    opencl->reside(cache)->project(hips, {}, got);
+    EXPECT_GT(opencl->device_seconds(), 0);
+    int different = 0;
+    for (std::size_t i = 0; i < hips.size(); ++i)
+      different += want[i].scp != got[i].scp || want[i].push != got[i].push ||
+                   want[i].touching != got[i].touching || want[i].iterations != got[i].iterations;
+    EXPECT_EQ(different, 0);
+  }
+}
+
+}  // namespace
+}  // namespace gliss
