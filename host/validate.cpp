@@ -41,6 +41,10 @@
 //   unused-vertices       vertices that no face uses; kept
 //   coincident-vertices   vertices at the place of another one (unwelded seams)
 //   several-parts         parts that share no edge; the count is that of the parts
+//   parts-intersect       a closed part and another one intersect or touch; the count is that of
+//   the
+//                         pairs. Contact takes closed parts as a union of solids
+//   part-inside-part      parts that lie within closed ones; the count is that of the parts
 //   no-volume             closed parts that enclose nothing, such as a face and its reverse
 //   open-border           sides without a face beyond
 //   concave               faces with a reflex corner, or that cross themselves
@@ -129,6 +133,7 @@ void validate(Mesh& mesh, const LoadOptions& options, Report& report) {
   report.stop_on_error();
   repair_normals(mesh, report);
   warn_of_shapes(mesh, report);
+  warn_of_parts(mesh, report);
 }
 
 void validate(Mesh& mesh, const LoadOptions& options, std::vector<Finding>* findings) {

@@ -31,4 +31,7 @@ void repair_normals(Mesh& mesh, Report& report);
 void warn_of_vertices(const Mesh& mesh, Report& report);
 void warn_of_shapes(const Mesh& mesh, Report& report);
 
+// Closed parts that meet other parts or hold them.
+void warn_of_parts(const Mesh& mesh, Report& report);
+
 }  // namespace gliss

@@ -185,6 +185,8 @@ TEST_F(BadMesh, every_code_that_a_file_can_give_is_among_them) {
                            "unused-vertices",
                            "coincident-vertices",
                            "several-parts",
+                           "parts-intersect",
+                           "part-inside-part",
                            "no-volume",
                            "open-border",
                            "concave",
