@@ -14,6 +14,7 @@ typedef struct {
 } union_rest;
 
 #define UNION_RESTS 4
+#define UNION_STEPS 48  // at most, to settle
 typedef struct {
   int count, iterations;
   union_rest rest[UNION_RESTS];
@@ -198,12 +199,28 @@ FN_LARGE int shortest_push(union_search* u, real3* push) {
   return 0;
 }
 
+FN int count_pressed(const union_search* u) {
+  int count = 0;
+  for (int i = 0; i < u->count; ++i) count += u->rest[i].weight > K(0);
+  return count;
+}
 FN void keep_pressed(union_search* u) {
   int count = 0;
   for (int i = 0; i < u->count; ++i) {
     if (u->rest[i].weight > K(0)) u->rest[count++] = u->rest[i];
   }
   u->count = count;
+}
+
+// Along the seam of the two that are pressed.
+FN real3 along_seam(const union_search* u) {
+  int first = -1, second = -1;
+  for (int i = 0; i < u->count; ++i) {
+    if (!(u->rest[i].weight > K(0))) continue;
+    if (first < 0) first = i;
+    second = i;
+  }
+  return unit3(cross3(u->rest[first].normal, u->rest[second].normal));
 }
 
 // Moves the rests to the feet of the HIP moved by the push.
@@ -221,53 +238,65 @@ FN void move_rests(surface_view view, hip_point h, union_search* u, track_option
 
 // True if another part buries the contact on a seam: its rest is added.
 FN int is_seam_buried(surface_view view, hip_point h, union_search* u, track_options options) {
+  if (u->count == UNION_RESTS) keep_pressed(u);
   const int count = u->count;
   const real3 outward = unit3(u->push);
   for (int i = 0; i < count; ++i) {
-    if (join_burier(view, h, u->rest[i].at.patch, outward, u, options)) return 1;
+    if (u->rest[i].weight > K(0) && join_burier(view, h, u->rest[i].at.patch, outward, u, options))
+      return 1;
   }
+  return 0;
+}
+
+// With one part pressed the contact is the HIP's own foot on it. False if another part buries that:
+// its rest is added.
+FN int settle_on_one(surface_view view, hip_point h, union_search* u, track_options options) {
+  const known_minimum none = {NONE, K(0)};
+  keep_pressed(u);
+  u->only = end_foot(view, h, begin_foot(view, h, u->rest[0].at, options), options, none);
+  u->iterations += u->only.iterations + 1;
+  u->rest[0] = rest_of(view, u->only, make3(K(0), K(0), K(0)), options);
+  u->push = u->rest[0].out;
+  u->state = is_within(view, u->only) ? CONTACT_TOUCHING : CONTACT_FREE;
+  if (u->state == CONTACT_FREE ||
+      !join_burier(view, h, u->rest[0].at.patch, u->rest[0].normal, u, options))
+    return 1;
+  u->state = UNION_LOST;
   return 0;
 }
 
 // From rests and a push to a contact point that no part buries. Along the seam of two parts the
 // step is the secant's, for there the planes know nothing of its curvature.
 FN_LARGE void settle(surface_view view, hip_point h, union_search* u, track_options options) {
-  const known_minimum none = {NONE, K(0)};
   real last_slope = K(0), last_step = K(0);
+  int last_pressed = 0;
   u->state = UNION_LOST;
-  for (int i = 0; i < 40; ++i) {
-    const int before = u->count;
+  for (int i = 0; i < UNION_STEPS; ++i) {
     real3 push;
     if (!shortest_push(u, &push)) return;
-    keep_pressed(u);
-    if (u->count != before) last_step = K(0);
-    if (u->count == 0) {
+    const int pressed = count_pressed(u);
+    if (pressed != last_pressed) last_step = K(0);
+    last_pressed = pressed;
+    if (pressed == 0) {
       u->state = CONTACT_FREE;
       return;
     }
-    if (u->count == 1) {
-      u->only = end_foot(view, h, begin_foot(view, h, u->rest[0].at, options), options, none);
-      u->iterations += u->only.iterations + 1;
-      u->rest[0] = rest_of(view, u->only, make3(K(0), K(0), K(0)), options);
-      u->push = u->rest[0].out;
-      u->state = is_within(view, u->only) ? CONTACT_TOUCHING : CONTACT_FREE;
-      if (u->state == CONTACT_FREE ||
-          !join_burier(view, h, u->rest[0].at.patch, u->rest[0].normal, u, options))
-        return;
-      u->state = UNION_LOST;
-      last_step = K(0);
+    if (pressed == 1) {
+      if (settle_on_one(view, h, u, options)) return;
       continue;
     }
-    if (u->count == 2) {
-      const real3 along = unit3(cross3(u->rest[0].normal, u->rest[1].normal));
+    if (pressed == 2) {
+      const real3 along = along_seam(u);
       const real slope = dot3(along, u->push);
       real bend = K(1);
       if (last_step != K(0)) {
         bend = fabs((slope - last_slope) / last_step);
         bend = smaller(larger(bend, K(0.125f)), K(4));
       }
+      // A patch away the seam is another.
+      const real most = numbers_of(view, u->rest[0].at.patch)[PATCH_UNSCALE] / K(2);
       last_slope = slope;
-      last_step = -slope / bend;
+      last_step = smaller(larger(-slope / bend, -most), most);
       push = fma3(slope + last_step, along, push);
     }
     const real3 step = sub3(push, u->push);
@@ -278,9 +307,10 @@ FN_LARGE void settle(surface_view view, hip_point h, union_search* u, track_opti
                K(16) * EPSILON * norm3(push));
     if (norm3(step) > close) continue;
     if (is_seam_buried(view, h, u, options)) {
-      last_step = K(0);
+      last_pressed = 0;
       continue;
     }
+    keep_pressed(u);
     u->state = CONTACT_TOUCHING;
     return;
   }

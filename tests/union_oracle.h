@@ -64,9 +64,10 @@ inline std::vector<Mesh> parts_of(const Mesh& mesh) {
 
 class UnionOracle {
  public:
-  // Samples each face at the middles of a grid of cells x cells for each of its corners.
-  explicit UnionOracle(const std::vector<Mesh>& parts, int resolution = 8) {
+  // With so many samples along each side of a face; 0: none.
+  explicit UnionOracle(const std::vector<Mesh>& parts, int resolution) {
     for (const Mesh& mesh : parts) parts_.push_back(cache_of(with_normals(mesh)));
+    if (resolution == 0) return;
     for (std::size_t part = 0; part < parts_.size(); ++part) {
       const PatchCache& cache = parts_[part];
       for (std::uint32_t face = 0; face < cache.mesh_face_count; ++face) {
