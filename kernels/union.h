@@ -109,13 +109,15 @@ FN union_rest rest_of(surface_view view, foot f, real3 push, track_options optio
 }
 
 // Adds the rest on a solid part that buries the contact point, as seen from a patch that it lies
-// on with an outward direction there; false where there is none.
+// on with an outward direction there; false where there is none. What does not bury it is added
+// too where asked for: the nearest such part.
 FN_LARGE int join_burier(surface_view view, hip_point h, uint patch, real3 outward, union_search* u,
-                         track_options options) {
+                         int adds_nearest, track_options options) {
   if (is_exposed(view, patch) || u->count == UNION_RESTS) return 0;
   const real3 push = fma3(UNION_GAP, outward, u->push);
   const hip_point x = moved_hip(h, push);
   GLOBAL uint* table = view.part_table + PART_UINTS * (ulong)part_of(view, patch);
+  real nearest2 = -K(1);
   for (uint i = table[PART_PARTNERS]; i < table[PART_PARTNERS_END]; ++i) {
     const uint part = view.partner[i];
     int is_held = !in_part_box(view, x, part);
@@ -124,10 +126,16 @@ FN_LARGE int join_burier(surface_view view, hip_point h, uint patch, real3 outwa
     if (is_held) continue;
     const foot f = nearest_on_part(view, x, part, options);
     u->iterations += f.iterations;
-    if (!is_within(view, f)) continue;
-    u->rest[u->count++] = rest_of(view, f, push, options);
-    return 1;
+    if (is_within(view, f)) {
+      u->rest[u->count++] = rest_of(view, f, push, options);
+      return 1;
+    }
+    if (adds_nearest && (nearest2 < K(0) || f.distance2 < nearest2)) {
+      nearest2 = f.distance2;
+      u->rest[u->count] = rest_of(view, f, push, options);
+    }
   }
+  if (nearest2 >= K(0)) ++u->count;
   return 0;
 }
 
@@ -242,7 +250,8 @@ FN int is_seam_buried(surface_view view, hip_point h, union_search* u, track_opt
   const int count = u->count;
   const real3 outward = unit3(u->push);
   for (int i = 0; i < count; ++i) {
-    if (u->rest[i].weight > K(0) && join_burier(view, h, u->rest[i].at.patch, outward, u, options))
+    if (u->rest[i].weight > K(0) &&
+        join_burier(view, h, u->rest[i].at.patch, outward, u, 0, options))
       return 1;
   }
   return 0;
@@ -259,7 +268,7 @@ FN int settle_on_one(surface_view view, hip_point h, union_search* u, track_opti
   u->push = u->rest[0].out;
   u->state = is_within(view, u->only) ? CONTACT_TOUCHING : CONTACT_FREE;
   if (u->state == CONTACT_FREE ||
-      !join_burier(view, h, u->rest[0].at.patch, u->rest[0].normal, u, options))
+      !join_burier(view, h, u->rest[0].at.patch, u->rest[0].normal, u, 0, options))
     return 1;
   u->state = UNION_LOST;
   return 0;
@@ -285,6 +294,8 @@ FN_LARGE void settle(surface_view view, hip_point h, union_search* u, track_opti
       if (settle_on_one(view, h, u, options)) return;
       continue;
     }
+    // A patch away the surfaces are others, and the seam.
+    const real most = numbers_of(view, u->rest[0].at.patch)[PATCH_UNSCALE];
     if (pressed == 2) {
       const real3 along = along_seam(u);
       const real slope = dot3(along, u->push);
@@ -293,19 +304,23 @@ FN_LARGE void settle(surface_view view, hip_point h, union_search* u, track_opti
         bend = fabs((slope - last_slope) / last_step);
         bend = smaller(larger(bend, K(0.125f)), K(4));
       }
-      // A patch away the seam is another.
-      const real most = numbers_of(view, u->rest[0].at.patch)[PATCH_UNSCALE] / K(2);
       last_slope = slope;
-      last_step = smaller(larger(-slope / bend, -most), most);
+      last_step = smaller(larger(-slope / bend, -most / K(2)), most / K(2));
       push = fma3(slope + last_step, along, push);
     }
-    const real3 step = sub3(push, u->push);
+    real3 step = sub3(push, u->push);
+    const real length = norm3(step);
+    if (length > most) {
+      step = mul3(most / length, step);
+      push = add3(u->push, step);
+      last_step = K(0);
+    }
     u->push = push;
     move_rests(view, h, u, options);
     const real close =
         larger(options.tolerance * numbers_of(view, u->rest[0].at.patch)[PATCH_UNSCALE],
                K(16) * EPSILON * norm3(push));
-    if (norm3(step) > close) continue;
+    if (length > close) continue;
     if (is_seam_buried(view, h, u, options)) {
       last_pressed = 0;
       continue;
@@ -378,13 +393,13 @@ FN_LARGE void seek_on_patch(surface_view view, hip_point h, base_point base, rea
     u->rest[0] = rest_of(view, u->only, make3(K(0), K(0), K(0)), options);
     u->push = u->rest[0].out;
     if (u->only.distance2 < nearer2 &&
-        !join_burier(view, h, u->only.patch, u->rest[0].normal, u, options))
+        !join_burier(view, h, u->only.patch, u->rest[0].normal, u, 0, options))
       u->state = CONTACT_TOUCHING;
     return;
   }
   u->rest[0] = rest_of(view, first, make3(K(0), K(0), K(0)), options);
   u->push = u->rest[0].out;
-  join_burier(view, h, base.patch, u->rest[0].normal, u, options);
+  join_burier(view, h, base.patch, u->rest[0].normal, u, 1, options);
   settle(view, h, u, options);
 }
 
@@ -393,7 +408,7 @@ FN_LARGE contact unite_nearest(surface_view view, hip_point h, contact c, track_
   const real reach = fabs(h.high.x) + fabs(h.high.y) + fabs(h.high.z);
   if (is_exposed(view, c.patch) || !(reach <= FAR_OUTSIDE)) return c;
   union_search u = start_union(c);
-  if (!join_burier(view, h, c.patch, c.normal, &u, options)) return c;
+  if (!join_burier(view, h, c.patch, c.normal, &u, 0, options)) return c;
   if (c.state != CONTACT_TOUCHING && !is_in_partner(view, h, c.patch, options)) return c;
   settle(view, h, &u, options);
   union_search best = u;
@@ -480,7 +495,7 @@ FN_LARGE contact unite_tracked(surface_view view, hip_point h, contact last, con
   if (is_exposed(view, c.patch)) return c;
   if (c.state != CONTACT_TOUCHING) return hand_over(view, h, last, c, options);
   union_search u = start_union(c);
-  if (!join_burier(view, h, c.patch, c.normal, &u, options)) return c;
+  if (!join_burier(view, h, c.patch, c.normal, &u, 0, options)) return c;
   settle(view, h, &u, options);
   return u.state == CONTACT_TOUCHING ? contact_of_union(view, h, &u)
                                      : search_union(view, h, u.iterations, options);
