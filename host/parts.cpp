@@ -121,6 +121,42 @@ class PartFinder {
     unique_pairs_ = pairs_.size();
   }
 
+  struct OrientedBox {
+    Eigen::Matrix3d axes;  // columns, unit
+    Vec3 centre, half;
+  };
+  // Of a patch and its base polygon, mesh frame.
+  OrientedBox oriented_box(std::uint32_t patch) const {
+    const Real* numbers = &s_.patch[patch * kPatchReals];
+    const auto triple = [&](std::size_t at) {
+      return Vec3(numbers[at], numbers[at + 1], numbers[at + 2]);
+    };
+    const double unscale = static_cast<double>(numbers[kPatchUnscale]),
+                 slack = 8 * std::numeric_limits<Real>::epsilon();
+    const Vec3 normal = triple(kPatchNormal), tangent = triple(kPatchTangent),
+               low = triple(kPatchLow), high = triple(kPatchHigh);
+    OrientedBox box;
+    box.axes << tangent, normal.cross(tangent), normal;
+    box.centre = triple(kPatchOrigin) + unscale * (box.axes * (0.5 * (low + high)));
+    box.half = 0.5 * unscale * (high - low) + Vec3::Constant(slack);
+    return box;
+  }
+  // True unless a plane along faces of one of them, or along an edge of each, parts them.
+  static bool overlap_oriented(const OrientedBox& a, const OrientedBox& b) {
+    const Vec3 apart = b.centre - a.centre;
+    const auto parts = [&](const Vec3& axis) {
+      return std::abs(axis.dot(apart)) > (a.axes.transpose() * axis).cwiseAbs().dot(a.half) +
+                                             (b.axes.transpose() * axis).cwiseAbs().dot(b.half);
+    };
+    for (int i = 0; i < 3; ++i) {
+      if (parts(a.axes.col(i)) || parts(b.axes.col(i))) return false;
+      for (int k = 0; k < 3; ++k) {
+        if (parts(a.axes.col(i).cross(b.axes.col(k)))) return false;
+      }
+    }
+    return true;
+  }
+
   // The patches whose boxes overlap those of a solid part.
   void find_mixed() {
     mixed_.assign(boxes_.size(), 0);
@@ -132,6 +168,7 @@ class PartFinder {
     Overlaps<Real>(s_.node, s_.child, part_)
         .for_each([&](std::uint32_t a, std::uint32_t b) { return !solid_[a] && !solid_[b]; },
                   [&](std::uint32_t a, std::uint32_t b) {
+                    if (!overlap_oriented(oriented_box(a), oriented_box(b))) return;
                     mix(a, b);
                     mix(b, a);
                   });

@@ -399,7 +399,13 @@ FN_LARGE void seek_on_patch(surface_view view, hip_point h, base_point base, rea
   }
   u->rest[0] = rest_of(view, first, make3(K(0), K(0), K(0)), options);
   u->push = u->rest[0].out;
-  join_burier(view, h, base.patch, u->rest[0].normal, u, 1, options);
+  if (join_burier(view, h, base.patch, u->rest[0].normal, u, 1, options)) {
+    // So deep that all of the patch is.
+    GLOBAL scalar* numbers = numbers_of(view, base.patch);
+    const real size =
+        numbers[PATCH_UNSCALE] * norm3(sub3(load3(numbers, PATCH_HIGH), load3(numbers, PATCH_LOW)));
+    if (norm3(sub3(u->rest[u->count - 1].out, u->push)) > size) return;
+  }
   settle(view, h, u, options);
 }
 

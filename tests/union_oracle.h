@@ -80,18 +80,14 @@ class UnionOracle {
     }
   }
 
-  // How deep a point lies in the parts, at most; negative outside.
+  // How deep a point lies in the parts but one, at most; negative outside, where it may be nearer
+  // to them than this says.
   double depth(const Vec3& x, std::size_t but = ~std::size_t{0}) const {
     double most = -std::numeric_limits<double>::infinity();
     for (std::size_t part = 0; part < parts_.size(); ++part) {
       if (part == but) continue;
-      const Box box = parts_[part].bounds();
-      const Vec3 beyond = (box.low - x).cwiseMax(x - box.high);
-      if (beyond.maxCoeff() > 0.5 * (box.high - box.low).maxCoeff()) {
-        most = std::max(most, -0.5 * beyond.maxCoeff());  // far outside
-        continue;
-      }
-      most = std::max(most, -nearest(parts_[part], x).distance);
+      const double beyond = beyond_box(part, x);
+      most = std::max(most, beyond > 0 ? -beyond : -nearest(parts_[part], x).distance);
     }
     return most;
   }
@@ -99,8 +95,10 @@ class UnionOracle {
   // How far a point is from the nearest surface of any part.
   double off_surface(const Vec3& x) const {
     double least = std::numeric_limits<double>::infinity();
-    for (const PatchCache& part : parts_)
-      least = std::min(least, std::abs(nearest(part, x).distance));
+    for (std::size_t part = 0; part < parts_.size(); ++part) {
+      if (beyond_box(part, x) < least)
+        least = std::min(least, std::abs(nearest(parts_[part], x).distance));
+    }
     return least;
   }
 
@@ -112,31 +110,55 @@ class UnionOracle {
   }
 
  private:
+  // From the box of a part, larger than it by a tenth, since patches bulge beyond their corners.
+  double beyond_box(std::size_t part, const Vec3& x) const {
+    const Box box = parts_[part].bounds();
+    const Vec3 margin = 0.1 * (box.high - box.low);
+    return (box.low - margin - x).cwiseMax(x - box.high - margin).cwiseMax(0.0).norm();
+  }
+
   std::vector<PatchCache> parts_;
   std::vector<Vec3> exposed_;
 };
 
-// Winding numbers by solid angles over triangles (van Oosterom and Strackee 1983).
+// How often fine triangulations of the parts go round a point, by solid angles (van Oosterom and
+// Strackee 1983).
 class Winding {
  public:
-  explicit Winding(const Mesh& triangles) : mesh_(triangles) {}
+  Winding(const std::vector<Mesh>& parts, std::uint32_t cells) {
+    for (const Mesh& part : parts) {
+      const Mesh mesh = with_normals(part);
+      const Mesh fine = tessellate(mesh, cache_of(mesh), cells);
+      Part p{{}, fine.positions.front(), fine.positions.front()};
+      for (const std::uint32_t v : fine.corner_vertex) {
+        p.corner.push_back(fine.positions[v]);
+        p.low = p.low.cwiseMin(p.corner.back());
+        p.high = p.high.cwiseMax(p.corner.back());
+      }
+      parts_.push_back(std::move(p));
+    }
+  }
 
   double at(const Vec3& x) const {
     double angle = 0;
-    for (std::size_t f = 0; f < mesh_.face_count(); ++f) {
-      Vec3 t[3];
-      for (std::size_t k = 0; k < 3; ++k)
-        t[k] = mesh_.positions[mesh_.corner_vertex[mesh_.face_begin[f] + k]] - x;
-      const double a = t[0].norm(), b = t[1].norm(), c = t[2].norm();
-      angle +=
-          2 * std::atan2(t[0].dot(t[1].cross(t[2])),
-                         a * b * c + t[0].dot(t[1]) * c + t[1].dot(t[2]) * a + t[2].dot(t[0]) * b);
+    for (const Part& part : parts_) {
+      if ((part.low - x).cwiseMax(x - part.high).maxCoeff() > 0) continue;
+      for (std::size_t t = 0; t < part.corner.size(); t += 3) {
+        const Vec3 p = part.corner[t] - x, q = part.corner[t + 1] - x, r = part.corner[t + 2] - x;
+        const double a = p.norm(), b = q.norm(), c = r.norm();
+        angle += 2 * std::atan2(p.dot(q.cross(r)),
+                                a * b * c + p.dot(q) * c + q.dot(r) * a + r.dot(p) * b);
+      }
     }
     return angle / (4 * std::numbers::pi);
   }
 
  private:
-  Mesh mesh_;
+  struct Part {
+    std::vector<Vec3> corner;  // of triangles
+    Vec3 low, high;
+  };
+  std::vector<Part> parts_;
 };
 
 }  // namespace gliss::test
