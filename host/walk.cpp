@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 
+#include "host/contact_tracker.h"
 #include "host/triangulate.h"
 
 namespace gliss {

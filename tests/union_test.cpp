@@ -1,5 +1,6 @@
 // Parts that overlap or touch are a union of solids: inside one is inside, the contact lies on the
 // union's surface, and on a seam it rests against two or three parts at once.
+#include "host/contact_tracker.h"
 #include "host/engine.h"
 #include "host/opencl.h"
 #include "tests/extremes.h"

@@ -3,6 +3,7 @@
 
 #include <numbers>
 
+#include "host/contact_tracker.h"
 #include "host/engine.h"
 #include "host/generate.h"
 #include "host/tessellate.h"
@@ -14,9 +15,6 @@ namespace gliss {
 namespace {
 
 using test::CrossingOracle;
-
-// True: a contact that is lost by a HIP that has not crossed the surface fails the test.
-constexpr bool kHoldsContacts = false;
 
 // Half of a torus, cut through its tube: two open borders.
 Mesh half_torus() {
@@ -184,9 +182,7 @@ void expect_contacts_held(const std::string& name, const Mesh& raw, std::uint64_
       options.walkers = test::samples(few, kTicks) / kTicksPerWalker;
       const std::vector<Walk> walks = walk_paths(mesh, topology, options);
       const Held held = hold(cache, oracle, walks, options.depth);
-      if (kHoldsContacts) {
-        EXPECT_EQ(held.lost_uncrossed, 0u) << name << ", " << 0.5 * deep << " %, step " << step;
-      }
+      EXPECT_EQ(held.lost_uncrossed, 0u) << name << ", " << 0.5 * deep << " %, step " << step;
       EXPECT_EQ(held.felt.unsound, 0u);
       test::record(fmt::format("{}, {} % deep, steps of {} %", name, 0.5 * deep, 100 * step),
                    "{} ticks in contact; per 100,000 jumps {:.1f}, lost {:.1f}; lost uncrossed {}; "
