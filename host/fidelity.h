@@ -20,7 +20,7 @@ std::vector<Vec3> path_over(const Mesh& mesh, const Topology& topology, const Pa
 // Points of all faces, about `count`, in the order of faces.
 std::vector<DomainPoint> spread_points(const PatchCache& cache, std::size_t count);
 
-// Where a value is not finite, it ranks above all others.
+// A value that is not finite ranks above all others.
 struct Distances {
   double largest = 0, p99 = 0;
 };

@@ -63,9 +63,9 @@ struct SweepStatistics {
   Histogram error;      // |F - k d n|: the exact force of the patches' own surface, N
   Histogram residual;   // angle between SCP - HIP and the normal, rad
   std::uint64_t samples = 0, touching = 0, unconverged = 0, iterations = 0, crossings = 0;
-  // Of neighbours of both kinds: pairs of which one or both are in contact; those whose step is
-  // above 20 % of k d, or not finite; those of which one is free and the other has a force above
-  // 20 % of k d, which are among the jumps. A sweep has no time: a step is one from place to place.
+  // Counts pairs of neighbours of both kinds. felt_pairs: one or both are in contact. jumps: the
+  // step is above 20 % of k d, or not finite. lost: the jumps of which one is free and the other is
+  // in contact. A sweep has no time: its steps are from place to place.
   std::uint64_t felt_pairs = 0, jumps = 0, lost = 0;
 
   // Per 100,000 pairs of neighbours in contact; 0 where there are none.

@@ -77,14 +77,15 @@ function comparison() {
       rows.push({level, precision, solver: 'newton', backend: 'tbb', bytes_per_patch: (1400 >> p) / (l + 1),
         build_per_s: 9e4, eval_per_s: 4e6 * (l + 1) * (p + 1), track_per_s: null, max_distance: 1e-5 * (l + 0.1),
         p99_distance: 4e-6 * (l + 0.1), max_normal_gap_deg: p ? null : 3 * l, max_force_step: 0.02 + 0.2 * l,
-        max_force_error: 0.001 + 0.04 * l + 1e-4 * p, tick_us: 3.1 / (l + 1) + (p ? -0.1 : 0), pareto: p === 1 || l === 0});
+        p99_normal_gap_deg: p ? null : 2 * l, p99_force_step: 0.01 + 0.1 * l, walk_max_force_step: 0.03 + 0.3 * l,
+        jumps_per_100k: 20 * l, lost_per_100k: l, unsound: 0, p99_force_error: 0.0005 + 0.02 * l, max_force_error: 0.001 + 0.04 * l + 1e-4 * p, tick_us: 3.1 / (l + 1) + (p ? -0.1 : 0), pareto: p === 1 || l === 0});
     }
   }
   const dense = [{method: 'shaded', triangles: 184320, bytes: 22118400, max_force_step: 0.021, tick_us: 2.1, target_level: 'full',
     target_bytes: 2016000, target_tick_us: 3.1, memory_ratio: 10.97, time_ratio: 0.68, reached: true},
     {method: 'flat', triangles: 737280, bytes: 59000000, max_force_step: 0.06, tick_us: 2.6, target_level: 'full',
       target_bytes: 2016000, target_tick_us: 3.1, memory_ratio: 29.3, time_ratio: null, reached: false}];
-  return {mesh: 'knot.obj', faces: 1440, rows, dense,
+  return {mesh: 'knot.obj', faces: 1440, rows, dense, walks: {walkers: 8, walks: 8, ticks: 2500, depth_m: 0.0005, step: 0.01, seed: 1},
     recommended: {level: 'full', precision: 'float', solver: 'newton', backend: 'tbb'}};
 }
 

@@ -181,7 +181,7 @@ std::vector<ComparePath> make_paths(const ComparingOptions& options, const Mesh&
   return paths;
 }
 
-// m.
+// The depth of walks, m.
 double walk_depth_of(const ComparingOptions& options, const Mesh& mesh) {
   const std::string& text = options.walk_depth;
   const double depth =

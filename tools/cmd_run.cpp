@@ -242,8 +242,8 @@ std::string text_of(const HapticLoop& loop, const Session& session, const Json& 
   return fmt::format("{}\nend: {}\n", out, text(session.end));
 }
 
-// Objects whose patches curve tighter than the HIP was deep; lazy ones do not know. With several
-// HIPs the objects come once for each.
+// Says which objects curve tighter than a HIP was deep in them. Lazy ones do not know. The report
+// has the objects once for each HIP.
 void tell_tight_objects(const RunOptions& options, const Scene& scene,
                         const std::vector<SceneObject>& objects, const RunReport& report) {
   std::vector<double> deepest(objects.size(), 0);

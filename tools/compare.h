@@ -47,7 +47,7 @@ struct CompareRow {
   double walk_max_force_step = 0;                       // N, in the walks
   double jumps_per_100k = 0, lost_per_100k = 0;         // in the walks; without, along the path
   std::uint64_t unsound = 0;                            // steps that are not finite
-  // Of stiffness x depth, to the force of the exact surface.
+  // The error is to the force of the exact surface, as a share of stiffness x depth.
   double max_force_error = 0, p99_force_error = 0;
   double tick = 0;  // s, median
   bool pareto = false;

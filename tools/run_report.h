@@ -23,7 +23,8 @@ class RunReport {
 
   const ForceStatistics& rendered() const { return rendered_; }
   const ForceStatistics& sent() const { return sent_; }
-  // How deep the HIP has been in each object, m, in ticks in which it pushed most; as far as met.
+  // The largest depth in each object of Tracker::objects(), m, over ticks in which that object
+  // pushed most. Ends with the last object that was touched.
   const std::vector<double>& deepest() const { return deepest_; }
   Json trips_json() const;  // each with the ticks that led to it
 
