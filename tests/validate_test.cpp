@@ -155,7 +155,8 @@ TEST_F(ValidateTest, cubes_that_touch_along_an_edge_come_apart_closed) {
   EXPECT_THAT(refusal("a.obj", cubes), HasSubstr("is shared by 4 faces (3, 4, 8, 11)"));
   const Mesh mesh = load("a.obj", cubes, {.split_non_manifold = true});
   EXPECT_EQ(mesh.positions.size(), 16u);
-  EXPECT_THAT(codes(), UnorderedElementsAre("non-manifold-edge", "several-parts"));
+  EXPECT_THAT(codes(),
+              UnorderedElementsAre("non-manifold-edge", "several-parts", "parts-intersect"));
   const Topology topology = build_topology(mesh);
   EXPECT_EQ(topology.part_count, 2u);
   EXPECT_EQ(topology.border_side_count, 0u);
