@@ -50,7 +50,8 @@ FN int is_within(surface_view view, foot f) {
   return contact_of_foot(view, f).state == CONTACT_TOUCHING;
 }
 
-// Nearest point of one part's surface.
+// Nearest point of one part's surface: each patch is searched from one start, which tells inside
+// from outside well enough far from a surface as well.
 FN_LARGE foot nearest_on_part(surface_view view, hip_point h, uint part, track_options options) {
   walk w = start_walk(view);
   base_point base = base_point_on(view, h, view.part_table[PART_UINTS * part + PART_FIRST]);
@@ -60,18 +61,25 @@ FN_LARGE foot nearest_on_part(surface_view view, hip_point h, uint part, track_o
     const base_point b = base_point_on(view, h, p);
     if (b.distance2 < base.distance2) base = b;
   }
-  foot best;
-  best.patch = NONE;
-  best.distance2 = K(0);
-  best.iterations = 0;
-  const foot first = begin_foot(view, h, start_on_base(view, base), options);
-  best = search_patch(view, h, first, options, best);
+  const known_minimum none = {NONE, K(0)};
+  foot best =
+      end_foot(view, h, begin_foot(view, h, start_on_base(view, base), options), options, none);
   w = start_walk(view);
   for (uint p = next_patch(view, &w, h.high, best.distance2); p != NONE;
        p = next_patch(view, &w, h.high, best.distance2)) {
-    if (p != base.patch && part_of(view, p) == part &&
-        patch_box_distance2(view, h, p) < best.distance2)
-      best = try_patch(view, h, p, options, best);
+    if (p == base.patch || part_of(view, p) != part ||
+        !(patch_box_distance2(view, h, p) < best.distance2))
+      continue;
+    GLOBAL scalar* numbers = numbers_of(view, p);
+    const base_point b = base_point_on(view, h, p);
+    const real least = (sqrt(b.at.distance2) - numbers[PATCH_SAG]) * numbers[PATCH_UNSCALE];
+    if (least > K(0) && least * least >= best.distance2) continue;
+    const known_minimum known = {best.patch, best.distance2};
+    const int iterations = best.iterations;
+    const foot f =
+        end_foot(view, h, begin_foot(view, h, start_on_base(view, b), options), options, known);
+    if (is_nearer(f, best)) best = f;
+    best.iterations = iterations + f.iterations;
   }
   return best;
 }

@@ -91,12 +91,12 @@ TEST(Union, of_parts_knows_what_is_inside) {
 TEST(Union, has_contacts_on_its_surface_that_are_nearest) {
   for (const auto& [name, parts] : scenes()) {
     const PatchCache cache = test::cache_of(test::joined(parts));
-    const test::UnionOracle truth(parts, 6);
+    const test::UnionOracle truth(parts, 5);
     const double size = size_of(cache);
     int touching = 0, seams = 0, far = 0, lost = 0;
     test::Worst off, deep, longer;
     for (const Vec3& hip :
-         hips_near(cache, 0.15 * size, static_cast<int>(test::samples(150, 20'000)), 2)) {
+         hips_near(cache, 0.15 * size, static_cast<int>(test::samples(100, 20'000)), 2)) {
       const Contact contact = nearest(cache, hip);
       if (!contact.touching) continue;
       ++touching;
@@ -320,7 +320,7 @@ TEST_F(UnionOfShared, teeth_knows_what_is_inside) {
   const std::vector<Mesh> parts = test::parts_of(mesh);
   ASSERT_EQ(parts.size(), 32u);
   const test::UnionOracle truth(parts, 0);
-  const test::Winding winding(parts, 4);
+  const test::Winding winding(parts, 8);
   const double size = size_of(cache);
   int wrong = 0, inside = 0, judged = 0, wound = 0, odd = 0;
   const int count = static_cast<int>(test::samples(2000, 100'000));
