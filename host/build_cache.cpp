@@ -9,6 +9,7 @@
 #include "host/patch_cache.h"
 #include "host/patch_layout.h"
 #include "host/patch_tame.h"
+#include "host/patch_tiles.h"
 
 namespace gliss {
 namespace {
@@ -33,6 +34,7 @@ struct FinishedPatch {
   const std::uint32_t* triangle;
   std::uint32_t form = kFormExact;
   std::vector<double> control{};  // in another form
+  PatchTiles tiles{};
 
   const double* reals() const { return form == kFormExact ? exact : control.data(); }
   std::size_t real_count() const { return kernels<double>().control_reals(form, valence); }
@@ -230,12 +232,14 @@ class CacheBuilder {
     if (!base_only_ && options_.level.kind == Level::kExact) s.control.reserve(sides * kSideReals);
     s.corner.resize(sides * 6);
     s.patch.resize(patches * kPatchReals);
+    s.tile_begin.assign(patches + 1, 0);
     s.triangle.resize(3 * (sides - 2 * patches));
     cache_.rho_min.resize(patches);
     fill_domain(s);
     std::vector<Box> boxes(patches);
     for_chunks(BatchStep::kControl, [&](const Chunk& c) { store_chunk(c, s, boxes); });
     s.control.shrink_to_fit();
+    s.tile.shrink_to_fit();
     build_hierarchy(boxes, s.node, s.child, backend_.parallel);
     find_parts(boxes, s);
   }
@@ -265,6 +269,11 @@ class CacheBuilder {
         finish_face(c, p, &finished[cache_.face_patch[faces_[c.first + p]] - first]);
     });
     if (!base_only_) {
+      backend_.parallel(finished.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) tile<Real>(finished[i]);
+      });
+    }
+    if (!base_only_) {
       std::size_t end = s.control.size();
       for (std::size_t i = 0; i < finished.size(); ++i) {
         s.control_begin[first + i] = static_cast<std::uint32_t>(end / 3);
@@ -272,6 +281,13 @@ class CacheBuilder {
       }
       if (end / 3 >= kNone) throw MeshError(mesh_.source + ": too many sides for one cache");
       s.control.resize(end);
+      for (std::size_t i = 0; i < finished.size(); ++i) {
+        const std::vector<std::uint32_t>& words = finished[i].tiles.words;
+        s.tile.insert(s.tile.end(), words.begin(), words.end());
+        if (s.tile.size() / kTileUints >= kNone)
+          throw MeshError(mesh_.source + ": too many sides for one cache");
+        s.tile_begin[first + i + 1] = static_cast<std::uint32_t>(s.tile.size() / kTileUints);
+      }
     }
     backend_.parallel(finished.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
@@ -317,6 +333,14 @@ class CacheBuilder {
     d.control.clear();
   }
 
+  // In the box as it is stored.
+  template <class Real>
+  void tile(FinishedPatch& d) const {
+    d.tiles = cut_tiles(*d.frame, d.shape, d.shape.low.cast<Real>().template cast<double>(),
+                        d.shape.high.cast<Real>().template cast<double>(), d.reals(), d.form,
+                        d.valence, tables_);
+  }
+
   template <class Real>
   void store(const FinishedPatch& d, std::uint32_t patch, Surface<Real>& s,
              std::vector<Box>& boxes) {
@@ -340,8 +364,7 @@ class CacheBuilder {
     numbers[kPatchScale] = static_cast<Real>(d.frame->scale);
     numbers[kPatchUnscale] = static_cast<Real>(1 / d.frame->scale);
     numbers[kPatchSag] = static_cast<Real>(d.shape.sag);
-    // Flat patches have no end of it; what matters is how it compares with distances.
-    numbers[kPatchRho] = static_cast<Real>(std::min(d.shape.rho_min, 1e30));
+    numbers[kPatchCurvature] = static_cast<Real>(d.tiles.curvature);
     boxes[patch] = {d.frame->origin + d.shape.box.low / d.frame->scale,
                     d.frame->origin + d.shape.box.high / d.frame->scale};
     cache_.rho_min[patch] = std::min(d.shape.rho_min / (d.frame->scale * cache_.scale),

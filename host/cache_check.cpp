@@ -51,6 +51,7 @@ class Check {
     check_domain();
     check_forms();
     check_patches();
+    check_tiles();
     check_hierarchy();
     check_parts();
     check_numbers();
@@ -96,6 +97,7 @@ class Check {
     require_size(s_.triangle.size(), 3 * (sides_ - 2 * patches_), "triangle");
     require_size(s_.node.size(), (patches_ - 1) * kNodeReals, "node");
     require_size(s_.child.size(), (patches_ - 1) * 2, "child");
+    require_size(s_.tile_begin.size(), patches_ + 1, "tile_begin");
   }
 
   // Twins that pair up also make every walk round a vertex end.
@@ -186,10 +188,24 @@ class Check {
                   numbers[kPatchScale] * numbers[kPatchUnscale] == 1,
               "patch", p, "its scale is not a power of two, or not the inverse of its unscale");
       require(numbers[kPatchSag] >= 0, "patch", p, "its sag is negative");
+      require(numbers[kPatchCurvature] >= 0, "patch", p, "its curvature is negative");
       require(c_.kind[p] <= PatchKind::kBent, "kind", p, "out of range");
       require(c_.folded[p] <= 1, "folded", p, "out of range");
       require(c_.rho_min[p] >= 0, "rho_min", p, "negative");
     }
+  }
+
+  // Rows of as many tiles as there are sides; what is in them is sound whatever it is.
+  void check_tiles() const {
+    require(s_.tile_begin[0] == 0, "tile_begin", 0, "not zero");
+    for (std::uint32_t p = 0; p < patches_; ++p) {
+      const std::uint64_t begin = s_.tile_begin[p], end = s_.tile_begin[p + 1];
+      std::uint64_t levels = 1;
+      while (begin < end && s_.valence(p) * levels * levels < end - begin) ++levels;
+      require(begin < end && s_.valence(p) * levels * levels == end - begin, "tile_begin", p + 1,
+              "not as many tiles as a patch has");
+    }
+    require_size(s_.tile.size(), kTileUints * std::size_t{s_.tile_begin[patches_]}, "tile");
   }
 
   // As it is built, parents before their children, so that nothing is cyclic. As many nodes and

@@ -29,7 +29,7 @@ using namespace cache_format;
 // Stays in a core's own cache from read to checksum to copy.
 constexpr std::size_t kBlockBytes = 1 << 18;
 
-static_assert(sizeof(Surface<float>) == 17 * sizeof(LargeArray<float>),
+static_assert(sizeof(Surface<float>) == 19 * sizeof(LargeArray<float>),
               "an array was added: list it in for_each_section and check_cache, and raise kFormat");
 
 // The header of a cache of this program, with sizes and checksum still to come.

@@ -53,7 +53,7 @@ struct Section {
 };
 static_assert(sizeof(Section) == 48, "no padding");
 
-inline constexpr std::size_t kSections = 24;
+inline constexpr std::size_t kSections = 26;
 inline constexpr std::size_t kHeaderBytes = sizeof(Header) + kSections * sizeof(Section);
 
 // Calls f(name, vector) for each section, in the order of the file.
@@ -74,6 +74,8 @@ void for_each_section(Cache& cache, const F& f) {
         f("triangle", s.triangle);
         f("node", s.node);
         f("child", s.child);
+        f("tile", s.tile);
+        f("tile_begin", s.tile_begin);
         f("part", s.part);
         f("part_table", s.part_table);
         f("partner", s.partner);

@@ -151,7 +151,7 @@ TrackOptions<Real> track_options(const QueryOptions& options) {
   // The paper's solver ends by the residual angle: its threshold of 1e-5.
   if (tolerance == 0)
     tolerance = options.solver == Solver::kPaper ? 1e-5 : sizeof(Real) == 4 ? 0x1p-18 : 0x1p-36;
-  return {options.solver, options.max_iterations, static_cast<Real>(tolerance)};
+  return {options.solver, options.max_iterations, static_cast<Real>(tolerance), options.budget};
 }
 
 template <class Real>
@@ -169,6 +169,7 @@ Contact contact_of(const PatchCache& cache, const Surface<Real>& s, const RawCon
   c.iterations = static_cast<int>(raw.uints[kContactIterations]);
   c.crossings = static_cast<int>(raw.uints[kContactCrossings]);
   c.flags = raw.uints[kContactFlags];
+  c.clear = number(raw.reals[kContactClear]) / cache.scale;
   return c;
 }
 

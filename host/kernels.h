@@ -22,7 +22,7 @@ inline constexpr std::uint32_t kFormMask = 255;     // above it, the r of a tabl
 inline constexpr std::size_t kSideLength = 48, kSideEase = 50;
 inline constexpr std::size_t kPatchOrigin = 0, kPatchNormal = 3, kPatchScale = 6, kPatchUnscale = 7,
                              kPatchSag = 8, kPatchTangent = 9, kPatchLow = 12, kPatchHigh = 15,
-                             kPatchBend = 18, kPatchRho = 21;
+                             kPatchBend = 18, kPatchCurvature = 21;
 inline constexpr std::size_t kFrameReals = 6, kShapeReals = 20;
 inline constexpr std::size_t kShapeLow = 0, kShapeHigh = 3, kShapeAlongLow = 6, kShapeAlongHigh = 9,
                              kShapeBend = 12, kShapeTurn = 15, kShapeCurvature = 16,
@@ -31,9 +31,12 @@ inline constexpr std::uint32_t kNodeLeaf = 0x80000000u;
 inline constexpr std::uint32_t kPatchBuried = 0x40000000u, kPatchMixed = 0x80000000u;
 inline constexpr std::uint32_t kPartMask = 0x3FFFFFFFu;
 inline constexpr std::size_t kPartUints = 3;
+inline constexpr std::size_t kTileUints = 4;
 
 // Bits of a contact's flags. kNotBuilt: its patches are not there yet, it is of the base polygons.
-inline constexpr std::uint32_t kConverged = 1, kOnBorder = 2, kOnCrease = 4, kNotBuilt = 8;
+// kUnfinished: the search's budget was spent before every point was tried or ruled out.
+inline constexpr std::uint32_t kConverged = 1, kOnBorder = 2, kOnCrease = 4, kNotBuilt = 8,
+                               kUnfinished = 16;
 
 template <class Real>
 struct TrackOptions {
@@ -41,10 +44,12 @@ struct TrackOptions {
   int max_iterations = 0;
   Real tolerance =
       0;  // length of the last step relative to the size of the patch (paper: residual angle)
+  int budget = 0;  // evaluations after which a search begins no further descent; 0: no limit
 };
 
 inline constexpr std::size_t kContactXi = 0, kContactEta = 1, kContactScp = 2, kContactNormal = 5,
-                             kContactOffset = 8, kContactPush = 11, kContactReals = 14;
+                             kContactOffset = 8, kContactPush = 11, kContactClear = 14,
+                             kContactReals = 15;
 inline constexpr std::size_t kContactState = 0, kContactPatch = 1, kContactIterations = 2,
                              kContactCrossings = 3, kContactFlags = 4, kContactUints = 5;
 

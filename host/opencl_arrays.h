@@ -14,7 +14,7 @@ constexpr Precision kPrecision = sizeof(Real) == 4 ? Precision::kFloat : Precisi
 template <class Real>
 struct DeviceSurface {
   cl::Buffer domain, domain_begin, side_begin, side_patch, side_twin, control, control_begin, form,
-      corner, patch, triangle, node, child, part, part_table, partner, part_box;
+      corner, patch, triangle, node, child, tile, tile_begin, part, part_table, partner, part_box;
   cl_uint patch_count;
   std::uint32_t forms = 0;  // bits: those of its patches, and kFormsUnited
   std::uint64_t bytes = 0;
@@ -48,6 +48,8 @@ struct DeviceSurface {
     f(triangle, s.triangle);
     f(node, s.node);
     f(child, s.child);
+    f(tile, s.tile);
+    f(tile_begin, s.tile_begin);
     f(part, s.part);
     f(part_table, s.part_table);
     f(partner, s.partner);
@@ -55,12 +57,12 @@ struct DeviceSurface {
   }
 
   Launch launch(const Device& device, const char* program, const char* name, int lanes) const {
-    return {device,    program,      name,          ProgramVariant{kPrecision<Real>, lanes, forms},
-            domain,    domain_begin, side_begin,    side_patch,
-            side_twin, control,      control_begin, form,
-            corner,    patch,        triangle,      node,
-            child,     part,         part_table,    partner,
-            part_box,  patch_count};
+    return {device,     program,      name,          ProgramVariant{kPrecision<Real>, lanes, forms},
+            domain,     domain_begin, side_begin,    side_patch,
+            side_twin,  control,      control_begin, form,
+            corner,     patch,        triangle,      node,
+            child,      tile,         tile_begin,    part,
+            part_table, partner,      part_box,      patch_count};
   }
 };
 

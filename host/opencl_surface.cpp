@@ -55,7 +55,8 @@ class OpenClSurface final : public ResidentSurface {
           turn.ran(kernel(nearest_)(
               turn.queue, count, turn.in.buffer(), packed, static_cast<cl_uint>(methods.size()),
               static_cast<cl_int>(track.solver), static_cast<cl_int>(track.max_iterations),
-              track.tolerance, turn.out.buffer(), turn.out_index.buffer()));
+              track.tolerance, static_cast<cl_int>(track.budget), turn.out.buffer(),
+              turn.out_index.buffer()));
           turn.out.download();
           turn.out_index.download();
         },

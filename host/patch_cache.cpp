@@ -123,9 +123,10 @@ std::size_t PatchCache::bytes() const {
         return size(s.domain) + size(s.domain_begin) + size(s.side_begin) + size(s.side_patch) +
                size(s.side_twin) + size(s.control) + size(s.control_begin) + size(s.form) +
                size(s.corner) + size(s.patch) + size(s.triangle) + size(s.node) + size(s.child) +
-               size(s.part) + size(s.part_table) + size(s.partner) + size(s.part_box) +
-               size(patch_face) + size(face_patch) + size(kind) + size(folded) + size(rho_min) +
-               size(corner_of_face) + size(face_valence);
+               size(s.tile) + size(s.tile_begin) + size(s.part) + size(s.part_table) +
+               size(s.partner) + size(s.part_box) + size(patch_face) + size(face_patch) +
+               size(kind) + size(folded) + size(rho_min) + size(corner_of_face) +
+               size(face_valence);
       },
       surface);
 }

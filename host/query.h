@@ -45,6 +45,9 @@ struct SolverOptions {
 
 struct QueryOptions : SolverOptions {
   Method method = Method::kGregory;
+  // Evaluations after which a search begins no further descent, so that it spends at most
+  // max_iterations + 1 more; 0: no limit. A search that ends so has kUnfinished.
+  int budget = 0;
 };
 
 struct Contact {
@@ -57,7 +60,10 @@ struct Contact {
                                // zero outside. Mesh's unit
   double residual_angle = 0;   // between SCP - HIP and the normal, rad
   int iterations = 0, crossings = 0;  // iterations: over all patches that were tried
-  std::uint32_t flags = 0;            // kConverged, kOnBorder, kOnCrease, kNotBuilt
+  std::uint32_t flags = 0;            // kConverged, kOnBorder, kOnCrease, kNotBuilt, kUnfinished
+  // Of a search: no surface is nearer to the HIP but for rounding, mesh's unit; |distance| unless
+  // it is kUnfinished. Of tracking 0.
+  double clear = 0;
 };
 
 // Global: the nearest point of the surface.

@@ -10,6 +10,7 @@
 typedef struct {
   int solver, max_iterations;
   scalar tolerance;  // length of the last step, local frame: relative to the size of the patch
+  int budget;        // evaluations after which a search begins no further descent; 0: no limit
 } track_options;
 
 // Symmetric 2 x 2 matrix.

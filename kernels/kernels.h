@@ -26,6 +26,7 @@
 #include "kernels/polygon.h"
 #include "kernels/track.h"
 #include "kernels/hierarchy.h"
+#include "kernels/tile.h"
 #include "kernels/query.h"
 #include "kernels/method.h"
 #include "kernels/union.h"

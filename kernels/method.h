@@ -18,6 +18,8 @@ typedef struct {
   real3 offset;  // SCP - HIP, mesh frame
   real3 push;  // force over stiffness, mesh frame: `offset`, for shaded turned to the normal; past
                // a border that of its rounded rim (past_border)
+  real clear;  // of a search: no point of the surface is nearer to the HIP, mesh frame; of
+               // tracking 0
   int iterations, crossings;
   uint flags;  // FOOT_*
   // From tick to tick only, never in memory that devices share: the foot's bend, and how far the
@@ -37,7 +39,8 @@ typedef struct {
 #define CONTACT_NORMAL 5
 #define CONTACT_OFFSET 8
 #define CONTACT_PUSH 11
-#define CONTACT_REALS 14
+#define CONTACT_CLEAR 14
+#define CONTACT_REALS 15
 #define CONTACT_STATE 0
 #define CONTACT_PATCH 1
 #define CONTACT_ITERATIONS 2
@@ -52,6 +55,7 @@ FN void store_contact(GLOBAL_OUT scalar* reals, GLOBAL_OUT uint* uints, ulong st
   store3(reals + CONTACT_NORMAL * stride, stride, c.normal);
   store3(reals + CONTACT_OFFSET * stride, stride, c.offset);
   store3(reals + CONTACT_PUSH * stride, stride, c.push);
+  reals[CONTACT_CLEAR * stride] = c.clear;
   uints[CONTACT_STATE * stride] = (uint)c.state;
   uints[CONTACT_PATCH * stride] = c.patch;
   uints[CONTACT_ITERATIONS * stride] = (uint)c.iterations;
@@ -140,6 +144,7 @@ FN contact contact_of_foot(surface_view view, foot f) {
   c.normal = f.flags & FOOT_CREASE ? crease_normal(view, f) : normal_of_foot(view, f);
   c.offset = mul3(numbers_of(view, f.patch)[PATCH_UNSCALE], f.r);
   c.push = c.offset;
+  c.clear = sqrt(f.clear2);
   c.iterations = f.iterations;
   c.crossings = f.crossings;
   c.flags = f.flags;
@@ -181,6 +186,7 @@ FN contact contact_of_base(surface_view view, hip_point h, base_point b, int met
   const real3 r = sub3(b.at.p, local_hip(view, h, b.patch));
   c.offset = mul3(numbers_of(view, b.patch)[PATCH_UNSCALE], r);
   c.push = c.offset;
+  c.clear = K(0);
   c.iterations = 0;
   c.crossings = crossings;
   c.flags = FOOT_CONVERGED;
@@ -220,7 +226,11 @@ FN_LARGE contact nearest_contact_from(surface_view view, hip_point h, foot first
 // Global: the nearest point of the surface, given that of the base polygons.
 FN_LARGE contact nearest_contact(surface_view view, hip_point h, base_point base,
                                  const near_patches* near, int method, track_options options) {
-  if (method != METHOD_GREGORY) return within_reach(h, contact_of_base(view, h, base, method, 0));
+  if (method != METHOD_GREGORY) {
+    contact c = contact_of_base(view, h, base, method, 0);
+    c.clear = norm3(c.offset);
+    return within_reach(h, c);
+  }
   const foot first = begin_foot(view, h, start_on_base(view, base), options);
   return nearest_contact_from(view, h, first, near, options);
 }

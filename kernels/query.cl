@@ -5,11 +5,11 @@
 // For each of the methods, four bits each, the nearest contact of all.
 __kernel GROUP void nearest(SURFACE_ARGUMENTS, uint count, __global const scalar* hip, uint methods,
                             uint method_count, int solver, int max_iterations, scalar tolerance,
-                            __global scalar* reals, __global uint* uints) {
+                            int budget, __global scalar* reals, __global uint* uints) {
   const ulong i = get_global_id(0), stride = ROW_STRIDE(count * (ulong)method_count);
   if (i >= count) return;
   const surface_view view = SURFACE_VIEW;
-  const track_options options = {solver, max_iterations, tolerance};
+  const track_options options = {solver, max_iterations, tolerance, budget};
   const hip_point h = load_hip(hip + i, count);
   near_patches near;
   const base_point base = nearest_base(view, h, 1, &near);
@@ -28,7 +28,7 @@ __kernel GROUP void track(SURFACE_ARGUMENTS, uint count, __global const scalar* 
   const ulong i = get_global_id(0);
   if (i >= count) return;
   const surface_view view = SURFACE_VIEW;
-  const track_options options = {solver, max_iterations, tolerance};
+  const track_options options = {solver, max_iterations, tolerance, 0};
   contact last;
   last.method = method;
   last.patch = start_patch[i];

@@ -148,74 +148,178 @@ FN int is_nearer(foot a, foot b) {
   return a.distance2 < b.distance2 + (converges ? rounding : -rounding);
 }
 
-// The better of a known minimum and those reached from a patch: from `first`, on its base polygon;
-// where the HIP is so far that the patch may have several, also from its centre and from near its
-// corners.
-FN_LARGE foot search_patch(surface_view view, hip_point h, foot first, track_options options,
-                           foot best) {
-  const uint p = first.patch;
-  const int n = valence_of(view, p);
-  GLOBAL scalar* numbers = numbers_of(view, p);
-  GLOBAL scalar* domain = domain_of(view, n);
-  const real rho = numbers[PATCH_RHO] * numbers[PATCH_UNSCALE] / K(2);
-  const int corners = n < 8 ? n : 8;  // that are started from
-  int starts = 1, iterations = best.iterations;
-  for (int i = 0; i < starts; ++i) {
-    domain_point at = {p, K(0), K(0)};
-    if (i > 1) {  // alternately a corner and the middle of the side after it
-      const int k = (i - 2) / 2 * n / corners;
-      const domain_vector a = domain_corner(domain, k),
-                          b = domain_corner(domain, i % 2 == 0 ? k : wrap(k + 1, n));
-      const real part = K(0.375f);  // of their sum
-      at.xi = part * (a.xi + b.xi);
-      at.eta = part * (a.eta + b.eta);
-    }
-    // A far one may have two minima in the known patch as well: not every start stops there.
-    const int is_far = best.distance2 > rho * rho;
-    known_minimum known = {is_far && i <= 1 ? NONE : best.patch, best.distance2};
-    const foot start = i == 0 ? first : begin_foot(view, h, at, options);
-    const foot f = end_foot(view, h, start, options, known);
-    iterations += f.iterations;
-    if (best.patch == NONE || is_nearer(f, best)) best = f;
-    if (i == 0 && best.distance2 > rho * rho) starts = 2 * corners + 2;
-  }
+// True if a search has spent the evaluations that it may.
+FN int is_spent(foot best, track_options options) {
+  return options.budget > 0 && best.iterations + best.starts >= options.budget;
+}
+
+// The better of what a search has found and another foot of it.
+FN foot better_foot(foot best, foot f) {
+  const int iterations = best.iterations + f.iterations, starts = best.starts + f.starts;
+  const real clear2 = best.clear2;
+  if (best.patch == NONE || is_nearer(f, best)) best = f;
   best.iterations = iterations;
+  best.starts = starts;
+  best.clear2 = clear2;
   return best;
 }
 
-// The better of a known minimum and that of a patch, if it may be nearer: no point of a patch is
-// nearer than its base polygon by more than its sag.
-FN foot try_patch(surface_view view, hip_point h, uint patch, track_options options, foot best) {
+// Tiles of a patch that may hold a point nearer than what is known.
+#define OPEN_TILES 32
+typedef struct {
+  int count, left;  // left: those that are neither started from nor settled
+  int tile[OPEN_TILES];
+  int is_settled[OPEN_TILES];
+  real distance2[OPEN_TILES];  // no point of it is nearer
+  real height[OPEN_TILES];
+  domain_vector middle[OPEN_TILES];
+} open_tiles;
+
+// Rounding of a distance does not close a tile.
+FN real open_below(real distance2) { return distance2 + K(32) * EPSILON * distance2; }
+
+// Gathers open tiles from `next` on; returns where to go on.
+FN int gather_tiles(surface_view view, patch_tiles tiles, int next, real distance2,
+                    open_tiles* open) {
+  GLOBAL scalar* domain = domain_of(view, tiles.n);
+  const real below = open_below(distance2);
+  open->count = 0;
+  for (; next < tiles.count && open->count < OPEN_TILES; ++next) {
+    const tile_reach reach = reach_of(tiles, next);
+    if (!(reach.distance2 < below)) continue;
+    const int at = open->count++;
+    open->tile[at] = next;
+    open->is_settled[at] = 0;
+    open->distance2[at] = reach.distance2;
+    open->height[at] = reach.height;
+    open->middle[at] = middle_of(tiles, domain, next);
+  }
+  open->left = open->count;
+  return next;
+}
+
+// Settles an open tile whose minimum is found, and where the squared distance is convex those that
+// it hangs together with.
+FN_LARGE void settle_from(patch_tiles tiles, int from, real distance, open_tiles* open) {
+  const real reach = K(1.25f) / (real)tiles.levels;
+  int queue[OPEN_TILES];
+  int done = 0, count = 1;
+  if (!open->is_settled[from]) --open->left;
+  open->is_settled[from] = 1;
+  queue[0] = from;
+  if (!is_convex(tiles, open->tile[from], open->height[from], distance)) return;
+  for (; done < count && open->left > 0; ++done) {
+    const domain_vector at = open->middle[queue[done]];
+    for (int i = 0; i < open->count; ++i) {
+      if (open->is_settled[i]) continue;
+      const real xi = open->middle[i].xi - at.xi, eta = open->middle[i].eta - at.eta;
+      if (fma(xi, xi, eta * eta) > reach * reach ||
+          !is_convex(tiles, open->tile[i], open->height[i], distance))
+        continue;
+      open->is_settled[i] = 1;
+      --open->left;
+      queue[count++] = i;
+    }
+  }
+}
+
+// Settles what a minimum in this patch proves: its own tile is the one whose middle is nearest.
+FN void settle_by(patch_tiles tiles, foot f, real distance, open_tiles* open) {
+  if (!(f.flags & FOOT_CONVERGED) || open->left == 0) return;
+  int own = 0;
+  real least = K(0);
+  for (int i = 0; i < open->count; ++i) {
+    const real xi = open->middle[i].xi - f.xi, eta = open->middle[i].eta - f.eta;
+    const real apart2 = fma(xi, xi, eta * eta);
+    if (i == 0 || apart2 < least) {
+      least = apart2;
+      own = i;
+    }
+  }
+  if (is_convex(tiles, open->tile[own], open->height[own], distance))
+    settle_from(tiles, own, distance, open);
+}
+
+// The open tile that no point is nearer than, of those not settled; -1 where all are farther than
+// what is known.
+FN int nearest_open(const open_tiles* open, real distance2) {
+  int found = -1;
+  real least = open_below(distance2);
+  for (int i = 0; i < open->count; ++i) {
+    if (open->is_settled[i] || !(open->distance2[i] < least)) continue;
+    least = open->distance2[i];
+    found = i;
+  }
+  return found;
+}
+
+// The better of a known minimum and those of a patch. A search starts from the middle of each tile
+// that may hold a nearer point, but where a convex neighbourhood has but one minimum.
+FN_LARGE foot search_patch(surface_view view, hip_point h, uint patch, track_options options,
+                           foot best) {
   GLOBAL scalar* numbers = numbers_of(view, patch);
-  const base_point b = base_point_on(view, h, patch);
-  const real least = (sqrt(b.at.distance2) - numbers[PATCH_SAG]) * numbers[PATCH_UNSCALE];
-  if (least > K(0) && least * least >= best.distance2) return best;
-  const foot start = begin_foot(view, h, start_on_base(view, b), options);
-  return search_patch(view, h, start, options, best);
+  const real scale = numbers[PATCH_SCALE], curvature = numbers[PATCH_CURVATURE] * scale;
+  // Nowhere is the distance beyond half the radius of curvature.
+  if (best.patch == patch && (best.flags & FOOT_CONVERGED) &&
+      best.distance2 * curvature * curvature < K(0.25f))
+    return best;
+  const patch_tiles tiles = tiles_of(view, h, patch);
+  open_tiles open;
+  for (int next = 0; next < tiles.count;) {
+    next = gather_tiles(view, tiles, next, best.distance2, &open);
+    if (best.patch == patch) settle_by(tiles, best, sqrt(best.distance2) * scale, &open);
+    while (open.left > 0) {
+      const int from = nearest_open(&open, best.distance2);
+      if (from < 0) break;
+      if (is_spent(best, options)) {
+        best.clear2 = smaller(open.distance2[from], best.clear2);
+        break;
+      }
+      const domain_point at = {patch, open.middle[from].xi, open.middle[from].eta};
+      const known_minimum known = {best.patch, best.distance2};
+      const foot f = end_foot(view, h, begin_foot(view, h, at, options), options, known);
+      best = better_foot(best, f);
+      const real distance = sqrt(best.distance2) * scale;
+      settle_from(tiles, from, distance, &open);
+      if (f.patch == patch) settle_by(tiles, f, distance, &open);
+    }
+  }
+  return best;
+}
+
+// What a search has found, with what it left out.
+FN foot finish_search(foot best) {
+  const real rounding = K(64) * EPSILON * best.clear2;
+  if (best.clear2 - rounding < best.distance2) {
+    best.clear2 = best.clear2 - rounding;
+    best.flags |= FOOT_UNFINISHED;
+  } else {
+    best.clear2 = best.distance2;
+  }
+  return best;
 }
 
 // Nearest point of the whole surface: from `first`, on the nearest base polygon of all, then from
 // every patch whose box is nearer, of those near or, if they are not all, of the surface.
 FN_LARGE foot nearest_foot(surface_view view, hip_point h, foot first, const near_patches* near,
                            track_options options) {
-  foot best;
-  best.patch = NONE;
-  best.distance2 = K(0);
-  best.iterations = 0;
-  best = search_patch(view, h, first, options, best);
+  const known_minimum none = {NONE, K(0)};
+  foot best = end_foot(view, h, first, options, none);
+  best.clear2 = K(INFINITY);
+  best = search_patch(view, h, first.patch, options, best);
   const real rounding = K(64) * EPSILON * best.distance2;
   if (best.distance2 + rounding <= near->complete2) {
     for (int i = 0; i < near->count; ++i) {
       if (near->patch[i] != first.patch && near->box2[i] < best.distance2)
-        best = try_patch(view, h, near->patch[i], options, best);
+        best = search_patch(view, h, near->patch[i], options, best);
     }
-    return best;
+    return finish_search(best);
   }
   walk w = start_walk(view);
   for (uint p = next_patch(view, &w, h.high, best.distance2); p != NONE;
        p = next_patch(view, &w, h.high, best.distance2)) {
     if (p != first.patch && patch_box_distance2(view, h, p) < best.distance2)
-      best = try_patch(view, h, p, options, best);
+      best = search_patch(view, h, p, options, best);
   }
-  return best;
+  return finish_search(best);
 }

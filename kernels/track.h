@@ -10,6 +10,8 @@ typedef struct {
 #define FOOT_CONVERGED 1u  // the next step is shorter than the tolerance
 #define FOOT_BORDER 2u     // held by an open border
 #define FOOT_CREASE 4u     // held by an edge that is not smooth, or by a corner
+// The budget of the search was spent: a point may be nearer, but none is nearer than clear2.
+#define FOOT_UNFINISHED 16u
 
 typedef struct {
   uint patch;
@@ -17,6 +19,8 @@ typedef struct {
   patch_point at;  // local frame
   real3 r;         // SCP - HIP, local frame
   real distance2;  // squared, mesh frame
+  real clear2;     // squared, mesh frame: no point of the surface is nearer, as far as is known
+  int starts;      // first evaluations of a search
   int iterations;  // evaluations after the first
   int crossings;   // edges and corners crossed
   uint flags;      // FOOT_*
@@ -38,6 +42,8 @@ FN foot move_foot(surface_view view, hip_point h, foot from, uint patch, real xi
 
 FN foot start_foot(surface_view view, hip_point h, uint patch, real xi, real eta) {
   foot f;
+  f.clear2 = K(0);
+  f.starts = 1;
   f.iterations = 0;
   f.crossings = 0;
   f.flags = 0u;

@@ -18,7 +18,7 @@
 #define PATCH_HIGH 5  // triple 5
 #define PATCH_BEND \
   18  // second fundamental form n . (G_xixi, G_xieta, G_etaeta) at the centre, local frame
-#define PATCH_RHO 21  // least radius of curvature, local frame
+#define PATCH_CURVATURE 21  // largest |principal curvature|, local frame
 #define PATCH_REALS 22
 
 // Numbers of a hierarchy node: the boxes of its two children, mesh frame, low and high corner each.
@@ -49,8 +49,10 @@ typedef struct {
   GLOBAL scalar* patch;        // [patch][PATCH_REALS]
   GLOBAL uint*
       triangle;  // [side_begin[p] - 2 p][3], local corners: fixed triangulation of p's base polygon
-  GLOBAL scalar* node;  // [node][NODE_REALS]
-  GLOBAL uint* child;   // [node][2]
+  GLOBAL scalar* node;      // [node][NODE_REALS]
+  GLOBAL uint* child;       // [node][2]
+  GLOBAL uint* tile;        // [tile][TILE_UINTS], patch by patch (tile.h)
+  GLOBAL uint* tile_begin;  // [patch + 1], tiles before its own
   // Of overlapping parts (union.h), where HAS_UNION.
   GLOBAL uint* part;        // [patch], its part and PATCH_BURIED or PATCH_MIXED
   GLOBAL uint* part_table;  // [part][PART_UINTS]

@@ -39,7 +39,8 @@ inline std::uint64_t surface_bytes(const PatchCache& cache) {
           return ((arrays.size() * sizeof(arrays[0])) + ...);
         };
         return bytes(s.domain, s.domain_begin, s.side_begin, s.side_patch, s.side_twin, s.control,
-                     s.control_begin, s.form, s.corner, s.patch, s.triangle, s.node, s.child);
+                     s.control_begin, s.form, s.corner, s.patch, s.triangle, s.node, s.child,
+                     s.tile, s.tile_begin);
       },
       cache.surface);
 }

@@ -53,8 +53,8 @@ PatchCache dart_cache(Precision precision = Precision::kDouble) {
 template <class Real>
 auto arrays_of(const Surface<Real>& s) {
   return std::tie(s.domain, s.domain_begin, s.side_begin, s.side_patch, s.side_twin, s.control,
-                  s.control_begin, s.form, s.corner, s.patch, s.triangle, s.node, s.child, s.part,
-                  s.part_table, s.partner, s.part_box);
+                  s.control_begin, s.form, s.corner, s.patch, s.triangle, s.node, s.child, s.tile,
+                  s.tile_begin, s.part, s.part_table, s.partner, s.part_box);
 }
 auto fields_of(const PatchCache& c) {
   return std::tie(c.unit, c.origin, c.scale, c.mesh_face_count, c.mesh_hash, c.patch_face,

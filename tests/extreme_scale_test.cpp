@@ -101,7 +101,8 @@ std::size_t differing(const PatchCache& a, const PatchCache& b, double scale) {
            differing(s.control_begin, t.control_begin) + differing(s.form, t.form) +
            differing(s.corner, t.corner) + differing(s.patch, t.patch) +
            differing(s.triangle, t.triangle) + differing(s.node, t.node) +
-           differing(s.child, t.child);
+           differing(s.child, t.child) + differing(s.tile, t.tile) +
+           differing(s.tile_begin, t.tile_begin);
   };
   std::size_t count = std::visit(surfaces, a.surface);
   count += differing(a.kind, b.kind) + differing(a.folded, b.folded) +

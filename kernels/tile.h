@@ -1,0 +1,105 @@
+// Tiles: pieces that a patch's domain is cut into, each in a flat cylinder, and how it curves
+// there. A search leaves out those that are too far, and knows from which of the others it has to
+// start.
+//
+// A patch of n sides has n L^2: the triangle from its centre to each side is cut into L rows, row r
+// of 2 r + 1 tiles. Made on the host (host/patch_tiles.h).
+
+// Words of a tile. Lengths are local, directions are along tangent, normal x tangent and normal of
+// the base polygon.
+#define TILE_CENTRE_XY 0        // 16 bits each, from the low to the high corner of the patch's box
+#define TILE_CENTRE_Z_RADIUS 1  // the same, and of the cylinder in 2 / 65535 of the box's length
+#define TILE_AXIS 2  // x and y of the unit axis, (bits - 32768) / 32768; z is not negative
+#define TILE_HALF_CURVES \
+  3  // half the height, as the radius; 8 bits each: least and largest
+     // curvature, ((bits - 128) / 127)^3 of PATCH_CURVATURE
+#define TILE_UINTS 4
+
+typedef struct {
+  GLOBAL uint* word;
+  int n, levels, count;
+  real3 low, step;  // of centres
+  real unit;        // of radii and heights
+  real3 x;          // the HIP along the same axes
+  real unscale2, curvature;
+} patch_tiles;
+
+FN patch_tiles tiles_of(surface_view view, hip_point h, uint patch) {
+  GLOBAL scalar* numbers = numbers_of(view, patch);
+  const real3 normal = load3(numbers, PATCH_NORMAL), tangent = load3(numbers, PATCH_TANGENT);
+  const real3 x = local_hip(view, h, patch);
+  patch_tiles t;
+  const uint first = view.tile_begin[patch];
+  t.word = view.tile + TILE_UINTS * (ulong)first;
+  t.count = (int)(view.tile_begin[patch + 1] - first);
+  t.n = valence_of(view, patch);
+  t.levels = 1;
+  while (t.n * t.levels * t.levels < t.count) ++t.levels;
+  t.low = load3(numbers, PATCH_LOW);
+  const real3 size = sub3(load3(numbers, PATCH_HIGH), t.low);
+  t.step = mul3(K(1) / K(65535), size);
+  t.unit = K(2) * larger(larger(t.step.x, t.step.y), t.step.z);
+  t.x = make3(dot3(x, tangent), dot3(x, cross3(normal, tangent)), dot3(x, normal));
+  t.unscale2 = numbers[PATCH_UNSCALE] * numbers[PATCH_UNSCALE];
+  t.curvature = numbers[PATCH_CURVATURE];
+  return t;
+}
+
+FN real low_half(uint word) { return (real)(int)(word & 65535u); }
+FN real high_half(uint word) { return (real)(int)(word >> 16); }
+
+typedef struct {
+  real distance2;  // squared, mesh frame: no point of the tile is nearer
+  real height;     // of the HIP over the tile, local
+} tile_reach;
+
+FN tile_reach reach_of(patch_tiles t, int i) {
+  GLOBAL uint* word = t.word + TILE_UINTS * i;
+  const uint xy = word[TILE_CENTRE_XY], z_radius = word[TILE_CENTRE_Z_RADIUS],
+             axis = word[TILE_AXIS];
+  const real3 centre =
+      make3(fma(low_half(xy), t.step.x, t.low.x), fma(high_half(xy), t.step.y, t.low.y),
+            fma(low_half(z_radius), t.step.z, t.low.z));
+  const real x = (low_half(axis) - K(32768)) * K(0x1p-15f),
+             y = (high_half(axis) - K(32768)) * K(0x1p-15f);
+  const real3 along = make3(x, y, sqrt(larger(K(1) - fma(x, x, y * y), K(0))));
+  const real3 away = sub3(t.x, centre);
+  tile_reach r;
+  r.height = dot3(away, along);
+  const real aside =
+                 larger(norm3(fma3(-r.height, along, away)) - t.unit * high_half(z_radius), K(0)),
+             above = larger(fabs(r.height) - t.unit * low_half(word[TILE_HALF_CURVES]), K(0));
+  r.distance2 = fma(aside, aside, above * above) * t.unscale2;
+  return r;
+}
+
+FN real curvature_of(patch_tiles t, uint bits) {
+  const real c = ((real)(int)(bits & 255u) - K(128)) * (K(1) / K(127));
+  return c * c * c * t.curvature;
+}
+
+// True if the squared distance to the HIP is convex over the tile's points that are nearer than
+// `distance` (local): then a minimum is the only one. The curvature towards the HIP decides, with a
+// quarter to spare for what lies between samples.
+FN int is_convex(patch_tiles t, int i, real height, real distance) {
+  const uint word = t.word[TILE_UINTS * i + TILE_HALF_CURVES];
+  const real most = K(0.75f), above = -curvature_of(t, word >> 16) * distance,
+             below = curvature_of(t, word >> 24) * distance;
+  const real steep = distance * K(0.5f);
+  return (height < -steep || above <= most) && (height > steep || below <= most);
+}
+
+// The middle of a tile in the domain.
+FN domain_vector middle_of(patch_tiles t, GLOBAL scalar* domain, int i) {
+  const int of_fan = t.levels * t.levels, k = i / of_fan;
+  int row = 0, j = i % of_fan;
+  while ((row + 1) * (row + 1) <= j) ++row;
+  j -= row * row;
+  const int up = j % 2 == 0;
+  // In thirds of a row: of its corners' sums.
+  const real ring = (real)(3 * row + (up ? 2 : 1)), along = (real)(3 * (j / 2) + (up ? 1 : 2));
+  const real part = K(1) / (real)(3 * t.levels);
+  const domain_vector a = domain_corner(domain, k), b = domain_corner(domain, wrap(k + 1, t.n));
+  const real u = (ring - along) * part, v = along * part;
+  return make_vector(fma(u, a.xi, v * b.xi), fma(u, a.eta, v * b.eta));
+}
