@@ -52,14 +52,20 @@ class ContactTracker::Tick {
 
   RawContact<Real> nearest(const Vec3& x) {
     RawContact<Real> found;
+    TrackOptions<Real> options = options_;
+    options.budget = std::max(1, kTickEvaluations - spent_);
     const RawHip<Real> there = raw_hip<Real>(cache_, x);
-    kernels<Real>().nearest(s_, &t_.options_.method, 1, options_, &there, 1, &found);
+    kernels<Real>().nearest(s_, &t_.options_.method, 1, options, &there, 1, &found);
     spent_ += iterations_of(found);
     ++searches_;
     return found;
   }
-  double distance(const RawContact<Real>& raw) const {
-    return std::abs(contact_of(cache_, s_, raw).distance);
+  // No point of the surface is nearer.
+  static double clear_of(const Contact& found) {
+    return found.flags & kUnfinished ? found.clear : std::abs(found.distance);
+  }
+  double clear_of(const RawContact<Real>& raw) const {
+    return clear_of(contact_of(cache_, s_, raw));
   }
 
   Contact contact(const RawContact<Real>& raw) const {
@@ -78,7 +84,7 @@ class ContactTracker::Tick {
   Contact settle(const RawContact<Real>& raw) {
     state_ = raw;
     t_.last_ = hip_;
-    t_.clear_ = is_touching(raw) ? 0 : distance(raw);
+    t_.clear_ = is_touching(raw) ? 0 : clear_of(raw);
     t_.behind_ = false;
     return contact(raw);
   }
@@ -106,14 +112,14 @@ class ContactTracker::Tick {
     const Vec3 from = t_.last_, way = hip_ - from;
     const double length = way.norm();
     const bool crosses = is_touching(end) != t_.behind_;
-    const double uncovered = length - distance(end) + (crosses ? on_surface_ : -on_surface_);
+    const double uncovered = length - clear_of(end) + (crosses ? on_surface_ : -on_surface_);
     bool behind = t_.behind_, glided = false, was_near = false;
     for (double at = t_.clear_ > 0 ? t_.clear_ : std::min(4 * on_surface_, length);
          at < uncovered;) {
       const Vec3 x = from + (at / length) * way;
       const RawContact<Real> there = nearest(x);
       const Contact found = contact_of(cache_, s_, there);
-      const double clear = std::abs(found.distance);
+      const double clear = clear_of(found);
       const bool is_in = is_touching(there), meets = clear <= on_surface_;
       if (!behind && (meets || (is_in && (glided || cache_.is_closed)))) {
         RawContact<Real> inside = there;

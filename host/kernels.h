@@ -31,7 +31,7 @@ inline constexpr std::uint32_t kNodeLeaf = 0x80000000u;
 inline constexpr std::uint32_t kPatchBuried = 0x40000000u, kPatchMixed = 0x80000000u;
 inline constexpr std::uint32_t kPartMask = 0x3FFFFFFFu;
 inline constexpr std::size_t kPartUints = 3;
-inline constexpr std::size_t kTileUints = 4;
+inline constexpr std::size_t kTileUints = 5;
 
 // Bits of a contact's flags. kNotBuilt: its patches are not there yet, it is of the base polygons.
 // kUnfinished: the search's budget was spent before every point was tried or ruled out.

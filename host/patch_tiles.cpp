@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "host/kernels.h"
 
 namespace gliss {
 namespace {
+
+using Vec2 = Eigen::Vector2d;
 
 constexpr double kMostTurn = 0.3;  // rad, of a normal from the mean of its tile, if possible
 constexpr std::uint32_t kMostTiles = 256;  // of a patch of few sides
@@ -66,6 +69,7 @@ class Lattice {
   // i), (r, i + 1), (r + 1, i + 1).
   struct Bend {
     double low, high, longest2;
+    Eigen::Matrix2d second;  // fundamental form, of the domain
   };
   const Bend& bend(std::uint32_t k, std::uint32_t r, std::uint32_t i, bool up) const {
     return bends_[std::size_t{k} * rings_ * rings_ + r * r + 2 * i + !up];
@@ -80,14 +84,22 @@ class Lattice {
           const std::uint32_t i = j / 2;
           const Sample &a = at(k, r, i), &c = at(k, r + 1, i + 1),
                        &b = j % 2 == 0 ? at(k, r + 1, i) : at(k, r, i + 1);
-          bends_.push_back(bend_of(a, b, c));
+          const Vec2 p = corner(k), q = corner(k + 1), along = q - p;
+          bends_.push_back(bend_of(a, b, c, (j % 2 == 0 ? p : along) / rings_, q / rings_));
         }
       }
     }
   }
 
-  // By the turn of the normals along two sides (Rusinkiewicz 2004).
-  static Bend bend_of(const Sample& a, const Sample& b, const Sample& c) {
+  Vec2 corner(std::uint32_t k) const {
+    const double angle = 2 * std::numbers::pi * k / n_;
+    return {std::cos(angle), std::sin(angle)};
+  }
+
+  // By the turn of the normals along two sides (Rusinkiewicz 2004), which are `x` and `y` in the
+  // domain.
+  static Bend bend_of(const Sample& a, const Sample& b, const Sample& c, const Vec2& x,
+                      const Vec2& y) {
     const Vec3 u = b.position - a.position, v = c.position - a.position,
                turn_u = b.normal - a.normal, turn_v = c.normal - a.normal;
     const double e = u.squaredNorm(), f = u.dot(v), g = v.squaredNorm(), det = e * g - f * f;
@@ -95,8 +107,12 @@ class Lattice {
     const double mean = 0.5 * (e * n - 2 * f * m + g * l) / det, gauss = (l * n - m * m) / det;
     const double apart = std::sqrt(std::max(mean * mean - gauss, 0.0));
     const double longest2 = std::max({e, g, (v - u).squaredNorm()});
-    if (!(det > 1e-12 * longest2 * longest2)) return {-kMostCurvature, kMostCurvature, longest2};
-    return {mean - apart, mean + apart, longest2};
+    const Eigen::Matrix2d sides = (Eigen::Matrix2d() << x, y).finished().inverse(),
+                          form = (Eigen::Matrix2d() << -l, -m, -m, -n).finished();
+    const Eigen::Matrix2d second = sides.transpose() * form * sides;
+    if (!(det > 1e-12 * longest2 * longest2))
+      return {-kMostCurvature, kMostCurvature, longest2, second};
+    return {mean - apart, mean + apart, longest2, second};
   }
 
   std::uint32_t n_, rings_;
@@ -202,6 +218,7 @@ class TileWriter {
     words.push_back(centre[2] | code(std::ceil(extent.radius / unit_), 65535) << 16);
     words.push_back(axis_word);
     words.push_back(code(std::ceil(extent.half / unit_), 65535) | curves(tile, sign) << 16);
+    words.push_back(second(tile));
   }
 
  private:
@@ -243,6 +260,19 @@ class TileWriter {
     const auto root = [&](double c) { return 127 * std::cbrt(c / curvature_); };
     return code(std::floor(128 + root(range.low)), 255) |
            code(std::ceil(128 + root(range.high)), 255) << 8;
+  }
+
+  std::uint32_t second(const Tile& tile) const {
+    Eigen::Matrix2d sum = Eigen::Matrix2d::Zero();
+    double count = 0;
+    tile.for_bends(lattice_, [&](const Lattice::Bend& b) { sum += b.second, ++count; });
+    if (!sum.allFinite()) sum.setZero();
+    sum /= count;
+    int exponent = -16;
+    while (exponent < 15 && sum.cwiseAbs().maxCoeff() >= std::ldexp(1.0, exponent)) ++exponent;
+    const auto bits = [&](double x) { return code(256.5 + std::ldexp(x, 8 - exponent), 511); };
+    return bits(sum(0, 0)) | bits(sum(0, 1)) << 9 | bits(sum(1, 1)) << 18 |
+           static_cast<std::uint32_t>(exponent + 16) << 27;
   }
 
   const Lattice& lattice_;

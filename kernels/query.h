@@ -182,10 +182,12 @@ FN real open_below(real distance2) { return distance2 + K(32) * EPSILON * distan
 FN int gather_tiles(surface_view view, patch_tiles tiles, int next, real distance2,
                     open_tiles* open) {
   GLOBAL scalar* domain = domain_of(view, tiles.n);
-  const real below = open_below(distance2);
+  const real below = open_below(distance2), distance = sqrt(open_below(below) / tiles.unscale2);
   open->count = 0;
   for (; next < tiles.count && open->count < OPEN_TILES; ++next) {
-    const tile_reach reach = reach_of(tiles, next);
+    const real3 away = away_from(tiles, next);
+    if (!may_reach(tiles, next, away, distance)) continue;
+    const tile_reach reach = reach_of(tiles, next, away);
     if (!(reach.distance2 < below)) continue;
     const int at = open->count++;
     open->tile[at] = next;
@@ -198,46 +200,20 @@ FN int gather_tiles(surface_view view, patch_tiles tiles, int next, real distanc
   return next;
 }
 
-// Settles an open tile whose minimum is found, and where the squared distance is convex those that
-// it hangs together with.
-FN_LARGE void settle_from(patch_tiles tiles, int from, real distance, open_tiles* open) {
-  const real reach = K(1.25f) / (real)tiles.levels;
-  int queue[OPEN_TILES];
-  int done = 0, count = 1;
-  if (!open->is_settled[from]) --open->left;
-  open->is_settled[from] = 1;
-  queue[0] = from;
-  if (!is_convex(tiles, open->tile[from], open->height[from], distance)) return;
-  for (; done < count && open->left > 0; ++done) {
-    const domain_vector at = open->middle[queue[done]];
-    for (int i = 0; i < open->count; ++i) {
-      if (open->is_settled[i]) continue;
-      const real xi = open->middle[i].xi - at.xi, eta = open->middle[i].eta - at.eta;
-      if (fma(xi, xi, eta * eta) > reach * reach ||
-          !is_convex(tiles, open->tile[i], open->height[i], distance))
-        continue;
-      open->is_settled[i] = 1;
-      --open->left;
-      queue[count++] = i;
-    }
-  }
-}
-
-// Settles what a minimum in this patch proves: its own tile is the one whose middle is nearest.
-FN void settle_by(patch_tiles tiles, foot f, real distance, open_tiles* open) {
-  if (!(f.flags & FOOT_CONVERGED) || open->left == 0) return;
-  int own = 0;
-  real least = K(0);
+// Settles the open tiles in sight of where a descent began or ended, no farther than `most` in the
+// domain: those to which the squared distance is convex all the way.
+FN_LARGE void settle_tiles(surface_view view, patch_tiles tiles, domain_vector at, real most,
+                           real distance, open_tiles* open) {
+  GLOBAL scalar* domain = domain_of(view, tiles.n);
   for (int i = 0; i < open->count; ++i) {
-    const real xi = open->middle[i].xi - f.xi, eta = open->middle[i].eta - f.eta;
-    const real apart2 = fma(xi, xi, eta * eta);
-    if (i == 0 || apart2 < least) {
-      least = apart2;
-      own = i;
-    }
+    const real xi = open->middle[i].xi - at.xi, eta = open->middle[i].eta - at.eta;
+    if (open->is_settled[i] || fma(xi, xi, eta * eta) > most * most ||
+        !is_convex(tiles, open->tile[i], open->height[i], distance) ||
+        !is_convex_between(tiles, domain, at, open->middle[i], distance))
+      continue;
+    open->is_settled[i] = 1;
+    --open->left;
   }
-  if (is_convex(tiles, open->tile[own], open->height[own], distance))
-    settle_from(tiles, own, distance, open);
 }
 
 // The open tile that no point is nearer than, of those not settled; -1 where all are farther than
@@ -253,21 +229,88 @@ FN int nearest_open(const open_tiles* open, real distance2) {
   return found;
 }
 
+// True if the squared distance is convex all the way to the minimum that is known, in its patch.
+FN int leads_to(surface_view view, hip_point h, foot f, foot best) {
+  if (f.patch != best.patch || !(best.flags & FOOT_CONVERGED)) return 0;
+  const patch_tiles tiles = tiles_of(view, h, f.patch);
+  return is_convex_between(tiles, domain_of(view, tiles.n), make_vector(f.xi, f.eta),
+                           make_vector(best.xi, best.eta),
+                           sqrt(best.distance2) * numbers_of(view, f.patch)[PATCH_SCALE]);
+}
+
+// How far from the middle of its tile a descent is followed, in radii and in rows of the domain,
+// and for how many steps: beyond, other starts are nearer.
+#define NEAR_TILE K(1.25f)
+#define STEPS_AT_ONCE 2
+#define STEPS_NEAR_TILE 6
+
+// Descends from the middle of a tile for as long as that may lead to a minimum there. From where it
+// is nearer than what is known it goes on all the way.
+FN_LARGE foot descend_from_tile(surface_view view, hip_point h, patch_tiles tiles, int tile, foot f,
+                                track_options options, foot best) {
+  const known_minimum none = {NONE, K(0)};
+  const uint patch = f.patch;
+  const domain_vector at = make_vector(f.xi, f.eta);
+  const real unscale = numbers_of(view, patch)[PATCH_UNSCALE];
+  const real3 start = mul3(unscale, f.r);
+  const real reach = NEAR_TILE * radius_of(tiles, tile) * unscale,
+             most = NEAR_TILE / (real)tiles.levels;
+  track_options some = options;
+  for (some.max_iterations = 0; some.max_iterations < options.max_iterations;) {
+    some.max_iterations += STEPS_AT_ONCE;
+    if (some.max_iterations > options.max_iterations || f.distance2 < best.distance2)
+      some = options;
+    f = end_foot(view, h, f, some, none);
+    if (f.flags & FOOT_CONVERGED) break;
+    if (f.distance2 < best.distance2) continue;
+    const real3 way = sub3(mul3(numbers_of(view, f.patch)[PATCH_UNSCALE], f.r), start);
+    const real xi = f.xi - at.xi, eta = f.eta - at.eta;
+    if (f.iterations >= STEPS_NEAR_TILE || dot3(way, way) > reach * reach ||
+        (f.patch == patch && fma(xi, xi, eta * eta) > most * most) || leads_to(view, h, f, best))
+      break;
+  }
+  return f;
+}
+
+// One start from an open tile, and what it settles.
+FN foot search_tile(surface_view view, hip_point h, uint patch, patch_tiles tiles, int from,
+                    open_tiles* open, track_options options, foot best) {
+  const real scale = numbers_of(view, patch)[PATCH_SCALE];
+  const domain_vector at = open->middle[from];
+  const int tile = open->tile[from];
+  foot f = start_foot(view, h, patch, at.xi, at.eta);
+  f.bend = bend_of(f.at, f.r, second_of(tiles, tile), options.solver);
+  f = descend_from_tile(view, h, tiles, tile, f, options, best);
+  best = better_foot(best, f);
+  open->is_settled[from] = 1;
+  --open->left;
+  const real distance = sqrt(best.distance2) * scale;
+  if (open->left == 0) return best;
+  if (f.patch != patch) {  // out of a convex tile: out of its neighbours as well
+    if (is_convex(tiles, tile, open->height[from], distance))
+      settle_tiles(view, tiles, at, K(0.7f) / (real)tiles.levels, distance, open);
+  } else if (f.flags & FOOT_CONVERGED) {
+    settle_tiles(view, tiles, make_vector(f.xi, f.eta), K(2), distance, open);
+  }
+  return best;
+}
+
 // The better of a known minimum and those of a patch. A search starts from the middle of each tile
 // that may hold a nearer point, but where a convex neighbourhood has but one minimum.
 FN_LARGE foot search_patch(surface_view view, hip_point h, uint patch, track_options options,
                            foot best) {
   GLOBAL scalar* numbers = numbers_of(view, patch);
   const real scale = numbers[PATCH_SCALE], curvature = numbers[PATCH_CURVATURE] * scale;
+  const int is_here = best.patch == patch && (best.flags & FOOT_CONVERGED);
   // Nowhere is the distance beyond half the radius of curvature.
-  if (best.patch == patch && (best.flags & FOOT_CONVERGED) &&
-      best.distance2 * curvature * curvature < K(0.25f))
-    return best;
+  if (is_here && best.distance2 * curvature * curvature < K(0.25f)) return best;
   const patch_tiles tiles = tiles_of(view, h, patch);
   open_tiles open;
   for (int next = 0; next < tiles.count;) {
     next = gather_tiles(view, tiles, next, best.distance2, &open);
-    if (best.patch == patch) settle_by(tiles, best, sqrt(best.distance2) * scale, &open);
+    if (best.patch == patch && open.left > 0 && (best.flags & FOOT_CONVERGED))
+      settle_tiles(view, tiles, make_vector(best.xi, best.eta), K(2), sqrt(best.distance2) * scale,
+                   &open);
     while (open.left > 0) {
       const int from = nearest_open(&open, best.distance2);
       if (from < 0) break;
@@ -275,13 +318,7 @@ FN_LARGE foot search_patch(surface_view view, hip_point h, uint patch, track_opt
         best.clear2 = smaller(open.distance2[from], best.clear2);
         break;
       }
-      const domain_point at = {patch, open.middle[from].xi, open.middle[from].eta};
-      const known_minimum known = {best.patch, best.distance2};
-      const foot f = end_foot(view, h, begin_foot(view, h, at, options), options, known);
-      best = better_foot(best, f);
-      const real distance = sqrt(best.distance2) * scale;
-      settle_from(tiles, from, distance, &open);
-      if (f.patch == patch) settle_by(tiles, f, distance, &open);
+      best = search_tile(view, h, patch, tiles, from, &open, options, best);
     }
   }
   return best;

@@ -13,7 +13,10 @@
 #define TILE_HALF_CURVES \
   3  // half the height, as the radius; 8 bits each: least and largest
      // curvature, ((bits - 128) / 127)^3 of PATCH_CURVATURE
-#define TILE_UINTS 4
+#define TILE_BEND \
+  4  // mean second fundamental form n . (G_xixi, G_xieta, G_etaeta): (9 bits - 256) each, times
+     // 2^(the highest 5 bits - 24)
+#define TILE_UINTS 5
 
 typedef struct {
   GLOBAL uint* word;
@@ -53,23 +56,46 @@ typedef struct {
   real height;     // of the HIP over the tile, local
 } tile_reach;
 
-FN tile_reach reach_of(patch_tiles t, int i) {
+// From a tile's centre to the HIP.
+FN real3 away_from(patch_tiles t, int i) {
   GLOBAL uint* word = t.word + TILE_UINTS * i;
-  const uint xy = word[TILE_CENTRE_XY], z_radius = word[TILE_CENTRE_Z_RADIUS],
-             axis = word[TILE_AXIS];
+  const uint xy = word[TILE_CENTRE_XY];
   const real3 centre =
       make3(fma(low_half(xy), t.step.x, t.low.x), fma(high_half(xy), t.step.y, t.low.y),
-            fma(low_half(z_radius), t.step.z, t.low.z));
+            fma(low_half(word[TILE_CENTRE_Z_RADIUS]), t.step.z, t.low.z));
+  return sub3(t.x, centre);
+}
+
+// False only if the ball round a tile's cylinder is farther than `distance` (local): cheaper than
+// reach_of.
+FN int may_reach(patch_tiles t, int i, real3 away, real distance) {
+  GLOBAL uint* word = t.word + TILE_UINTS * i;
+  const real size = high_half(word[TILE_CENTRE_Z_RADIUS]) + low_half(word[TILE_HALF_CURVES]),
+             most = fma(t.unit, size, distance);
+  return dot3(away, away) <= most * most;
+}
+
+FN real radius_of(patch_tiles t, int i) {
+  return t.unit * high_half(t.word[TILE_UINTS * i + TILE_CENTRE_Z_RADIUS]);
+}
+
+FN real3 axis_of(patch_tiles t, int i) {
+  const uint axis = t.word[TILE_UINTS * i + TILE_AXIS];
   const real x = (low_half(axis) - K(32768)) * K(0x1p-15f),
              y = (high_half(axis) - K(32768)) * K(0x1p-15f);
-  const real3 along = make3(x, y, sqrt(larger(K(1) - fma(x, x, y * y), K(0))));
-  const real3 away = sub3(t.x, centre);
+  return make3(x, y, sqrt(larger(K(1) - fma(x, x, y * y), K(0))));
+}
+
+FN tile_reach reach_of(patch_tiles t, int i, real3 away) {
+  GLOBAL uint* word = t.word + TILE_UINTS * i;
+  const real3 along = axis_of(t, i);
   tile_reach r;
   r.height = dot3(away, along);
-  const real aside =
-                 larger(norm3(fma3(-r.height, along, away)) - t.unit * high_half(z_radius), K(0)),
-             above = larger(fabs(r.height) - t.unit * low_half(word[TILE_HALF_CURVES]), K(0));
-  r.distance2 = fma(aside, aside, above * above) * t.unscale2;
+  const real aside = norm3(fma3(-r.height, along, away)) -
+                     t.unit * high_half(word[TILE_CENTRE_Z_RADIUS]),
+             above = fabs(r.height) - t.unit * low_half(word[TILE_HALF_CURVES]);
+  const real out = larger(aside, K(0)), up = larger(above, K(0));
+  r.distance2 = fma(out, out, up * up) * t.unscale2;
   return r;
 }
 
@@ -89,6 +115,15 @@ FN int is_convex(patch_tiles t, int i, real height, real distance) {
   return (height < -steep || above <= most) && (height > steep || below <= most);
 }
 
+FN sym2 second_of(patch_tiles t, int i) {
+  const uint word = t.word[TILE_UINTS * i + TILE_BEND];
+  const real scale = (real)(int)(1u << (word >> 27)) * K(0x1p-24f);
+  const sym2 s = {scale * ((real)(int)(word & 511u) - K(256)),
+                  scale * ((real)(int)(word >> 9 & 511u) - K(256)),
+                  scale * ((real)(int)(word >> 18 & 511u) - K(256))};
+  return s;
+}
+
 // The middle of a tile in the domain.
 FN domain_vector middle_of(patch_tiles t, GLOBAL scalar* domain, int i) {
   const int of_fan = t.levels * t.levels, k = i / of_fan;
@@ -102,4 +137,50 @@ FN domain_vector middle_of(patch_tiles t, GLOBAL scalar* domain, int i) {
   const domain_vector a = domain_corner(domain, k), b = domain_corner(domain, wrap(k + 1, t.n));
   const real u = (ring - along) * part, v = along * part;
   return make_vector(fma(u, a.xi, v * b.xi), fma(u, a.eta, v * b.eta));
+}
+
+// The tile that a point of the domain lies in.
+FN int tile_at(patch_tiles t, GLOBAL scalar* domain, domain_vector x) {
+  int fan = 0;
+  real u = K(0), v = K(0), inside = K(-2);
+  for (int k = 0; k < t.n; ++k) {
+    const domain_vector a = domain_corner(domain, k), b = domain_corner(domain, wrap(k + 1, t.n));
+    const real over = K(1) / fma(a.xi, b.eta, -(a.eta * b.xi));
+    const real p = fma(x.xi, b.eta, -(x.eta * b.xi)) * over,
+               q = fma(a.xi, x.eta, -(a.eta * x.xi)) * over;
+    const real least = smaller(p, q);
+    if (least > inside) {
+      inside = least;
+      fan = k;
+      u = p;
+      v = q;
+    }
+    if (least >= K(0)) break;
+  }
+  const real levels = (real)t.levels;
+  const real along = larger(v, K(0)) * levels, ring = larger(u, K(0)) * levels + along;
+  const int row = ring < levels ? (int)ring : t.levels - 1;
+  const int i = along < (real)(row + 1) ? (int)along : row;
+  const int down = i < row && along - (real)i > ring - (real)row;
+  return t.levels * t.levels * fan + row * row + 2 * i + down;
+}
+
+// True if the squared distance is convex all the way between two points of the domain, which takes
+// a look every half a tile.
+FN_LARGE int is_convex_between(patch_tiles t, GLOBAL scalar* domain, domain_vector a,
+                               domain_vector b, real distance) {
+  const domain_vector way = make_vector(b.xi - a.xi, b.eta - a.eta);
+  const real length = sqrt(fma(way.xi, way.xi, way.eta * way.eta));
+  const int steps = 1 + (int)(length * (real)(2 * t.levels));
+  int last = -1;
+  for (int i = 0; i <= steps; ++i) {
+    const real part = (real)i / (real)steps;
+    const int tile =
+        tile_at(t, domain, make_vector(fma(part, way.xi, a.xi), fma(part, way.eta, a.eta)));
+    if (tile == last) continue;
+    last = tile;
+    const real height = dot3(away_from(t, tile), axis_of(t, tile));
+    if (!is_convex(t, tile, height, distance)) return 0;
+  }
+  return 1;
 }

@@ -356,6 +356,7 @@ FN contact contact_of_union(surface_view view, hip_point h, union_search* u) {
     c.scp = u->rest[most].scp;
     c.normal = unit3(u->push);
     c.offset = c.push = u->push;
+    c.clear = norm3(u->push);
     c.crossings = 0;
     c.flags = FOOT_CONVERGED | FOOT_CREASE;
     c.warm = 0;
@@ -392,11 +393,9 @@ FN_LARGE void seek_on_patch(surface_view view, hip_point h, base_point base, rea
   u->count = 1;
   u->state = UNION_LOST;
   if (is_exposed(view, base.patch)) {
-    foot none;
-    none.patch = NONE;
-    none.distance2 = K(0);
-    none.iterations = 0;
-    u->only = search_patch(view, h, first, options, none);
+    const known_minimum none = {NONE, K(0)};
+    u->only = end_foot(view, h, first, options, none);
+    u->only = search_patch(view, h, base.patch, options, u->only);
     u->iterations += u->only.iterations;
     u->rest[0] = rest_of(view, u->only, make3(K(0), K(0), K(0)), options);
     u->push = u->rest[0].out;
