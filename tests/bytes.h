@@ -40,7 +40,7 @@ inline std::uint64_t surface_bytes(const PatchCache& cache) {
         };
         return bytes(s.domain, s.domain_begin, s.side_begin, s.side_patch, s.side_twin, s.control,
                      s.control_begin, s.form, s.corner, s.patch, s.triangle, s.node, s.child,
-                     s.tile, s.tile_begin);
+                     s.tile, s.tile_begin, s.part, s.part_table, s.partner, s.part_box);
       },
       cache.surface);
 }
