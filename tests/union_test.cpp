@@ -332,7 +332,7 @@ TEST_F(UnionOfShared, teeth_knows_what_is_inside) {
     inside += is_inside;
     wrong += touches != is_inside;
     // Farther than the triangles are from the surface.
-    if (distance < 2e-4 * size) continue;
+    if (distance < 5e-4 * size) continue;
     ++wound;
     odd += touches != (winding.at(hip) > 0.5);
   }
