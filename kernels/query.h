@@ -229,6 +229,14 @@ FN int nearest_open(const open_tiles* open, real distance2) {
   return found;
 }
 
+// True if a minimum is the only one of its patch: nowhere there is the distance beyond half the
+// radius of curvature.
+FN int is_sole_minimum(surface_view view, foot f) {
+  GLOBAL scalar* numbers = numbers_of(view, f.patch);
+  const real curvature = numbers[PATCH_CURVATURE] * numbers[PATCH_SCALE];
+  return (f.flags & FOOT_CONVERGED) && f.distance2 * curvature * curvature < K(0.25f);
+}
+
 // True if the squared distance is convex all the way to the minimum that is known, in its patch.
 FN int leads_to(surface_view view, hip_point h, foot f, foot best) {
   if (f.patch != best.patch || !(best.flags & FOOT_CONVERGED)) return 0;
@@ -248,7 +256,9 @@ FN int leads_to(surface_view view, hip_point h, foot f, foot best) {
 // is nearer than what is known it goes on all the way.
 FN_LARGE foot descend_from_tile(surface_view view, hip_point h, patch_tiles tiles, int tile, foot f,
                                 track_options options, foot best) {
-  const known_minimum none = {NONE, K(0)};
+  // Where a patch has but one minimum, that is it.
+  const int is_sole = is_sole_minimum(view, best);
+  const known_minimum known = {is_sole ? best.patch : NONE, best.distance2};
   const uint patch = f.patch;
   const domain_vector at = make_vector(f.xi, f.eta);
   const real unscale = numbers_of(view, patch)[PATCH_UNSCALE];
@@ -260,9 +270,10 @@ FN_LARGE foot descend_from_tile(surface_view view, hip_point h, patch_tiles tile
     some.max_iterations += STEPS_AT_ONCE;
     if (some.max_iterations > options.max_iterations || f.distance2 < best.distance2)
       some = options;
-    f = end_foot(view, h, f, some, none);
+    f = end_foot(view, h, f, some, known);
     if (f.flags & FOOT_CONVERGED) break;
     if (f.distance2 < best.distance2) continue;
+    if (is_sole && f.patch == best.patch) break;
     const real3 way = sub3(mul3(numbers_of(view, f.patch)[PATCH_UNSCALE], f.r), start);
     const real xi = f.xi - at.xi, eta = f.eta - at.eta;
     if (f.iterations >= STEPS_NEAR_TILE || dot3(way, way) > reach * reach ||
@@ -300,10 +311,8 @@ FN foot search_tile(surface_view view, hip_point h, uint patch, patch_tiles tile
 FN_LARGE foot search_patch(surface_view view, hip_point h, uint patch, track_options options,
                            foot best) {
   GLOBAL scalar* numbers = numbers_of(view, patch);
-  const real scale = numbers[PATCH_SCALE], curvature = numbers[PATCH_CURVATURE] * scale;
-  const int is_here = best.patch == patch && (best.flags & FOOT_CONVERGED);
-  // Nowhere is the distance beyond half the radius of curvature.
-  if (is_here && best.distance2 * curvature * curvature < K(0.25f)) return best;
+  const real scale = numbers[PATCH_SCALE];
+  if (best.patch == patch && is_sole_minimum(view, best)) return best;
   const patch_tiles tiles = tiles_of(view, h, patch);
   open_tiles open;
   for (int next = 0; next < tiles.count;) {
