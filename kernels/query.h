@@ -250,7 +250,7 @@ FN int leads_to(surface_view view, hip_point h, foot f, foot best) {
 // and for how many steps: beyond, other starts are nearer.
 #define NEAR_TILE K(1.25f)
 #define STEPS_AT_ONCE 2
-#define STEPS_NEAR_TILE 6
+#define STEPS_NEAR_TILE 12
 
 // Descends from the middle of a tile for as long as that may lead to a minimum there. From where it
 // is nearer than what is known it goes on all the way.
