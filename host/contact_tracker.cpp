@@ -25,7 +25,7 @@ class ContactTracker::Tick {
     const bool was_touching = t_.touching();
     if (!hip_.allFinite() || t_.is_clear(hip_)) return look_only();
     if (!was_touching) {
-      const RawContact<Real> end = nearest(hip_);
+      const RawContact<Real> end = nearest(hip_, 2);
       return t_.clear_ < 0 ? settle(end) : arrive(end);
     }
     RawContact<Real> next = state_;
@@ -33,7 +33,7 @@ class ContactTracker::Tick {
     spent_ += iterations_of(next);
     if (is_touching(next)) return settle(next);
     const Contact left = contact_of(cache_, s_, next);
-    const RawContact<Real> end = nearest(hip_);
+    const RawContact<Real> end = nearest(hip_, 2);
     // A HIP that has come out within this tick is no farther from the surface than it has moved.
     const bool is_out = (next.uints[kContactFlags] & kOnBorder) != 0 ||
                         left.distance <= (hip_ - t_.last_).norm() + on_surface_;
@@ -46,14 +46,18 @@ class ContactTracker::Tick {
 
  private:
   static bool is_touching(const RawContact<Real>& raw) { return raw.uints[kContactState] != 0; }
+  static bool is_unfinished(const RawContact<Real>& raw) {
+    return (raw.uints[kContactFlags] & kUnfinished) != 0;
+  }
   static int iterations_of(const RawContact<Real>& raw) {
     return static_cast<int>(raw.uints[kContactIterations]);
   }
 
-  RawContact<Real> nearest(const Vec3& x) {
+  // The nearest point, by a part of the evaluations that are left.
+  RawContact<Real> nearest(const Vec3& x, int part = 1) {
     RawContact<Real> found;
     TrackOptions<Real> options = options_;
-    options.budget = std::max(1, kTickEvaluations - spent_);
+    options.budget = std::max(1, (kSearchEvaluations - spent_) / part);
     const RawHip<Real> there = raw_hip<Real>(cache_, x);
     kernels<Real>().nearest(s_, &t_.options_.method, 1, options, &there, 1, &found);
     spent_ += iterations_of(found);
@@ -111,16 +115,16 @@ class ContactTracker::Tick {
   Contact arrive(const RawContact<Real>& end) {
     const Vec3 from = t_.last_, way = hip_ - from;
     const double length = way.norm();
-    const bool crosses = is_touching(end) != t_.behind_;
+    const bool crosses = !is_unfinished(end) && is_touching(end) != t_.behind_;
     const double uncovered = length - clear_of(end) + (crosses ? on_surface_ : -on_surface_);
     bool behind = t_.behind_, glided = false, was_near = false;
     for (double at = t_.clear_ > 0 ? t_.clear_ : std::min(4 * on_surface_, length);
-         at < uncovered;) {
+         at < std::min(uncovered, length);) {
       const Vec3 x = from + (at / length) * way;
       const RawContact<Real> there = nearest(x);
       const Contact found = contact_of(cache_, s_, there);
       const double clear = clear_of(found);
-      const bool is_in = is_touching(there), meets = clear <= on_surface_;
+      const bool is_in = is_touching(there) && !is_unfinished(there), meets = clear <= on_surface_;
       if (!behind && (meets || (is_in && (glided || cache_.is_closed)))) {
         RawContact<Real> inside = there;
         const RawHip<Real> hip = raw_hip<Real>(cache_, hip_);
@@ -136,13 +140,14 @@ class ContactTracker::Tick {
       glided = step > clear;
       was_near = was_near || glided || meets;
       step = std::max(step, clear);
-      if (spent_ >= kTickEvaluations || searches_ >= kTickSearches) {
+      if (spent_ >= kSearchEvaluations || searches_ >= kTickSearches) {
         t_.behind_ = behind;
         return glided ? pause(from + (std::min(at + step, length) / length) * way, 0, there)
                       : pause(x, clear, there);
       }
       at += step;
     }
+    if (is_unfinished(end)) return pause(hip_, clear_of(end), end);
     // What was near a surface and ends inside has come in, though its place was not found.
     return cache_.is_closed || (was_near && !behind) ? settle(end) : settle_free(end);
   }

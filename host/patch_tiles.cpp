@@ -12,8 +12,8 @@ namespace {
 
 using Vec2 = Eigen::Vector2d;
 
-constexpr double kMostTurn = 0.3;  // rad, of a normal from the mean of its tile, if possible
-constexpr std::uint32_t kMostTiles = 256;  // of a patch of few sides
+constexpr double kMostTurn = 0.2;  // rad, of a normal from the mean of its tile, if possible
+constexpr std::uint32_t kMostTiles = 512;  // of a patch of few sides
 constexpr double kMostCurvature = 1e4;     // local: what curves more has no end of it
 
 struct Range {
@@ -169,12 +169,12 @@ double least_cosine(const Lattice& lattice, std::uint32_t levels) {
   return least;
 }
 
-// Rows of tiles: as few as keep the normals of each together.
+// Rows of tiles: as few as keep the normals of each together, two at least.
 std::uint32_t levels_of(const Lattice& lattice) {
   std::uint32_t levels = 1;
-  for (std::uint32_t next = 1; next <= lattice.rings(); ++next) {
+  for (std::uint32_t next = 2; next <= lattice.rings(); ++next) {
     if (lattice.rings() % next != 0) continue;
-    if (next > 1 && lattice.sides() * next * next > kMostTiles) break;
+    if (lattice.sides() * next * next > kMostTiles) break;
     levels = next;
     if (least_cosine(lattice, levels) >= std::cos(kMostTurn)) break;
   }

@@ -49,6 +49,8 @@ Contact at_end(const Extreme& e, const Vec3& from, const Vec3& to, int ticks) {
   ContactTracker tracker(e.cache, {});
   Contact contact = tracker.tick(from);
   for (int k = 1; k <= ticks; ++k) contact = tracker.tick(from + (to - from) * k / ticks);
+  // What one tick may not spend, the next ones do.
+  for (int late = 0; late < 50 && !contact.touching; ++late) contact = tracker.tick(to);
   return contact;
 }
 

@@ -57,6 +57,11 @@ const std::map<std::string, Expected> kExpected{
     {"osd_nonquads", {17, false, {{3, 7}, {4, 7}, {5, 1}, {6, 2}}}},
     {"osd_toroidal_tet", {24, true, {{4, 24}}}},
     {"osd_torus", {32, true, {{4, 32}}}},
+    {"fish_tris", {1886, true, {{3, 1886}}}},
+    {"goathead", {5522, true, {{3, 5522}}}},
+    {"hand_open", {1602, false, {{3, 1602}}}},
+    {"hand_open_dual", {794, false, {{4, 11}, {5, 128}, {6, 527}, {7, 112}, {8, 16}}}},
+    {"koala_low", {7116, true, {{3, 7116}}}},
 };
 
 TEST_F(SharedMeshTest, every_face_of_every_file_is_there) {

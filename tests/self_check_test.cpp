@@ -42,7 +42,13 @@ void expect_contacts_at_their_points(const std::string& name, const Mesh& mesh) 
   std::uint32_t first = kNone;
   int iterations = 0;
   test::Worst error;
+  std::size_t buried = 0;
   for (std::size_t i = 0; i < at.size(); ++i) {
+    // Inside another part a point is none of the union's surface.
+    if (nearest(cache, points[i].position + 1e-6 * size * points[i].normal).touching) {
+      ++buried;
+      continue;
+    }
     const Vec3 tracked = tracker.track(hips[i], at[i]).scp;
     const bool other = std::abs(contacts[i].distance) < depth * (1 - 1e-6);
     const double e = std::max((tracked - points[i].position).norm(),
@@ -52,11 +58,13 @@ void expect_contacts_at_their_points(const std::string& name, const Mesh& mesh) 
     iterations = std::max(iterations, contacts[i].iterations);
     if (!(e <= 1e-9 * size) && missed++ == 0) first = at[i].face;
   }
+  EXPECT_LT(buried, at.size() / 2);
   EXPECT_EQ(missed, 0u) << "first: face " << first;
   test::record(name,
-               "depth {:.3g} of size, {} of {} missed, {} nearer to another sheet; worst {:.2g} of "
+               "depth {:.3g} of size, {} of {} missed, {} in other parts, {} nearer to another "
+               "sheet; worst {:.2g} of "
                "size, at most {} iterations",
-               depth / size, missed, at.size(), nearer, error.value, iterations);
+               depth / size, missed, at.size(), buried, nearer, error.value, iterations);
 }
 
 TEST(SelfCheck, every_contact_of_the_knot_is_at_its_point) {

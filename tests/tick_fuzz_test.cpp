@@ -1,5 +1,5 @@
 // What holds after any tick, wherever the hand is said to be and whenever: the tracker's force is
-// finite for every position that is, its work bounded, and the guards keep their promises. 1e6
+// finite for every position that is, its work bounded, and the guards keep their promises. 4e5
 // ticks, 1e8 with GLISS_LONG_TESTS.
 #include <cstdlib>
 
@@ -13,14 +13,6 @@ namespace gliss {
 namespace {
 
 using oracle::Rng, oracle::uniform, oracle::random_unit;
-
-// Of a search: each patch is tried once, from its starts. That is the bound, and far above what is
-// seen.
-constexpr int kStarts = 18;
-// Above the first ticks, which are the same each time: without the sweep's budget they reach
-// 78,795.
-constexpr std::uint64_t kFirstTicks = 1'000'000;
-constexpr int kFirstIterations = 28'000;
 
 // A hand that wanders about parts of 20 mm round the origin, in and out and through them; at times
 // it is elsewhere at once, or nowhere.
@@ -85,7 +77,7 @@ std::vector<std::vector<SceneObject>> scenes() {
 }
 
 TEST(TickFuzz, keeps_the_promises_of_tracker_and_guard_wherever_the_hand_is) {
-  const std::uint64_t ticks = std::getenv("GLISS_LONG_TESTS") ? 100'000'000 : 1'000'000;
+  const std::uint64_t ticks = std::getenv("GLISS_LONG_TESTS") ? 100'000'000 : 400'000;
   const std::vector<std::vector<SceneObject>> all = scenes();
   const Vec3 hips[2] = {Vec3::Zero(), Vec3(0.004, -0.001, 0.002)};
   std::vector<Tracker> trackers;
@@ -97,13 +89,7 @@ TEST(TickFuzz, keeps_the_promises_of_tracker_and_guard_wherever_the_hand_is) {
   HandFuzz hand(11);
   std::array<std::uint64_t, 5> seen{};
   std::uint64_t violations = 0, touching = 0, unusable = 0, allocated = 0;
-  int iterations = 0, first_iterations = 0, crossings = 0, most_of_search = 0;
-  for (const auto& objects : all) {
-    for (const SceneObject& object : objects) {
-      const auto patches = static_cast<int>(object.cache->patch_count());
-      most_of_search = std::max(most_of_search, patches * kStarts * QueryOptions().max_iterations);
-    }
-  }
+  int iterations = 0, crossings = 0;
   // The solver as printed, the last, costs a hundred times the others.
   const auto tracker_of = [&](std::uint64_t turn) {
     return turn % 64 == 63 ? trackers.size() - 1 : turn % (trackers.size() - 1);
@@ -132,7 +118,6 @@ TEST(TickFuzz, keeps_the_promises_of_tracker_and_guard_wherever_the_hand_is) {
       iterations = std::max(iterations, step.contact.iterations);
       crossings = std::max(crossings, step.contact.crossings);
     }
-    if (i == kFirstTicks) first_iterations = iterations;
     if (i % 8 == 0 && guard.engage()) judge.engaged();
     if (i % 2'000 == 0) {  // a new start
       guard = Guard(limits);
@@ -141,9 +126,8 @@ TEST(TickFuzz, keeps_the_promises_of_tracker_and_guard_wherever_the_hand_is) {
   }
   EXPECT_EQ(violations, 0u);
   EXPECT_EQ(allocated, 0u);
-  EXPECT_LE(iterations, ContactTracker::kTickEvaluations + most_of_search);
-  EXPECT_LE(first_iterations, kFirstIterations);
-  EXPECT_GT(first_iterations, 0);
+  EXPECT_LE(iterations, ContactTracker::kTickEvaluations);
+  EXPECT_GT(iterations, ContactTracker::kTickEvaluations / 2);
   EXPECT_LE(crossings, 64);
   EXPECT_GT(touching, ticks / 20);
   EXPECT_GT(unusable, ticks / 4000);
