@@ -101,12 +101,12 @@ class ContactTracker::Tick {
     return c;
   }
   // ... free, though the HIP has not been reached: the next tick goes on from x.
-  Contact pause(const Vec3& x, double clear, RawContact<Real> there) {
-    there.uints[kContactState] = 0;
-    state_ = there;
+  Contact pause(const Vec3& x, double clear, RawContact<Real> end) {
+    end.uints[kContactState] = 0;
+    state_ = end;
     t_.last_ = x;
     t_.clear_ = clear;
-    return contact(there);
+    return contact(end);
   }
 
   // Sphere tracing (Hart 1996) along the way of a free HIP, from last_ to where `end` is the
@@ -116,7 +116,9 @@ class ContactTracker::Tick {
     const Vec3 from = t_.last_, way = hip_ - from;
     const double length = way.norm();
     const bool crosses = !is_unfinished(end) && is_touching(end) != t_.behind_;
-    const double uncovered = length - clear_of(end) + (crosses ? on_surface_ : -on_surface_);
+    // From where squares overflow nothing is swept.
+    const double uncovered =
+        std::isfinite(length) ? length - clear_of(end) + (crosses ? on_surface_ : -on_surface_) : 0;
     bool behind = t_.behind_, glided = false, was_near = false;
     for (double at = t_.clear_ > 0 ? t_.clear_ : std::min(4 * on_surface_, length);
          at < std::min(uncovered, length);) {
@@ -142,13 +144,13 @@ class ContactTracker::Tick {
       step = std::max(step, clear);
       if (spent_ >= kSearchEvaluations || searches_ >= kTickSearches) {
         t_.behind_ = behind;
-        return glided ? pause(from + (std::min(at + step, length) / length) * way, 0, there)
-                      : pause(x, clear, there);
+        return glided ? pause(from + (std::min(at + step, length) / length) * way, 0, end)
+                      : pause(x, clear, end);
       }
       at += step;
     }
     if (is_unfinished(end)) return pause(hip_, clear_of(end), end);
-    // What was near a surface and ends inside has come in, though its place was not found.
+    // A HIP that was near a surface and ends inside has come in, though its place was not found.
     return cache_.is_closed || (was_near && !behind) ? settle(end) : settle_free(end);
   }
 
