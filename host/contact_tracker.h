@@ -29,7 +29,7 @@ class ContactTracker {
   // The contact after the HIP has moved to `hip` (mesh's unit). A HIP that is not finite has none,
   // and changes nothing.
   Contact tick(const Vec3& hip) noexcept;
-  // As tick, from a given contact, whatever the state: the local nearest point.
+  // Follows the local nearest point from a given contact, whatever the state.
   Contact track(const Vec3& hip, const DomainPoint& start) noexcept;
   bool touching() const;
   // Makes the HIP free; no surface is nearer to it than `clear`.

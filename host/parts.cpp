@@ -125,7 +125,7 @@ class PartFinder {
     Eigen::Matrix3d axes;  // columns, unit
     Vec3 centre, half;
   };
-  // Of a patch and its base polygon, mesh frame.
+  // Bounds a patch and its base polygon, mesh frame.
   OrientedBox oriented_box(std::uint32_t patch) const {
     const Real* numbers = &s_.patch[patch * kPatchReals];
     const auto triple = [&](std::size_t at) {

@@ -64,9 +64,9 @@ class Lattice {
     return samples_[r == 0 ? 0 : 1 + n_ * r * (r - 1) / 2 + (k * r + i) % (n_ * r)];
   }
 
-  // Of a small triangle: signed principal curvatures, positive where the surface bends away from
-  // its normal, and the longest side squared. `up`: (r, i), (r + 1, i), (r + 1, i + 1), else (r,
-  // i), (r, i + 1), (r + 1, i + 1).
+  // Measures a small triangle: signed principal curvatures, positive where the surface bends away
+  // from its normal, and the longest side squared. `up`: (r, i), (r + 1, i), (r + 1, i + 1), else
+  // (r, i), (r, i + 1), (r + 1, i + 1).
   struct Bend {
     double low, high, longest2;
     Eigen::Matrix2d second;  // fundamental form, of the domain

@@ -13,9 +13,9 @@ struct PatchTiles {
   double curvature = 0;  // the largest, local frame: that of the tiles is relative to it
 };
 
-// Of a patch in any form. `low` and `high`: its oriented box as it is stored. Bounds are from
-// samples, a probe's ring apart, widened by what lies between: half as much again as the curvature
-// at the samples says.
+// Cuts a patch in any form into tiles. `low` and `high`: its oriented box as it is stored. Bounds
+// are from samples, a probe's ring apart, widened by what lies between: half as much again as the
+// curvature at the samples says.
 PatchTiles cut_tiles(const PatchFrame& frame, const PatchShape& shape, const Vec3& low,
                      const Vec3& high, const double* control, std::uint32_t form, std::uint32_t n,
                      const ValenceTables& tables);

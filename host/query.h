@@ -61,8 +61,8 @@ struct Contact {
   double residual_angle = 0;   // between SCP - HIP and the normal, rad
   int iterations = 0, crossings = 0;  // iterations: over all patches that were tried
   std::uint32_t flags = 0;            // kConverged, kOnBorder, kOnCrease, kNotBuilt, kUnfinished
-  // Of a search: no surface is nearer to the HIP but for rounding, mesh's unit; |distance| unless
-  // it is kUnfinished. Of tracking 0.
+  // The distance that a search found no surface nearer than, but for rounding, mesh's unit:
+  // |distance| unless it is kUnfinished. Tracking leaves 0.
   double clear = 0;
 };
 

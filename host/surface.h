@@ -25,7 +25,7 @@ struct Surface {
   LargeArray<std::uint32_t> child;          // [node][2]
   LargeArray<std::uint32_t> tile;           // [tile][kTileUints], patch by patch
   LargeArray<std::uint32_t> tile_begin;     // [patch + 1], tiles before its own
-  // Of overlapping parts (kernels/union.h); all empty where no part meets another.
+  // Parts that overlap (kernels/union.h); all empty if no part meets another.
   LargeArray<std::uint32_t> part;         // [patch], its part and kPatch...
   std::vector<std::uint32_t> part_table;  // [part][kPartUints]
   std::vector<std::uint32_t> partner;     // solid parts that may hold a part's points

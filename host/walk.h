@@ -39,7 +39,7 @@ struct Walk {
 std::vector<Walk> walk_paths(const Mesh& mesh, const Topology& topology, const WalkOptions& options,
                              const ParallelFor& parallel = serial_for);
 
-// What a tracker of its own feels on each walk, together; stiffness 1 N per unit of length, full
+// Counts what a tracker of its own feels on each walk; stiffness 1 N per unit of length, full
 // force `depth` (mesh's unit). Ticks of pressing in are not counted.
 ForceStatistics feel_walks(const PatchCache& cache, const QueryOptions& options,
                            std::span<const Walk> walks, double depth,

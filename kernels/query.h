@@ -256,7 +256,7 @@ FN int leads_to(surface_view view, hip_point h, foot f, foot best) {
 // is nearer than what is known it goes on all the way.
 FN_LARGE foot descend_from_tile(surface_view view, hip_point h, patch_tiles tiles, int tile, foot f,
                                 track_options options, foot best) {
-  // Where a patch has but one minimum, that is it.
+  // A minimum that is its patch's only one needs no search there.
   const int is_sole = is_sole_minimum(view, best);
   const known_minimum known = {is_sole ? best.patch : NONE, best.distance2};
   const uint patch = f.patch;
@@ -333,7 +333,7 @@ FN_LARGE foot search_patch(surface_view view, hip_point h, uint patch, track_opt
   return best;
 }
 
-// What a search has found, with what it left out.
+// Ends a search: clear2 and FOOT_UNFINISHED say what it left out.
 FN foot finish_search(foot best) {
   const real rounding = K(64) * EPSILON * best.clear2;
   if (best.clear2 - rounding < best.distance2) {
