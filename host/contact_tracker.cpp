@@ -29,8 +29,9 @@ class ContactTracker::Tick {
       return t_.clear_ < 0 ? settle(end) : arrive(end);
     }
     RawContact<Real> next = state_;
-    kernels<Real>().tick(s_, t_.options_.method, options_, raw_hip<Real>(cache_, hip_), &next);
-    spent_ += iterations_of(next);
+    kernels<Real>().tick(s_, t_.options_.method, within_budget(2), raw_hip<Real>(cache_, hip_),
+                         &next);
+    spent_ += evaluations_of(next);
     if (is_touching(next)) return settle(next);
     const Contact left = contact_of(cache_, s_, next);
     const RawContact<Real> end = nearest(hip_, 2);
@@ -49,18 +50,22 @@ class ContactTracker::Tick {
   static bool is_unfinished(const RawContact<Real>& raw) {
     return (raw.uints[kContactFlags] & kUnfinished) != 0;
   }
-  static int iterations_of(const RawContact<Real>& raw) {
-    return static_cast<int>(raw.uints[kContactIterations]);
+  static int evaluations_of(const RawContact<Real>& raw) {
+    return static_cast<int>(raw.uints[kContactIterations]) + 1;
   }
 
+  // With a part of the evaluations that are left.
+  TrackOptions<Real> within_budget(int part) const {
+    TrackOptions<Real> options = options_;
+    options.budget = std::max(1, (kSearchEvaluations - spent_) / part);
+    return options;
+  }
   // The nearest point, by a part of the evaluations that are left.
   RawContact<Real> nearest(const Vec3& x, int part = 1) {
     RawContact<Real> found;
-    TrackOptions<Real> options = options_;
-    options.budget = std::max(1, (kSearchEvaluations - spent_) / part);
     const RawHip<Real> there = raw_hip<Real>(cache_, x);
-    kernels<Real>().nearest(s_, &t_.options_.method, 1, options, &there, 1, &found);
-    spent_ += iterations_of(found);
+    kernels<Real>().nearest(s_, &t_.options_.method, 1, within_budget(part), &there, 1, &found);
+    spent_ += evaluations_of(found);
     ++searches_;
     return found;
   }
@@ -74,7 +79,7 @@ class ContactTracker::Tick {
 
   Contact contact(const RawContact<Real>& raw) const {
     Contact c = contact_of(cache_, s_, raw);
-    c.iterations = spent_;
+    c.iterations = spent_ - 1;
     return c;
   }
   // The nearest point, without a contact.
@@ -130,8 +135,8 @@ class ContactTracker::Tick {
       if (!behind && (meets || (is_in && (glided || cache_.is_closed)))) {
         RawContact<Real> inside = there;
         const RawHip<Real> hip = raw_hip<Real>(cache_, hip_);
-        kernels<Real>().track(s_, t_.options_.method, options_, &hip, 1, &inside);
-        spent_ += iterations_of(inside);
+        kernels<Real>().track(s_, t_.options_.method, within_budget(1), &hip, 1, &inside);
+        spent_ += evaluations_of(inside);
         if (is_touching(inside)) return settle(inside);
       }
       if (!meets) behind = is_in && !cache_.is_closed;

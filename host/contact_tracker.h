@@ -19,8 +19,8 @@ namespace gliss {
 //   HIP that went round the rim is behind it and feels nothing until it has come out and in again.
 class ContactTracker {
  public:
-  // Evaluations of patches that a tick spends at most, with the default iterations of a solver and
-  // parts that do not overlap; and searches. What they do not suffice for, after a leap, the next
+  // Evaluations of patches that a tick spends at most, with the default iterations of a solver; and
+  // searches. What they do not suffice for, after a leap, the next
   // ticks do: until then there is no contact.
   static constexpr int kTickEvaluations = 1000, kTickSearches = 128;
 
@@ -45,8 +45,8 @@ class ContactTracker {
  private:
   template <class Real>
   class Tick;
-  // No search begins after as many: four descents of 64 may follow.
-  static constexpr int kSearchEvaluations = kTickEvaluations - 4 * 64;
+  // No search begins after as many: six descents of 64 steps may follow.
+  static constexpr int kSearchEvaluations = kTickEvaluations - 6 * 65;
 
   const PatchCache* cache_;
   QueryOptions options_;

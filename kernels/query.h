@@ -333,8 +333,10 @@ FN_LARGE foot search_patch(surface_view view, hip_point h, uint patch, track_opt
   return best;
 }
 
-// Ends a search: clear2 and FOOT_UNFINISHED say what it left out.
+// Ends a search: clear2 and FOOT_UNFINISHED say what it left out, and its iterations count all
+// evaluations but the first.
 FN foot finish_search(foot best) {
+  best.iterations += best.starts - 1;
   const real rounding = K(64) * EPSILON * best.clear2;
   if (best.clear2 - rounding < best.distance2) {
     best.clear2 = best.clear2 - rounding;

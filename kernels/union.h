@@ -16,7 +16,7 @@ typedef struct {
 #define UNION_RESTS 4
 #define UNION_STEPS 48  // at most, to settle
 typedef struct {
-  int count, iterations;
+  int count, iterations, is_spent;  // is_spent: the budget did not suffice
   union_rest rest[UNION_RESTS];
   real3 push;  // contact point - HIP, mesh frame
   int state;   // CONTACT_*, or UNION_LOST
@@ -50,9 +50,16 @@ FN int is_within(surface_view view, foot f) {
   return contact_of_foot(view, f).state == CONTACT_TOUCHING;
 }
 
+// True, once and for all, where a search has spent the evaluations that it may.
+FN int is_union_spent(union_search* u, track_options options) {
+  u->is_spent = u->is_spent || (options.budget > 0 && u->iterations >= options.budget);
+  return u->is_spent;
+}
+
 // Nearest point of one part's surface: each patch is searched from one start, which tells inside
-// from outside well enough far from a surface as well.
-FN_LARGE foot nearest_on_part(surface_view view, hip_point h, uint part, track_options options) {
+// from outside well enough far from a surface as well. Any point of it where the budget is spent.
+FN_LARGE foot nearest_on_part(surface_view view, hip_point h, uint part, union_search* u,
+                              track_options options) {
   walk w = start_walk(view);
   base_point base = base_point_on(view, h, view.part_table[PART_UINTS * part + PART_FIRST]);
   for (uint p = next_patch(view, &w, h.high, base.distance2); p != NONE;
@@ -64,8 +71,10 @@ FN_LARGE foot nearest_on_part(surface_view view, hip_point h, uint part, track_o
   const known_minimum none = {NONE, K(0)};
   foot best =
       end_foot(view, h, begin_foot(view, h, start_on_base(view, base), options), options, none);
+  u->iterations += best.iterations + 1;
   w = start_walk(view);
-  for (uint p = next_patch(view, &w, h.high, best.distance2); p != NONE;
+  for (uint p = next_patch(view, &w, h.high, best.distance2);
+       p != NONE && !is_union_spent(u, options);
        p = next_patch(view, &w, h.high, best.distance2)) {
     if (p == base.patch || part_of(view, p) != part ||
         !(patch_box_distance2(view, h, p) < best.distance2))
@@ -75,11 +84,10 @@ FN_LARGE foot nearest_on_part(surface_view view, hip_point h, uint part, track_o
     const real least = (sqrt(b.at.distance2) - numbers[PATCH_SAG]) * numbers[PATCH_UNSCALE];
     if (least > K(0) && least * least >= best.distance2) continue;
     const known_minimum known = {best.patch, best.distance2};
-    const int iterations = best.iterations;
     const foot f =
         end_foot(view, h, begin_foot(view, h, start_on_base(view, b), options), options, known);
+    u->iterations += f.iterations + 1;
     if (is_nearer(f, best)) best = f;
-    best.iterations = iterations + f.iterations;
   }
   return best;
 }
@@ -89,11 +97,13 @@ FN int in_part_box(surface_view view, hip_point h, uint part) {
 }
 
 // True if a point lies in a solid part that may hold points of a patch.
-FN_LARGE int is_in_partner(surface_view view, hip_point h, uint patch, track_options options) {
+FN_LARGE int is_in_partner(surface_view view, hip_point h, uint patch, union_search* u,
+                           track_options options) {
   GLOBAL uint* table = view.part_table + PART_UINTS * (ulong)part_of(view, patch);
   for (uint i = table[PART_PARTNERS]; i < table[PART_PARTNERS_END]; ++i) {
     const uint part = view.partner[i];
-    if (in_part_box(view, h, part) && is_within(view, nearest_on_part(view, h, part, options)))
+    if (is_union_spent(u, options)) return 0;
+    if (in_part_box(view, h, part) && is_within(view, nearest_on_part(view, h, part, u, options)))
       return 1;
   }
   return 0;
@@ -132,8 +142,8 @@ FN_LARGE int join_burier(surface_view view, hip_point h, uint patch, real3 outwa
     for (int k = 0; k < u->count; ++k)
       is_held = is_held || part_of(view, u->rest[k].at.patch) == part;
     if (is_held) continue;
-    const foot f = nearest_on_part(view, x, part, options);
-    u->iterations += f.iterations;
+    if (is_union_spent(u, options)) return 0;
+    const foot f = nearest_on_part(view, x, part, u, options);
     if (is_within(view, f)) {
       u->rest[u->count++] = rest_of(view, f, push, options);
       return 1;
@@ -288,7 +298,7 @@ FN_LARGE void settle(surface_view view, hip_point h, union_search* u, track_opti
   real last_slope = K(0), last_step = K(0);
   int last_pressed = 0;
   u->state = UNION_LOST;
-  for (int i = 0; i < UNION_STEPS; ++i) {
+  for (int i = 0; i < UNION_STEPS && !is_union_spent(u, options); ++i) {
     real3 push;
     if (!shortest_push(u, &push)) return;
     const int pressed = count_pressed(u);
@@ -374,6 +384,7 @@ FN union_search start_union(contact c) {
   union_search u;
   u.count = 1;
   u.iterations = c.iterations;
+  u.is_spent = 0;
   u.rest[0].at.patch = c.patch;
   u.rest[0].at.xi = c.xi;
   u.rest[0].at.eta = c.eta;
@@ -416,18 +427,24 @@ FN_LARGE void seek_on_patch(surface_view view, hip_point h, base_point base, rea
   settle(view, h, u, options);
 }
 
-// The nearest point of the union, given that of all parts.
+// The nearest point of the union, given that of all parts: no point of the union is nearer.
 FN_LARGE contact unite_nearest(surface_view view, hip_point h, contact c, track_options options) {
   const real reach = fabs(h.high.x) + fabs(h.high.y) + fabs(h.high.z);
-  if (is_exposed(view, c.patch) || !(reach <= FAR_OUTSIDE)) return c;
+  if (is_exposed(view, c.patch) || !(reach <= FAR_OUTSIDE) || (c.flags & FOOT_UNFINISHED)) return c;
+  const int was_touching = c.state == CONTACT_TOUCHING;
   union_search u = start_union(c);
-  if (!join_burier(view, h, c.patch, c.normal, &u, 0, options)) return c;
-  if (c.state != CONTACT_TOUCHING && !is_in_partner(view, h, c.patch, options)) return c;
+  const int is_buried = join_burier(view, h, c.patch, c.normal, &u, 0, options) &&
+                        (was_touching || is_in_partner(view, h, c.patch, &u, options));
+  if (!is_buried) {
+    c.iterations = u.iterations;
+    if (u.is_spent) c.flags |= FOOT_UNFINISHED;
+    return c;
+  }
   settle(view, h, &u, options);
   union_search best = u;
   real nearest2 = u.state == CONTACT_TOUCHING ? dot3(u.push, u.push) : K(0x1p126f);
   walk w = start_walk(view);
-  for (uint p = next_patch(view, &w, h.high, nearest2); p != NONE;
+  for (uint p = next_patch(view, &w, h.high, nearest2); p != NONE && !is_union_spent(&u, options);
        p = next_patch(view, &w, h.high, nearest2)) {
     if ((view.part[p] & PATCH_BURIED) || !(patch_box_distance2(view, h, p) < nearest2)) continue;
     GLOBAL scalar* numbers = numbers_of(view, p);
@@ -442,15 +459,25 @@ FN_LARGE contact unite_nearest(surface_view view, hip_point h, contact c, track_
     }
   }
   best.iterations = u.iterations;
-  if (best.state == CONTACT_TOUCHING) return contact_of_union(view, h, &best);
-  c.state = CONTACT_TOUCHING;
-  c.flags &= ~FOOT_CONVERGED;
-  c.iterations = u.iterations;
+  const real clear = c.clear;
+  if (best.state == CONTACT_TOUCHING) {
+    c = contact_of_union(view, h, &best);
+  } else {
+    c.state = CONTACT_TOUCHING;
+    c.flags &= ~FOOT_CONVERGED;
+    c.iterations = u.iterations;
+  }
+  if (u.is_spent) {
+    c.flags |= FOOT_UNFINISHED;
+    c.clear = clear;
+  }
   return c;
 }
 
 FN_LARGE contact search_union(surface_view view, hip_point h, int iterations,
                               track_options options) {
+  if (options.budget > 0)
+    options.budget = options.budget > iterations ? options.budget - iterations : 1;
   near_patches near;
   const base_point base = nearest_base(view, h, 1, &near);
   contact c = nearest_contact(view, h, base, &near, METHOD_GREGORY, options);
@@ -462,7 +489,7 @@ FN_LARGE contact search_union(surface_view view, hip_point h, int iterations,
 FN_LARGE contact follow_seam(surface_view view, hip_point h, contact last, track_options options) {
   union_search u;
   u.count = 0;
-  u.iterations = 0;
+  u.iterations = u.is_spent = 0;
   for (int i = 0; i <= last.held_count; ++i) {
     const domain_point own = {last.patch, last.xi, last.eta};
     const domain_point at = i == 0 ? own : last.held[i - 1];
@@ -478,18 +505,19 @@ FN_LARGE contact follow_seam(surface_view view, hip_point h, contact last, track
 // From a part that the HIP has left within another: on from above the HIP, where the contact was.
 FN_LARGE contact hand_over(surface_view view, hip_point h, contact last, contact c,
                            track_options options) {
-  if (!is_in_partner(view, h, last.patch, options)) return c;
+  union_search u = start_union(c);
+  if (!is_in_partner(view, h, last.patch, &u, options)) return c;
   const foot f = start_foot(view, h, last.patch, last.xi, last.eta);
   const union_rest left = rest_of(view, f, make3(K(0), K(0), K(0)), options);
   const real height = larger(dot3(left.normal, left.out), K(0));
-  union_search u = start_union(c);
   u.push = mul3(height, left.normal);
   const hip_point x = moved_hip(h, u.push);
   GLOBAL uint* table = view.part_table + PART_UINTS * (ulong)part_of(view, last.patch);
   for (uint i = table[PART_PARTNERS]; i < table[PART_PARTNERS_END]; ++i) {
     const uint part = view.partner[i];
     if (!in_part_box(view, h, part)) continue;
-    const foot on = nearest_on_part(view, x, part, options);
+    if (is_union_spent(&u, options)) break;
+    const foot on = nearest_on_part(view, x, part, &u, options);
     u.rest[0] = rest_of(view, on, u.push, options);
     u.count = 1;
     if (!(dot3(u.rest[0].normal, u.rest[0].out) > K(0))) continue;

@@ -8,6 +8,7 @@
 #include "tests/allocations.h"
 #include "tests/guard_fuzz.h"
 #include "tests/surfaces.h"
+#include "tests/union_oracle.h"
 
 namespace gliss {
 namespace {
@@ -68,12 +69,18 @@ std::vector<std::vector<SceneObject>> scenes() {
       Eigen::Translation3d(0.002, 0, -0.004) * Eigen::AngleAxisd(0.3, Vec3(1, 2, 3).normalized());
   fin.pose = Eigen::Translation3d(0, 0.003, 0) * Eigen::AngleAxisd(2, Vec3(-1, 0, 1).normalized());
   ball.pose = Eigen::Translation3d(-0.006, 0.004, 0.01) * Eigen::Isometry3d::Identity();
+  const Mesh sphere = goldberg(3, 10).mesh;
+  const Mesh cluster = test::joined({sphere, test::moved(sphere, Vec3(15, 0.4, 0.3)),
+                                     test::moved(sphere, Vec3(7.3, 13.2, 1)),
+                                     test::moved(torus().mesh, Vec3(2, 3, 4))});
+  SceneObject unioned{.cache = part(cluster, Precision::kDouble)};
+  unioned.pose = Eigen::Translation3d(-0.005, -0.004, 0) * Eigen::Isometry3d::Identity();
   SceneObject flat = fin, shaded = plate;
   flat.method = Method::kFlat;
   shaded.method = Method::kShaded;
   SceneObject printed[2] = {plate, fin};
   for (SceneObject& object : printed) object.solver = Solver::kPaper;
-  return {{plate, ball}, {fin, plate}, {ball, fin}, {flat, shaded}, {printed[0], printed[1]}};
+  return {{plate, ball}, {fin, plate}, {ball, fin}, {unioned}, {flat, shaded}, {printed[0], printed[1]}};
 }
 
 TEST(TickFuzz, keeps_the_promises_of_tracker_and_guard_wherever_the_hand_is) {
