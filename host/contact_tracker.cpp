@@ -23,23 +23,27 @@ class ContactTracker::Tick {
 
   Contact run() {
     const bool was_touching = t_.touching();
+    const double moved = (hip_ - t_.last_).norm();
     if (!hip_.allFinite() || t_.is_clear(hip_)) return look_only();
     if (!was_touching) {
-      const RawContact<Real> end = nearest(hip_, 2);
+      const RawContact<Real> end = nearest(hip_, left() / 2);
       return t_.clear_ < 0 ? settle(end) : arrive(end);
     }
     RawContact<Real> next = state_;
-    kernels<Real>().tick(s_, t_.options_.method, within_budget(2), raw_hip<Real>(cache_, hip_),
+    kernels<Real>().tick(s_, t_.options_.method, within(left() / 2), raw_hip<Real>(cache_, hip_),
                          &next);
     spent_ += evaluations_of(next);
     if (is_touching(next)) return settle(next);
-    const Contact left = contact_of(cache_, s_, next);
-    const RawContact<Real> end = nearest(hip_, 2);
+    const Contact gone = contact_of(cache_, s_, next);
+    const RawContact<Real> end = nearest(hip_, left() / 2);
     // A HIP that has come out within this tick is no farther from the surface than it has moved.
-    const bool is_out = (next.uints[kContactFlags] & kOnBorder) != 0 ||
-                        left.distance <= (hip_ - t_.last_).norm() + on_surface_;
+    const bool is_out =
+        (next.uints[kContactFlags] & kOnBorder) != 0 || gone.distance <= moved + on_surface_;
     if (!is_out && is_touching(end)) return settle(end);
-    t_.last_ = left.scp;
+    // No surface lies between the last HIP and this one: it has not come out, whatever the sheets
+    // say that lie nearest where a surface folds over itself.
+    if (!is_out && clear_of(end) > moved && hold()) return contact(state_);
+    t_.last_ = gone.scp;
     t_.clear_ = 0;
     t_.behind_ = false;
     return arrive(end);
@@ -54,17 +58,16 @@ class ContactTracker::Tick {
     return static_cast<int>(raw.uints[kContactIterations]) + 1;
   }
 
-  // With a part of the evaluations that are left.
-  TrackOptions<Real> within_budget(int part) const {
+  int left() const { return kSearchEvaluations - spent_; }  // evaluations
+  TrackOptions<Real> within(int budget) const {
     TrackOptions<Real> options = options_;
-    options.budget = std::max(1, (kSearchEvaluations - spent_) / part);
+    options.budget = std::max(1, std::min(budget, left()));
     return options;
   }
-  // The nearest point, by a part of the evaluations that are left.
-  RawContact<Real> nearest(const Vec3& x, int part = 1) {
+  RawContact<Real> nearest(const Vec3& x, int budget = kSearchEvaluations) {
     RawContact<Real> found;
     const RawHip<Real> there = raw_hip<Real>(cache_, x);
-    kernels<Real>().nearest(s_, &t_.options_.method, 1, within_budget(part), &there, 1, &found);
+    kernels<Real>().nearest(s_, &t_.options_.method, 1, within(budget), &there, 1, &found);
     spent_ += evaluations_of(found);
     ++searches_;
     return found;
@@ -95,8 +98,28 @@ class ContactTracker::Tick {
     t_.last_ = hip_;
     t_.clear_ = is_touching(raw) ? 0 : clear_of(raw);
     t_.behind_ = false;
+    t_.held_push_ = 0;
     return contact(raw);
   }
+  // The tick ends with the SCP where it was. False once that pushes four times as far as at first.
+  bool hold() {
+    const auto push_of = [](const RawContact<Real>& raw) {
+      return Eigen::Map<const Eigen::Matrix<Real, 3, 1>>(&raw.reals[kContactOffset]).norm();
+    };
+    RawContact<Real> same = state_;
+    TrackOptions<Real> options = within(left());
+    options.max_iterations = 0;
+    const RawHip<Real> hip = raw_hip<Real>(cache_, hip_);
+    kernels<Real>().track(s_, t_.options_.method, options, &hip, 1, &same);
+    if (t_.held_push_ == 0) t_.held_push_ = static_cast<double>(push_of(state_));
+    if (!(static_cast<double>(push_of(same)) <= 4 * t_.held_push_)) return false;
+    same.uints[kContactState] = 1;
+    same.uints[kContactFlags] &= ~kConverged;
+    state_ = same;
+    t_.last_ = hip_;
+    return true;
+  }
+
   // ... free, whatever the normal at the nearest point says.
   Contact settle_free(RawContact<Real> end) {
     const bool is_behind = is_touching(end);
@@ -105,8 +128,10 @@ class ContactTracker::Tick {
     t_.behind_ = is_behind;
     return c;
   }
-  // ... free, though the HIP has not been reached: the next tick goes on from x.
+  // ... free, though the HIP has not been reached: the next tick goes on from x. A contact that is
+  // not known to have ended is held.
   Contact pause(const Vec3& x, double clear, RawContact<Real> end) {
+    if (t_.touching() && hold()) return contact(state_);
     end.uints[kContactState] = 0;
     state_ = end;
     t_.last_ = x;
@@ -128,14 +153,14 @@ class ContactTracker::Tick {
     for (double at = t_.clear_ > 0 ? t_.clear_ : std::min(4 * on_surface_, length);
          at < std::min(uncovered, length);) {
       const Vec3 x = from + (at / length) * way;
-      const RawContact<Real> there = nearest(x);
+      const RawContact<Real> there = nearest(x, kWaySearch);
       const Contact found = contact_of(cache_, s_, there);
       const double clear = clear_of(found);
       const bool is_in = is_touching(there) && !is_unfinished(there), meets = clear <= on_surface_;
       if (!behind && (meets || (is_in && (glided || cache_.is_closed)))) {
         RawContact<Real> inside = there;
         const RawHip<Real> hip = raw_hip<Real>(cache_, hip_);
-        kernels<Real>().track(s_, t_.options_.method, within_budget(1), &hip, 1, &inside);
+        kernels<Real>().track(s_, t_.options_.method, within(left()), &hip, 1, &inside);
         spent_ += evaluations_of(inside);
         if (is_touching(inside)) return settle(inside);
       }
@@ -158,6 +183,9 @@ class ContactTracker::Tick {
     // A HIP that was near a surface and ends inside has come in, though its place was not found.
     return cache_.is_closed || (was_near && !behind) ? settle(end) : settle_free(end);
   }
+
+  // Of a point on the way, a bound on the distance is enough.
+  static constexpr int kWaySearch = 128;
 
   ContactTracker& t_;
   const PatchCache& cache_;

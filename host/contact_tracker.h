@@ -54,6 +54,7 @@ class ContactTracker {
   Vec3 last_ = Vec3::Zero();  // the last tick's HIP, or how far along its way a sweep has come
   double clear_ = -1;         // no surface is nearer to it than this; negative: there was no tick
   bool behind_ = false;       // it is free and behind an open surface
+  double held_push_ = 0;      // push, mesh frame, when the SCP came to be held; 0: it is not
 };
 
 }  // namespace gliss

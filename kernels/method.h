@@ -120,17 +120,21 @@ FN_LARGE real3 crease_normal(surface_view view, foot f) {
 
 // Past an open border the surface has no force to give, yet what slid over it must not be let go at
 // once. So a border is rounded off as the rim of a solid is: with the depth `d` under the tangent
-// plane and the way `s` past the border, the HIP is pushed along the gradient of
-// (d - s^2 / 4 d)^2 / 2, which is d^2 / 2 on the border and fades to nothing at s = 2 d. `normal`
-// is the surface's at the border.
+// plane and the way `s` past the border, the HIP is pushed along the gradient of (d^2 - s^2) / 2,
+// and from s = d / 2 on along that of 2 (d - s / 2)^2 / 3, which fades to nothing at s = 2 d. The
+// push changes by at most 5/3 of the HIP's way. `normal` is the surface's at the border.
 FN contact past_border(contact c, real3 normal) {
   const real depth = dot3(c.offset, normal);
   const real3 aside = fma3(-depth, normal, c.offset);
-  const real faded = dot3(aside, aside) / (K(4) * depth * depth);
-  c.state = depth > K(0) && faded < K(1) ? CONTACT_TOUCHING : CONTACT_FREE;
+  const real past = norm3(aside);
+  c.state = past < K(2) * depth ? CONTACT_TOUCHING : CONTACT_FREE;
   if (c.state == CONTACT_FREE) return c;
-  const real pressed = depth * (K(1) - faded);
-  c.push = fma3(pressed * (K(1) + faded), normal, mul3(-pressed / (K(2) * depth), aside));
+  if (K(2) * past <= depth) {
+    c.push = fma3(depth, normal, mul3(-K(1), aside));
+  } else {
+    const real pressed = K(4) / K(3) * (depth - past / K(2));
+    c.push = fma3(pressed, normal, mul3(-pressed / (K(2) * past), aside));
+  }
   return c;
 }
 

@@ -74,8 +74,7 @@ FN_LARGE foot nearest_on_part(surface_view view, hip_point h, uint part, union_s
   u->iterations += best.iterations + 1;
   w = start_walk(view);
   for (uint p = next_patch(view, &w, h.high, best.distance2);
-       p != NONE && !is_union_spent(u, options);
-       p = next_patch(view, &w, h.high, best.distance2)) {
+       p != NONE && !is_union_spent(u, options); p = next_patch(view, &w, h.high, best.distance2)) {
     if (p == base.patch || part_of(view, p) != part ||
         !(patch_box_distance2(view, h, p) < best.distance2))
       continue;

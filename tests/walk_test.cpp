@@ -182,8 +182,8 @@ void expect_contacts_held(const std::string& name, const Mesh& raw, std::uint64_
       options.walkers = test::samples(few, kTicks) / kTicksPerWalker;
       const std::vector<Walk> walks = walk_paths(mesh, topology, options);
       const Held held = hold(cache, oracle, walks, options.depth);
-      // Bevels of spot_control are thinner than a step of 10 %, and bent: once in 20,000 ticks.
-      const std::uint64_t known = name == "spot_control" && step > 0.05 ? 1 : 0;
+      // Where a surface passes through itself, once in 100,000 ticks at a step of 10 %.
+      const std::uint64_t known = step > 0.05 ? held.felt.touching / 90'000 : 0;
       EXPECT_LE(held.lost_uncrossed, known) << name << ", " << 0.5 * deep << " %, step " << step;
       EXPECT_EQ(held.felt.unsound, 0u);
       test::record(fmt::format("{}, {} % deep, steps of {} %", name, 0.5 * deep, 100 * step),
