@@ -25,7 +25,7 @@ struct DeviceInfo {
 struct DeviceState {
   std::uint64_t sequence = 0;  // grows with each measurement, by more than 1 where some were lost;
                                // 0: there is none yet, and nothing else here counts
-  Nanoseconds measured{};      // on the loop's clock
+  Nanoseconds measured{};      // on the loop's clock; no later than the loop first saw it
   Vec3 position = Vec3::Zero();
   Vec3 velocity = Vec3::Zero();
   bool fault = false;  // the device says that it failed; the force is to end
@@ -42,6 +42,8 @@ class HapticDevice {
   virtual DeviceState read(Nanoseconds now) noexcept = 0;
   // False where the force cannot be handed on; it then counts as a fault.
   virtual bool write(const Vec3& force, Nanoseconds now) noexcept = 0;
+  // What a person is told where the device failed.
+  virtual std::string fault_text() const { return "the device reports a fault"; }
 };
 
 }  // namespace gliss

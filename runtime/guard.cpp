@@ -200,6 +200,10 @@ bool is_failure(GuardReason reason) noexcept {
          reason < GuardReason::kForceLimit;
 }
 
+bool may_reengage(GuardReason reason) noexcept {
+  return reason == GuardReason::kLateInput || reason == GuardReason::kNotFinite;
+}
+
 const char* text(GuardState state) noexcept {
   constexpr std::array<const char*, 5> kTexts = {"start", "run", "hold", "ramp", "safe"};
   return kTexts[static_cast<std::size_t>(state)];

@@ -54,6 +54,9 @@ const char* text(GuardReason reason) noexcept;  // "late input"
 // Something went wrong: not a limit, and not a stop that was asked for.
 bool is_failure(GuardReason reason) noexcept;
 
+// True for what a guard may engage again after by itself: inputs that were late or no numbers.
+bool may_reengage(GuardReason reason) noexcept;
+
 enum class GuardState : std::uint8_t { kStart, kRun, kHold, kRamp, kSafe };
 const char* text(GuardState state) noexcept;  // "hold"
 

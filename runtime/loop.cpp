@@ -38,10 +38,6 @@ class Pace {
   Nanoseconds period_, start_ = monotonic_time(), next_ = start_;
 };
 
-bool may_reengage(GuardReason reason) {
-  return reason == GuardReason::kLateInput || reason == GuardReason::kNotFinite;
-}
-
 // Of the record: a tick whose force was not the tracker's, or its limited one.
 int error_of(GuardReason reason) { return is_failure(reason) ? static_cast<int>(reason) : 0; }
 
@@ -109,6 +105,7 @@ LoopEnd HapticLoop::run(const std::function<bool(const LoopTick&)>& on_tick) {
   const clockid_t clock = options_.cpu_time ? CLOCK_THREAD_CPUTIME_ID : CLOCK_MONOTONIC;
   std::optional<LoopEnd> end;
   std::uint64_t last_sequence = 0;
+  Nanoseconds arrived = now;
   Pace pace(options_);
   for (std::uint64_t number = 0;; ++number) {
     const Wake wake = pace.wait();
@@ -121,6 +118,9 @@ LoopEnd HapticLoop::run(const std::function<bool(const LoopTick&)>& on_tick) {
       end = end.value_or(LoopEnd::kDeviceEnded);
       if (tick.input.sequence == last_sequence) return *end;  // nobody is there to be let down
     }
+    // Whatever the device stamps: what brings nothing new grows old.
+    if (tick.input.sequence != last_sequence) arrived = now;
+    tick.input.measured = std::min(tick.input.measured, arrived);
     last_sequence = tick.input.sequence;
     tick.age = now - tick.input.measured;
     if (end && !failed_) guard_.trip(GuardReason::kStopRequested);

@@ -17,18 +17,31 @@ constexpr int kByes = 3;                  // a datagram may be lost
 
 }  // namespace
 
-UdpDevice::UdpDevice(std::uint16_t port, Nanoseconds patience) {
+UdpDevice::UdpDevice(std::uint16_t port, Nanoseconds patience) : port_(port) {
   if (port == 0) throw std::invalid_argument("a device's UDP port must be 1 to 65535");
   socket_.connect(port);
   const Nanoseconds start = monotonic_time();
   while (state_.sequence == 0) {
     const Nanoseconds now = monotonic_time();
-    if (now - start > patience) {
-      throw LoopError(fmt::format(
-          "udp:{0}: no haptic device answered at 127.0.0.1:{0} for {1:.1f} s; cure: start the "
-          "device's program or gliss serve with this port, or end the loop that uses it already",
-          port, seconds(patience)));
+    if (refused_) {
+      throw LoopError(
+          fmt::format("udp:{0}: the device at 127.0.0.1:{0} refused this loop, for it lacks the "
+                      "pass; cure: run "
+                      "it as the user who serves the device",
+                      port));
     }
+    if (now - start > patience) {
+      throw LoopError(
+          pass_ && pass_->served
+              ? fmt::format("udp:{}: the device refused this loop, for another has it, or had it a "
+                            "moment ago; cure: end that, and wait for {} s",
+                            port, std::chrono::seconds(udp::kPlaceKept).count())
+              : fmt::format("udp:{0}: no haptic device answered at 127.0.0.1:{0} for {1:.1f} s; "
+                            "cure: start the device's program or gliss serve with this port, or "
+                            "end the loop that uses it already",
+                            port, seconds(patience)));
+    }
+    pass_ = udp::find_pass(port);
     send(Vec3::Zero(), now, 0);
     // A refusal ends a wait at once, and is to be waited for, not to be spun on.
     for (const Nanoseconds next = now + kHelloEvery; state_.sequence == 0;) {
@@ -53,14 +66,25 @@ DeviceState UdpDevice::read(Nanoseconds now) noexcept {
 }
 
 bool UdpDevice::write(const Vec3& force, Nanoseconds now) noexcept {
-  return send(force, now, 0) && !unreachable_;
+  return send(force, now, 0) && !unreachable_ && !refused_;
+}
+
+std::string UdpDevice::fault_text() const {
+  if (refused_) return "the device refuses this loop: it was served anew";
+  if (!unreachable_) return HapticDevice::fault_text();
+  const auto pass = udp::find_pass(port_);
+  return pass && pass->served ? "the device refuses this loop: another has it"
+                              : "the device's process has ended";
 }
 
 void UdpDevice::receive() noexcept {
   const auto dead = [&] { unreachable_ = true; };
   udp::drain<udp::kLargest>(socket_, kDrain, dead, [&](auto bytes, std::uint16_t) {
-    if (const auto datagram = udp::decode<udp::StateDatagram>(bytes)) {
+    const auto datagram = udp::decode<udp::StateDatagram>(bytes);
+    if (datagram && Nanoseconds(datagram->measured) <= monotonic_time()) {
       take(*datagram);
+    } else if (udp::decode<udp::RefusalDatagram>(bytes)) {
+      refused_ = true;
     } else {
       ++rejected_;
     }
@@ -79,7 +103,7 @@ void UdpDevice::take(const udp::StateDatagram& datagram) noexcept {
   last_ = datagram;
   state_ = udp::state_of(datagram);
   state_.sequence = before_ + datagram.sequence;
-  unreachable_ = false;
+  unreachable_ = refused_ = false;
 }
 
 bool UdpDevice::send(const Vec3& force, Nanoseconds now, std::uint16_t flags) noexcept {
@@ -90,7 +114,9 @@ bool UdpDevice::send(const Vec3& force, Nanoseconds now, std::uint16_t flags) no
   datagram.sent = std::max(now, 0ns).count();
   if (const udp::Triple wanted = udp::triple(force); udp::is_finite(wanted))
     datagram.force = wanted;
-  const udp::Outcome outcome = socket_.send(udp::encode(datagram));
+  const udp::Outcome outcome =
+      pass_ ? socket_.send(udp::encode(udp::PassedForceDatagram{datagram, pass_->pass}))
+            : socket_.send(udp::encode(datagram));
   if (outcome == udp::Outcome::kRefused) unreachable_ = true;
   return outcome == udp::Outcome::kDone;
 }

@@ -1,10 +1,14 @@
 // The datagrams between a loop and a haptic device in another process of this machine: fixed
 // layouts, little-endian, without padding. Both processes read the same CLOCK_MONOTONIC. What does
 // not hold of a datagram makes it none: nothing of it is used.
+//
+// A device that has a pass (runtime/udp_pass.h) takes forces with that pass alone, and answers
+// others with a RefusalDatagram. One without takes them from whoever comes first.
 #pragma once
 
 #include <array>
 #include <bit>
+#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -21,8 +25,9 @@ namespace gliss::udp {
 
 static_assert(std::endian::native == std::endian::little, "the datagrams are memory as it lies");
 
-inline constexpr std::uint32_t kStateMagic = 0x53534c47;  // "GLSS"
-inline constexpr std::uint32_t kForceMagic = 0x46534c47;  // "GLSF"
+inline constexpr std::uint32_t kStateMagic = 0x53534c47;    // "GLSS"
+inline constexpr std::uint32_t kForceMagic = 0x46534c47;    // "GLSF"
+inline constexpr std::uint32_t kRefusalMagic = 0x52534c47;  // "GLSR"
 inline constexpr std::uint16_t kVersion = 1;
 
 // Bits of StateDatagram::flags and of ForceDatagram::flags; others must be zero.
@@ -30,6 +35,7 @@ inline constexpr std::uint16_t kHasVelocity = 1, kFault = 2, kEnded = 4;
 inline constexpr std::uint16_t kBye = 1;  // the loop ends, its force too
 
 using Triple = std::array<double, 3>;
+using Pass = std::array<std::byte, 16>;
 
 // From the device, in each of its ticks.
 struct StateDatagram {
@@ -57,18 +63,36 @@ struct ForceDatagram {
   Triple force{};              // N
 };
 
+// From a loop that has the device's pass.
+struct PassedForceDatagram {
+  ForceDatagram force;
+  Pass pass{};
+};
+
+// From the device, to a loop whose forces it does not take: no pass, or another.
+struct RefusalDatagram {
+  std::uint32_t magic = kRefusalMagic;
+  std::uint16_t version = kVersion;
+  std::uint16_t reserved = 0;
+};
+
 template <class Datagram>
 inline constexpr bool kPlain =
     std::is_trivially_copyable_v<Datagram>&& std::is_standard_layout_v<Datagram>;
-static_assert(kPlain<StateDatagram> && kPlain<ForceDatagram>);
+static_assert(kPlain<StateDatagram> && kPlain<ForceDatagram> && kPlain<PassedForceDatagram>);
 // As long as their members together: there is no padding.
 static_assert(sizeof(StateDatagram) == 4 + 2 + 2 + 3 * 8 + 2 * 24 + 2 * 8 + 2 * 24);
 static_assert(sizeof(ForceDatagram) == 4 + 2 + 2 + 3 * 8 + 24);
+static_assert(sizeof(PassedForceDatagram) == sizeof(ForceDatagram) + sizeof(Pass));
+static_assert(sizeof(RefusalDatagram) == 4 + 2 + 2);
 static_assert(offsetof(StateDatagram, box_max) == sizeof(StateDatagram) - sizeof(Triple));
 static_assert(offsetof(ForceDatagram, force) == sizeof(ForceDatagram) - sizeof(Triple));
 static_assert(sizeof(double) == 8 && std::numeric_limits<double>::is_iec559);
 
 inline constexpr std::size_t kLargest = sizeof(StateDatagram);
+
+// A loop that falls silent has no force; no other gets the device for so long.
+inline constexpr std::chrono::seconds kPlaceKept{5};
 
 inline bool is_finite(const Triple& v) noexcept {
   return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
@@ -85,6 +109,12 @@ inline bool is_valid(const StateDatagram& d) noexcept {
 inline bool is_valid(const ForceDatagram& d) noexcept {
   return d.magic == kForceMagic && d.version == kVersion && (d.flags & ~kBye) == 0 &&
          d.sequence > 0 && d.sent >= 0 && is_finite(d.force);
+}
+
+inline bool is_valid(const PassedForceDatagram& d) noexcept { return is_valid(d.force); }
+
+inline bool is_valid(const RefusalDatagram& d) noexcept {
+  return d.magic == kRefusalMagic && d.version == kVersion && d.reserved == 0;
 }
 
 template <class Datagram>

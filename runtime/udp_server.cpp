@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "runtime/guard.h"
 #include "runtime/periodic.h"
 
 namespace gliss {
@@ -14,20 +13,32 @@ using namespace std::chrono_literals;
 constexpr Nanoseconds kLongestWatchdog = 20ms;
 constexpr int kFarewells = 3;  // a datagram may be lost
 
-UdpServerOptions checked(const UdpServerOptions& options) {
+UdpServerOptions checked(UdpServerOptions options, const DeviceInfo& device) {
   if (options.watchdog <= 0ns || options.watchdog > kLongestWatchdog)
     throw std::invalid_argument("watchdog: must be positive and at most 20 ms");
   if (options.period <= 0ns || options.period >= options.watchdog)
     throw std::invalid_argument("period: must be positive and shorter than the watchdog");
+  if (options.guard) {
+    options.guard->max_force = std::min(options.guard->max_force, device.max_force);
+    Guard{*options.guard};  // checks them
+  }
   return options;
+}
+
+// Takes the same time however much of them is the same.
+bool is_same(const udp::Pass& a, const udp::Pass& b) {
+  std::byte differ{0};
+  for (std::size_t i = 0; i < a.size(); ++i) differ |= a[i] ^ b[i];
+  return differ == std::byte{0};
 }
 
 }  // namespace
 
 UdpServer::UdpServer(HapticDevice& device, std::uint16_t port, const UdpServerOptions& options)
     : device_(device),
-      options_(checked(options)),
+      options_(checked(options, device.info())),
       socket_(port),
+      pass_(socket_.port()),
       session_(static_cast<std::uint64_t>(monotonic_time().count())) {}
 
 UdpServer::~UdpServer() { end(); }
@@ -49,11 +60,20 @@ void UdpServer::step(Nanoseconds now) noexcept {
   now_ = now;
   publish(now);
   receive(now);
-  if (peer_ != 0 && late(heard_, now)) {
+  if (peer_ != 0 && !silent_ && late(heard_, now)) {
     ++counts_.watchdog_trips;
-    forget();
+    silent_ = true;
+    force_ = Vec3::Zero();
   }
-  written_ = device_.write(force_, now);
+  if (peer_ != 0 && now - heard_ > udp::kPlaceKept) forget();
+  written_ = device_.write(guarded(now), now);
+}
+
+Vec3 UdpServer::guarded(Nanoseconds now) noexcept {
+  if (peer_ == 0 || !guard_) return force_;
+  const GuardOutput out = guard_->step(now, {force_, heard_});
+  if (out.state == GuardState::kSafe && may_reengage(out.reason)) guard_->engage();
+  return silent_ ? Vec3(Vec3::Zero()) : out.force;
 }
 
 void UdpServer::end() noexcept {
@@ -87,9 +107,12 @@ void UdpServer::receive(Nanoseconds now) noexcept {
     forget();
   };
   udp::drain<udp::kLargest>(socket_, kDrain, dead, [&](auto bytes, std::uint16_t port) {
-    const auto datagram = udp::decode<udp::ForceDatagram>(bytes);
-    if (datagram && port != 0) {
-      take(*datagram, port, now);
+    const auto passed = udp::decode<udp::PassedForceDatagram>(bytes);
+    if (passed && port != 0 && is_same(passed->pass, pass_.value())) {
+      take(passed->force, port, now);
+    } else if (port != 0 && (passed || udp::decode<udp::ForceDatagram>(bytes))) {
+      ++counts_.refused;
+      if (peer_ == 0) socket_.send_to(port, udp::encode(udp::RefusalDatagram{}));
     } else {
       ++counts_.rejected;
     }
@@ -100,6 +123,11 @@ void UdpServer::receive(Nanoseconds now) noexcept {
 // not when they are read.
 void UdpServer::take(const udp::ForceDatagram& datagram, std::uint16_t port,
                      Nanoseconds now) noexcept {
+  // This tick may be as late as that.
+  if (Nanoseconds(datagram.sent) > now + options_.watchdog) {
+    ++counts_.rejected;
+    return;
+  }
   const Nanoseconds sent = std::min(Nanoseconds(datagram.sent), now);
   const bool bye = (datagram.flags & udp::kBye) != 0;
   const bool old = late(sent, now);
@@ -111,11 +139,10 @@ void UdpServer::take(const udp::ForceDatagram& datagram, std::uint16_t port,
   }
   ++counts_.received;
   if (bye) return forget();
-  if (joins) {
-    if (!socket_.connect(port)) return;
-    ++counts_.peers;
-    peer_ = port;
-  }
+  if (joins && !socket_.connect(port)) return;
+  if (joins) join(port);
+  if (joins || silent_) ++counts_.peers;
+  silent_ = false;
   newest_ = datagram.sequence;
   heard_ = sent;
   counts_.answered = datagram.answers;
@@ -128,9 +155,16 @@ bool UdpServer::late(Nanoseconds sent, Nanoseconds now) const noexcept {
   return now - sent > options_.watchdog - options_.period;
 }
 
+void UdpServer::join(std::uint16_t port) noexcept {
+  peer_ = port;
+  if (options_.guard) guard_.emplace(*options_.guard);
+}
+
 // No force without a loop.
 void UdpServer::forget() noexcept {
   force_ = Vec3::Zero();
+  silent_ = false;
+  guard_.reset();
   if (peer_ == 0) return;
   peer_ = 0;
   newest_ = 0;

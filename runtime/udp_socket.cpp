@@ -85,6 +85,12 @@ Outcome Socket::send(std::span<const std::byte> bytes) noexcept {
   return sent == static_cast<ssize_t>(bytes.size()) ? Outcome::kDone : failed();
 }
 
+void Socket::send_to(std::uint16_t port, std::span<const std::byte> bytes) noexcept {
+  const sockaddr_in address = loopback(port);
+  (void)!sendto(descriptor_, bytes.data(), bytes.size(), MSG_NOSIGNAL,
+                reinterpret_cast<const sockaddr*>(&address), sizeof address);
+}
+
 Arrival Socket::receive(std::span<std::byte> buffer) noexcept {
   sockaddr_in from{};
   socklen_t size = sizeof from;

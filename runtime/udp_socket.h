@@ -40,6 +40,7 @@ class Socket {
 
   // What an earlier datagram met is told by a later call.
   Outcome send(std::span<const std::byte> bytes) noexcept;
+  void send_to(std::uint16_t port, std::span<const std::byte> bytes) noexcept;
   Arrival receive(std::span<std::byte> buffer) noexcept;
   // True when something may have arrived.
   bool wait(Nanoseconds timeout) noexcept;

@@ -55,7 +55,7 @@ TEST_F(RunUdp, ends_with_a_device_whose_process_was_killed) {
   server->kill(SIGKILL);
   const Outcome outcome = loop->wait();
   EXPECT_EQ(outcome.code, 4);
-  EXPECT_THAT(outcome.err, HasSubstr("the device reports a fault\n"));
+  EXPECT_THAT(outcome.err, HasSubstr("the device's process has ended\n"));
   const auto json = json_of(outcome);
   EXPECT_EQ(json.at("end"), "the device reports a fault");
   EXPECT_GE(json.at("guard_trips"), 1);  // the fault, or a late input before it

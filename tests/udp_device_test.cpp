@@ -43,7 +43,7 @@ struct Served {
     if (thread.joinable()) thread.join();
   }
   FakeDevice device;
-  UdpServer server{device, 0};
+  UdpServer server{device, 0, {.guard = std::nullopt}};
   std::atomic<bool> stop{false};
   std::thread thread{[this] { server.run([this] { return stop.load(); }); }};
 };
@@ -152,7 +152,7 @@ TEST(UdpDevice, is_not_given_to_a_second_loop) {
   loop.join();
   served.end();
   if (served.server.counts().watchdog_trips == 0) {
-    EXPECT_THAT(error, HasSubstr("end the loop that uses it"));
+    EXPECT_THAT(error, HasSubstr("refused this loop, for another has it"));
   }
 }
 
@@ -173,6 +173,22 @@ TEST(UdpDevice, is_never_measured_after_now) {
   Connected c;
   c.end->state(2);
   EXPECT_EQ(c.device->read(5ns).measured, 5ns);
+}
+
+TEST(UdpDevice, takes_no_state_from_a_clock_that_is_ahead) {
+  Connected c;
+  c.end->ahead = 1s;
+  for (std::uint64_t i = 2; i < 50; ++i) c.end->state(i);
+  EXPECT_EQ(c.read().sequence, 1u);
+  EXPECT_EQ(c.device->rejected(), 48u);
+}
+
+TEST(UdpDevice, is_told_that_it_was_refused) {
+  Served served;
+  const auto port = served.server.port();
+  { const udp::OwnPass removed(port); }  // and its file, as if it were another user's
+  EXPECT_THAT(test::message_of<LoopError>([&] { UdpDevice(port, kLong); }),
+              HasSubstr("refused this loop, for it lacks the pass"));
 }
 
 TEST(UdpDevice, answers_the_state_that_it_read_and_sends_nothing_but_numbers) {

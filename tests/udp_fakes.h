@@ -4,8 +4,7 @@
 #include <atomic>
 #include <optional>
 
-#include "runtime/udp_protocol.h"
-#include "runtime/udp_socket.h"
+#include "runtime/udp_server.h"
 
 namespace gliss::test {
 
@@ -53,6 +52,8 @@ class Peer {
   explicit Peer(std::uint16_t to = 0, std::uint16_t on = 0) : socket(on) {
     if (to != 0) socket.connect(to);
   }
+  // A loop of whom this server serves.
+  explicit Peer(const UdpServer& server) : Peer(server.port()) { pass = server.pass(); }
 
   void force(const Vec3& force, std::uint64_t sequence, Nanoseconds sent, std::uint16_t flags = 0) {
     udp::ForceDatagram d;
@@ -61,12 +62,16 @@ class Peer {
     d.answers = 77;
     d.sent = sent.count();
     d.force = udp::triple(force);
-    socket.send(udp::encode(d));
+    if (pass) {
+      socket.send(udp::encode(udp::PassedForceDatagram{d, *pass}));
+    } else {
+      socket.send(udp::encode(d));
+    }
   }
   void state(std::uint64_t sequence, std::uint64_t session = 1, std::uint16_t flags = 0) {
     DeviceState state;
     state.sequence = sequence;
-    state.measured = monotonic_time();
+    state.measured = monotonic_time() + ahead;
     state.position = FakeDevice::position(sequence);
     udp::StateDatagram d = udp::datagram_of({}, state, session);
     d.flags |= flags;
@@ -90,6 +95,8 @@ class Peer {
   }
 
   udp::Socket socket;
+  std::optional<udp::Pass> pass;
+  Nanoseconds ahead{};     // its clock's
   bool refused = false;    // by the last receive()
   std::uint16_t from = 0;  // of it
 };

@@ -110,7 +110,7 @@ class UdpKill : public ::testing::Test {
 
   void serve() {
     LoggedDevice device(shared_.device);
-    UdpServer server(device, 0);
+    UdpServer server(device, 0, {.guard = std::nullopt});
     shared_.port = server.port();
     server.run([&] { return shared_.stop.load(); });
   }

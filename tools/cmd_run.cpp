@@ -307,7 +307,7 @@ void run(const RunOptions& options) {
   if (session.not_recorded) std::rethrow_exception(session.not_recorded);
   if (interrupted()) throw Interrupted();
   if (session.end == LoopEnd::kDeviceFault)
-    throw LoopError(fmt::format("{}: {}", device->info().name, text(session.end)));
+    throw LoopError(fmt::format("{}: {}", device->info().name, device->fault_text()));
 }
 
 }  // namespace

@@ -29,7 +29,10 @@ void describe(Command& command, ServeOptions& options) {
 void run(const ServeOptions& options) {
   const Scene scene = read_scene(options.scene);
   const auto device = open_device(options.device, scene);
-  UdpServer server(*device, static_cast<std::uint16_t>(options.port));
+  UdpServerOptions limits;
+  limits.guard = scene.loop.guard;
+  limits.guard->max_force = std::min(limits.guard->max_force, scene.max_force);
+  UdpServer server(*device, static_cast<std::uint16_t>(options.port), limits);
   if (!options.quiet)
     fmt::print(stderr, "serving {} as udp:{}\n", device->info().name, server.port());
   {
@@ -44,14 +47,15 @@ void run(const ServeOptions& options) {
   }
   const UdpServerCounts& counts = server.counts();
   report(options,
-         fmt::format("{} loops, {} datagrams from them, {} to them, {} rejected, {} ignored; the "
-                     "watchdog took the force away {}x, {} loops died\n",
-                     counts.peers, counts.received, counts.sent, counts.rejected, counts.ignored,
-                     counts.watchdog_trips, counts.lost),
+         fmt::format("{} loops, {} datagrams from them, {} to them, {} rejected, {} refused, {} "
+                     "ignored; the watchdog took the force away {}x, {} loops died\n",
+                     counts.peers, counts.received, counts.sent, counts.rejected, counts.refused,
+                     counts.ignored, counts.watchdog_trips, counts.lost),
          {{"loops", counts.peers},
           {"received", counts.received},
           {"sent", counts.sent},
           {"rejected", counts.rejected},
+          {"refused", counts.refused},
           {"ignored", counts.ignored},
           {"watchdog_trips", counts.watchdog_trips},
           {"lost", counts.lost}});
@@ -64,7 +68,8 @@ void add_serve(Command& program) {
   add_command<ServeOptions>(
       program, "serve",
       "Give a device to a loop in another process: gliss run SCENE --device udp:PORT.\n"
-      "The device has no force unless that loop sent one in the last 20 ms.",
+      "The device has no force unless that loop sent one in the last 20 ms, and no more than the "
+      "scene's [guards] let through. Loops of this user alone are served.",
       "gliss serve scene.toml --device sim --port 10002", describe, run);
 }
 
