@@ -31,6 +31,12 @@ UdpDevice::UdpDevice(std::uint16_t port, Nanoseconds patience) : port_(port) {
                       port));
     }
     if (now - start > patience) {
+      if (rejected_ > 0)
+        throw LoopError(fmt::format(
+            "udp:{0}: {1} datagrams came from 127.0.0.1:{0}, and none was a state that was "
+            "measured "
+            "before it arrived; cure: let the device stamp its states by CLOCK_MONOTONIC",
+            port, rejected_));
       throw LoopError(
           pass_ && pass_->served
               ? fmt::format("udp:{}: the device refused this loop, for another has it, or had it a "
