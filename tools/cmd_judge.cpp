@@ -12,6 +12,7 @@
 #include "runtime/realtime.h"
 #include "runtime/verdict.h"
 #include "tools/interrupt.h"
+#include "tools/tell.h"
 #include "tools/timing_text.h"
 #include "tools/watch.h"
 
@@ -121,7 +122,7 @@ void run(const JudgeOptions& options) {
   const auto found = measure(options, tick);
   const TickRecord &floor = found->floor, &loop = found->loop;
   if (!options.quiet) {
-    for (const std::string& line : found->refusals) fmt::print(stderr, "gliss: {}\n", line);
+    for (const std::string& line : found->refusals) tell(fmt::format("gliss: {}\n", line));
   }
   const char* verdict = verdict_name(judge(floor, loop));
   const Json json = {{"floor", json_of(floor.lateness())},

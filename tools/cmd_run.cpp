@@ -16,6 +16,7 @@
 #include "tools/run_devices.h"
 #include "tools/run_progress.h"
 #include "tools/surface_input.h"
+#include "tools/tell.h"
 #include "tools/timing_text.h"
 
 namespace gliss::tools {
@@ -147,7 +148,7 @@ void run_session(HapticLoop& loop, const RunOptions& options, const Scene& scene
       session.memory_locked = realtime->memory_locked();
       session.refusals = realtime->refusals();
       if (!options.quiet) {
-        for (const std::string& line : session.refusals) fmt::print(stderr, "gliss: {}\n", line);
+        for (const std::string& line : session.refusals) tell(fmt::format("gliss: {}\n", line));
       }
     }
     session.end = loop.run(on_tick);

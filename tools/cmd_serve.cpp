@@ -6,6 +6,7 @@
 #include "tools/command.h"
 #include "tools/interrupt.h"
 #include "tools/run_devices.h"
+#include "tools/tell.h"
 
 namespace gliss::tools {
 namespace {
@@ -34,11 +35,11 @@ void run(const ServeOptions& options) {
   limits.guard->max_force = std::min(limits.guard->max_force, scene.max_force);
   UdpServer server(*device, static_cast<std::uint16_t>(options.port), limits);
   if (!options.quiet)
-    fmt::print(stderr, "serving {} as udp:{}\n", device->info().name, server.port());
+    tell(fmt::format("serving {} as udp:{}\n", device->info().name, server.port()));
   {
     const Realtime realtime;
     for (const std::string& line : realtime.refusals()) {
-      if (!options.quiet) fmt::print(stderr, "gliss: {}\n", line);
+      if (!options.quiet) tell(fmt::format("gliss: {}\n", line));
     }
     const Stopwatch clock;
     server.run([&] {

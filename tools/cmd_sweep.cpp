@@ -12,6 +12,7 @@
 #include "tools/curvature.h"
 #include "tools/sweep_files.h"
 #include "tools/sweep_report.h"
+#include "tools/tell.h"
 #include "tools/watch.h"
 
 namespace gliss::tools {
@@ -65,11 +66,11 @@ std::string parts_folder(const SweepingOptions& options) {
 void tell_found(const SweepParts& parts, const SweepingOptions& options) {
   if (options.quiet) return;
   if (parts.kept() > 0)
-    fmt::print(stderr, "gliss: goes on from {} finished parts in '{}'\n", parts.kept(),
-               parts.folder());
+    tell(fmt::format("gliss: goes on from {} finished parts in '{}'\n", parts.kept(),
+                     parts.folder()));
   if (parts.foreign() > 0)
-    fmt::print(stderr, "gliss: {} files of other sweeps in '{}' are left alone\n", parts.foreign(),
-               parts.folder());
+    tell(fmt::format("gliss: {} files of other sweeps in '{}' are left alone\n", parts.foreign(),
+                     parts.folder()));
 }
 
 std::uint64_t peak_memory() {
@@ -123,7 +124,7 @@ void run(const SweepingOptions& options) {
   }
   if (parts) {
     for (const std::string& path : parts->damaged())
-      fmt::print(stderr, "gliss: '{}' was damaged, its part is computed again\n", path);
+      tell(fmt::format("gliss: '{}' was damaged, its part is computed again\n", path));
   }
   if (file) file->close(result);
   const double seconds = clock.seconds();

@@ -9,6 +9,7 @@
 
 #include "host/units.h"
 #include "tools/interrupt.h"
+#include "tools/tell.h"
 
 namespace gliss::tools {
 namespace {
@@ -149,7 +150,7 @@ std::unique_ptr<Engine> make_engine(const CommonOptions& options) {
   opencl.threads = options.threads;
   opencl.fall_back = options.backend == "auto";
   if (!options.quiet) {
-    opencl.notice = [](const std::string& line) { fmt::print(stderr, "gliss: {}\n", line); };
+    opencl.notice = [](const std::string& line) { tell(fmt::format("gliss: {}\n", line)); };
   }
   return make_opencl_engine(opencl);
 }
@@ -168,12 +169,10 @@ const std::string& command_line() { return kept_command_line(); }
 
 void report(const ReportOptions& options, const std::string& text, const Json& json,
             bool table_on_stdout) {
-  std::FILE* stream = table_on_stdout ? stderr : stdout;
-  if (options.json) {
-    fmt::print(stream, "{}", printed(json));
-  } else if (!options.quiet) {
-    fmt::print(stream, "{}", text);
-  }
+  if (options.quiet && !options.json) return;
+  const std::string said = options.json ? printed(json) : text;
+  if (table_on_stdout) return tell(said);
+  fmt::print("{}", said);
 }
 
 std::string printed(const Json& json) {

@@ -1,6 +1,9 @@
 // gliss <command>: registers the commands and turns whatever goes wrong into one line and an exit
 // code.
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <new>
@@ -12,6 +15,7 @@
 #include "runtime/scene.h"
 #include "tools/command.h"
 #include "tools/interrupt.h"
+#include "tools/tell.h"
 
 namespace gliss::tools {
 namespace {
@@ -20,7 +24,7 @@ enum ExitCode { kDone, kInternal, kBadInput, kBadCache, kNoBackend };
 
 int say(std::string message, int code) {
   std::replace(message.begin(), message.end(), '\n', ' ');
-  fmt::print(stderr, "gliss: {}\n", message);
+  tell(fmt::format("gliss: {}\n", message));
   return code;
 }
 
@@ -72,11 +76,31 @@ int run(int count, char** words) {
   }
 }
 
+// A descriptor that is closed would be that of the next file, into which messages would go.
+void keep_standard_descriptors() {
+  for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    // What is written to a standard output that was closed is an error.
+    const int mode = descriptor == STDERR_FILENO ? O_WRONLY : O_RDONLY;
+    if (fcntl(descriptor, F_GETFD) < 0) (void)!open("/dev/null", mode);
+  }
+}
+
+// Deep calls end without a word where the stack may not grow.
+bool has_stack() {
+  constexpr rlim_t kLeast = 256 << 10;
+  rlimit limit{};
+  return getrlimit(RLIMIT_STACK, &limit) != 0 || limit.rlim_cur >= kLeast;
+}
+
 }  // namespace
 }  // namespace gliss::tools
 
 int main(int count, char** words) {
   gliss::catch_interrupts();
+  gliss::tools::keep_standard_descriptors();
+  if (!gliss::tools::has_stack())
+    return gliss::tools::say("the stack's limit is below 256 KiB; cure: ulimit -s 8192",
+                             gliss::tools::kInternal);
   gliss::tools::keep_command_line(count, words);
   return gliss::tools::run(count, words);
 }

@@ -5,7 +5,11 @@ namespace gliss {
 
 inline constexpr int kExitInterrupted = 130;
 
-// From now on SIGINT and SIGTERM set a flag; the next one exits at once with kExitInterrupted.
+// From now on SIGINT, SIGTERM, SIGHUP, SIGQUIT and SIGXCPU set a flag. After a second one the
+// program has kLastSeconds to let the hand go and close its files; after a third one it exits at
+// once, with kExitInterrupted either way. Full pipes and files that may not grow are errors of who
+// writes to them.
+inline constexpr unsigned kLastSeconds = 2;
 void catch_interrupts();
 bool interrupted() noexcept;
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "tools/tell.h"
+
 #include <algorithm>
 
 namespace gliss::tools {
@@ -47,7 +49,7 @@ void RunProgress::finish(RunReport& report, std::uint64_t ticks) {
 void RunProgress::say(const std::string& text) {
   if (quiet_) return;
   line_.emplace(quiet_);  // the old one ends its line
-  fmt::print(stderr, "gliss: {}\n", text);
+  tell(fmt::format("gliss: {}\n", text));
 }
 
 }  // namespace gliss::tools

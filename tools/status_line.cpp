@@ -6,11 +6,10 @@
 
 #include <cstdio>
 
+#include "tools/tell.h"
+
 namespace gliss {
 namespace {
-
-// A log that cannot be written must not end the work that it tells of: failures are ignored.
-void say(const std::string& text) { std::fputs(text.c_str(), stderr); }
 
 std::size_t terminal_width() {
   winsize size{};
@@ -26,21 +25,21 @@ StatusLine::StatusLine(bool silent)
                                      : Place::kLog) {}
 
 StatusLine::~StatusLine() {
-  if (open_) say("\n");
+  if (open_) tell("\n");
 }
 
 void StatusLine::show(const std::string& text) {
-  if (place_ == Place::kLog) say(text + "\n");
+  if (place_ == Place::kLog) tell(text + "\n");
   if (place_ != Place::kTerminal) return;
   // Over the old text, cut to the terminal: a wrapped line could not be drawn over.
-  say(fmt::format("\r{}\x1b[K", text.substr(0, terminal_width() - 1)));
+  tell(fmt::format("\r{}\x1b[K", text.substr(0, terminal_width() - 1)));
   std::fflush(stderr);
   open_ = true;
 }
 
 void StatusLine::finish(const std::string& text) {
   show(text);
-  if (open_) say("\n");
+  if (open_) tell("\n");
   open_ = false;
   place_ = Place::kNowhere;
 }

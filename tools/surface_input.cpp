@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "tools/tell.h"
 #include "tools/watch.h"
 
 namespace gliss::tools {
@@ -13,7 +14,7 @@ Mesh read_mesh(const SurfaceOptions& options) {
                         &findings);
   for (const Finding& finding : findings) {
     if (finding.severity != Severity::kRepaired || options.quiet) continue;
-    fmt::print(stderr, "gliss: repaired: {} ({} in all)\n", finding.message, finding.count);
+    tell(fmt::format("gliss: repaired: {} ({} in all)\n", finding.message, finding.count));
   }
   return mesh;
 }
