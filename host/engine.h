@@ -47,7 +47,7 @@ class Engine {
   virtual void for_each(std::size_t count, std::size_t grain,
                         const std::function<void(std::size_t, std::size_t)>& body) const = 0;
 
-  // What build_cache needs to work with this engine, which must outlive it.
+  // Lets build_cache work with this engine, which must outlive it.
   virtual BuildBackend build_backend() const;
   PatchCache build(const Mesh& mesh, const BuildOptions& options = {},
                    BuildReport* report = nullptr) const;

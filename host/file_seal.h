@@ -6,7 +6,7 @@
 
 namespace gliss {
 
-// Of all that the file holds. Throws std::system_error that names `name`.
+// Seals all that the file holds. Throws std::system_error that names `name`.
 void append_seal(const std::string& path, const std::string& name);
 
 enum class Seal { kNone, kSound, kBroken };  // none: of other programs, or cut off

@@ -1,4 +1,4 @@
-// What the generators share. Private to host/.
+// Steps that the generators share. Private to host/.
 #pragma once
 
 #include <cstdint>

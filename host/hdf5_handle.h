@@ -1,4 +1,4 @@
-// What the C API of HDF5 lacks: identifiers that close themselves, and failures that are
+// Two things that the C API of HDF5 lacks: identifiers that close themselves, and failures that are
 // exceptions.
 #pragma once
 

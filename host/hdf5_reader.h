@@ -20,7 +20,7 @@ class Hdf5Reader {
 
   bool has(const std::string& name) const;  // "ticks/x"
   std::size_t rows(const std::string& column) const;
-  // Of every `stride`-th row, from the first.
+  // A column's entries in every `stride`-th row, from the first.
   std::vector<double> numbers(const std::string& column, std::size_t stride = 1) const;
   std::vector<std::string> texts(const std::string& column) const;
   std::optional<std::string> text_attribute(const std::string& name) const;

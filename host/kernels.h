@@ -59,7 +59,7 @@ template <class Real>
 struct RawContact {
   Real reals[kContactReals] = {};
   std::uint32_t uints[kContactUints] = {};
-  // What a tick leaves for the next one: bend and drift, once warm.
+  // Left by a tick for the next one: bend and drift, once warm.
   Real warmth[5] = {};
   bool warm = false;
   // Points of other parts that a contact on a seam rests against too: patch, xi, eta.
@@ -108,7 +108,7 @@ struct Kernels {
   // The same at a point of each of `patch`[count], patch by patch: out[row * stride + i].
   void (*evaluate_each)(const Surface<Real>&, const std::uint32_t* patch, const Real* xi,
                         const Real* eta, std::size_t count, std::size_t stride, Real* out);
-  // What sampling finds of a patch (kShapeReals numbers) from its base polygon's corners and
+  // Samples a patch and gives its shape, kShapeReals numbers, from its base polygon's corners and
   // triangles, its frame (unit normal and tangent) and its control data; `count` probes, or none
   // for the base polygon alone.
   void (*examine)(const Real* domain, const Real* probes, std::uint32_t count, const Real* control,
@@ -129,8 +129,8 @@ struct Kernels {
                RawContact<Real>* state);
 };
 
-// Of the machine's best instruction set, or of the one that the environment variable GLISS_ISA
-// names (baseline, v3, v4).
+// The kernels for the machine's best instruction set, or for the one that the environment variable
+// GLISS_ISA names (baseline, v3, v4).
 template <class Real>
 const Kernels<Real>& kernels();
 template <>

@@ -39,7 +39,7 @@ class LazyMesh {
   double reach() const { return reach_; }
   // Covers the faces within `rings` edges of these.
   LazyRegion build(std::span<const std::uint32_t> faces) const;
-  // Whether the region covers the face and all those across its sides.
+  // True if the region covers the face and all those across its sides.
   bool is_inside(const LazyRegion& region, std::uint32_t face) const;
 
  private:

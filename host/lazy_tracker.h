@@ -18,7 +18,7 @@ class LazyTracker {
   explicit LazyTracker(Mesh mesh, const LazyOptions& options = {}, const QueryOptions& query = {});
   Contact tick(const Vec3& hip);
 
-  // What is built now, until the next tick; requires a tick before.
+  // The patches that are built now, until the next tick; requires a tick before.
   const PatchCache& region() const { return region_->cache; }
   std::uint64_t built() const { return built_; }  // patches built so far
 

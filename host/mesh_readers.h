@@ -1,4 +1,4 @@
-// What the mesh readers share: a cursor over the words of a text that knows its line, numbers
+// Tools that the mesh readers share: a cursor over the words of a text that knows its line, numbers
 // without the locale, and the entry point of each format. Private to host/.
 #pragma once
 

@@ -53,7 +53,7 @@ class Device {
   // Does what may compile kernels, and says so when it takes long: drivers keep what they compiled,
   // and are quick the next time.
   void patiently(const std::function<void()>& work) const;
-  // What an error says, as one line.
+  // An error's text, as one line.
   DeviceError error(const cl::Error& error) const;
   DeviceError error(const std::string& problem) const;
 

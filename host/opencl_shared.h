@@ -1,4 +1,4 @@
-// What an OpenCL engine shares with its surfaces and builds.
+// State that an OpenCL engine shares with its surfaces and builds.
 #pragma once
 
 #include <atomic>

@@ -12,7 +12,7 @@
 
 namespace gliss {
 
-// What patches of one valence share; made once a build.
+// Tables that patches of one valence share; made once a build.
 struct ValenceTables {
   std::vector<double> domain;               // tables of the valences in use
   std::vector<double> probe;                // points where patches are examined
@@ -39,7 +39,7 @@ struct PatchBatch {
   std::vector<double> corner;                // [side][2][3]: position (local frame), unit normal
   std::vector<std::uint32_t> triangle;       // [side_begin[p] - 2 p][3]
   std::vector<double> frame;  // [patch][kFrameReals]: unit normal, tangent of the base polygon
-  // What a backend computes, as it is asked to:
+  // Computed by a backend, as it is asked to:
   std::vector<double> control;    // [side][kSideReals]
   std::vector<double> soundness;  // [patch], of its weakest ribbon
   std::vector<double> shape;      // [patch][kShapeReals]
@@ -53,7 +53,7 @@ struct PatchBatch {
   void resize(std::span<const std::uint32_t> valences);
 };
 
-// Of a batch: its control data, or soundness and shapes.
+// A step of a batch: its control data, or its soundness and shapes.
 enum class BatchStep { kControl, kExamine };
 
 using BatchBuilder = std::function<void(PatchBatch&, BatchStep, const ParallelFor&)>;
@@ -61,7 +61,7 @@ using BatchBuilder = std::function<void(PatchBatch&, BatchStep, const ParallelFo
 // With the machine's best lanes.
 void build_patches(PatchBatch& batch, BatchStep step, const ParallelFor& parallel);
 
-// What a build runs on.
+// The backend that a build runs on.
 struct BuildBackend {
   ParallelFor parallel = serial_for;
   BatchBuilder build = build_patches;

@@ -57,8 +57,8 @@ struct BuildOptions {
   Level level{};
   bool tame = true;  // false: folded patches are found and flagged, and kept as they are
   std::vector<std::uint32_t> faces{};  // only these, each once, ascending; empty: all
-  // Of the same mesh, or none: what a cache says of the whole mesh (frame, hash, valences) is taken
-  // from there, so that a few faces are built without a walk through all of them.
+  // A cache of the same mesh, or none: what it says of the whole mesh (frame, hash, valences) is
+  // taken from there, so that a few faces are built without a walk through all of them.
   const PatchCache* like = nullptr;
 };
 
@@ -67,7 +67,7 @@ struct Box {
   Vec3 low, high;
 };
 
-// What a build found, by face.
+// Findings of a build, by face.
 struct BuildReport {
   std::uint32_t folded = 0;  // the exact patch's normal turns against its face somewhere
   std::uint32_t degenerate =

@@ -33,7 +33,7 @@ struct PatchFrame {
 PatchFrame place_polygon(const FaceCorners& face, std::span<const std::uint32_t> face_corner,
                          double* corner, std::uint32_t* triangle);
 
-// What sampling finds of a patch, in its local frame.
+// The shape of a patch by samples, in its local frame.
 struct PatchShape {
   Box box;             // of the patch and its base polygon
   Vec3 low, high;      // the same along tangent, normal x tangent, normal of its frame
@@ -76,7 +76,7 @@ PatchDraft draft_patch(const FaceCorners& face, std::vector<std::uint32_t> face_
 std::vector<Vec3> normals_of(const PatchDraft& draft, const ValenceTables& tables,
                              std::span<const Eigen::Vector2d> at);
 PatchShape examine(const PatchDraft& draft, const ValenceTables& tables);
-// Of a patch in any form, from its pieces.
+// The shape of a patch in any form, from its pieces.
 PatchShape examine(const PatchFrame& frame, const double* corner, const std::uint32_t* triangle,
                    const double* control, std::uint32_t form, std::uint32_t n,
                    const ValenceTables& tables);

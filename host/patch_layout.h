@@ -8,7 +8,7 @@
 
 namespace gliss {
 
-// What a face becomes.
+// A face's patch, or the patches that it becomes.
 struct DraftedFace {
   PatchShape shape;               // of the exact patch
   std::vector<PatchDraft> tamer;  // empty: the exact patch

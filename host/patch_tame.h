@@ -1,4 +1,4 @@
-// What stands in for a patch that folds or degenerates.
+// Patches that stand in for one that folds or degenerates.
 #pragma once
 
 #include <vector>

@@ -14,8 +14,8 @@ struct RecordingError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// Of CSV, columns x,y,z in a unit that the caller knows, or x_mm,y_mm,z_mm in millimetres; of
-// .h5 or .hdf5, the table "ticks", in metres.
+// Points of a file. CSV: columns x,y,z in a unit that the caller knows, or x_mm,y_mm,z_mm in
+// millimetres; of .h5 or .hdf5, the table "ticks", in metres.
 struct PointTable {
   CsvTable table;            // the other columns that were asked for; of HDF5: none
   double unit = 1;           // m

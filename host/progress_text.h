@@ -1,4 +1,4 @@
-// What a progress display says, and when: no clock and no terminal in here.
+// The words of a progress display, and when they are due: no clock and no terminal in here.
 #pragma once
 
 #include <cstdint>

@@ -28,7 +28,7 @@ struct SurfacePoint {
 
 // At t, 0 to 1, along side k, from corner k to the next, of a face of n sides.
 DomainPoint on_side(std::uint32_t face, std::uint32_t n, std::uint32_t k, double t);
-// Whether a point lies in the domain of a face that has a patch.
+// True if a point lies in the domain of a face that has a patch.
 bool in_domain(const PatchCache& cache, const DomainPoint& point);
 SurfacePoint evaluate(const PatchCache& cache, const DomainPoint& point);
 // Many points of any faces: as evaluate, several lanes at a time; allocates.
@@ -73,7 +73,8 @@ Contact nearest(const PatchCache& cache, const Vec3& hip, const QueryOptions& op
 // share the search.
 void nearest(const PatchCache& cache, const Vec3& hip, std::span<const Method> methods,
              const QueryOptions& options, std::span<Contact> out);
-// Of many HIPs, several lanes at a time: HIP i with method m at out[m * stride + i]. Allocates.
+// The nearest points of many HIPs, several lanes at a time: HIP i with method m at out[m * stride +
+// i]. Allocates.
 void nearest(const PatchCache& cache, std::span<const Vec3> hips, std::span<const Method> methods,
              const QueryOptions& options, std::size_t stride, Contact* out);
 

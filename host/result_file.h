@@ -24,7 +24,7 @@ using ColumnData =
     std::variant<std::span<const double>, std::span<const float>, std::span<const std::uint32_t>,
                  std::span<const std::uint8_t>, std::span<const std::string>>;
 
-// What is known of a whole file: command line, version, mesh hash, units. Written as HDF5
+// A fact about a whole file: command line, version, mesh hash, units. Written as HDF5
 // attributes of the root group; left out of CSV, whose first line is its header.
 struct Attribute {
   std::string name;

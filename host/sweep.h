@@ -1,4 +1,4 @@
-// What a hand would feel over a whole offset surface: for every patch a grid of points, for every
+// The force over a whole offset surface: for every patch a grid of points, for every
 // depth d the HIP G - d n, for every method its contact; and how much the force differs between
 // neighbouring samples (Figures 12 and 13).
 #pragma once
@@ -53,7 +53,7 @@ class Histogram {
   double sum_ = 0, max_ = 0;
 };
 
-// Of one depth and method.
+// Figures of one depth and method.
 struct SweepStatistics {
   double depth = 0;  // m
   Method method = Method::kGregory;

@@ -35,7 +35,7 @@ Topology build_topology(const Mesh& mesh);
 // normal of its largest face. Leaves meshes with normals alone.
 void add_vertex_normals(Mesh& mesh);
 
-// What add_vertex_normals adds; an unused vertex gets (0, 0, 1).
+// The normals that add_vertex_normals adds; an unused vertex gets (0, 0, 1).
 std::vector<Vec3> vertex_normals(const Mesh& mesh);
 
 // Normal of a polygon by Newell's method; length is twice the area of a planar polygon.

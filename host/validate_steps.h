@@ -27,7 +27,7 @@ void repair_orientation(Mesh& mesh, Report& report);
 // Leaves unit normals at every corner, or none at all.
 void repair_normals(Mesh& mesh, Report& report);
 
-// What is accepted with a warning: shapes of faces, vertices unused or at one place.
+// Warn of what is accepted: shapes of faces, vertices unused or at one place.
 void warn_of_vertices(const Mesh& mesh, Report& report);
 void warn_of_shapes(const Mesh& mesh, Report& report);
 

@@ -12,7 +12,7 @@ typedef struct {
                // degenerates
 } side_data;
 
-// Of the edge's length, along s; along the edge where s has no direction.
+// A tangent of the edge's length, along s; along the edge where s has no direction.
 FN real3 end_tangent(real3 s, real3 edge, real length) {
   const real size = norm3(s);
   return pick3(size > splat(K(1e-6f)), mul3(length / size, s), edge);

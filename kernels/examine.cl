@@ -1,4 +1,4 @@
-// What sampling finds of patches: a work-item takes a patch, GLISS_LANES probes at a time.
+// Samples patches: a work-item takes a patch, GLISS_LANES probes at a time.
 #include "kernels/kernels.h"
 #include "kernels/arguments.h"
 

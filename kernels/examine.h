@@ -1,5 +1,5 @@
-// What sampling finds of one patch on its way into the cache: does it fold, how sharply does it
-// curve, how far does it reach. Lanes are probes; the result is the same for any number of them,
+// Samples one patch on its way into the cache: does it fold, how sharply does it curve, how far
+// does it reach? Lanes are probes; the result is the same for any number of them,
 // because minima and maxima alone are kept, and NaN never is.
 
 // Probes of a valence: its centre, then rings of a fan from there to the sides; ring r of L has n r

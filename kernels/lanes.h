@@ -59,7 +59,7 @@ GLISS_LANES_FORM(__m512d, _mm512_fmadd_pd, _mm512_sqrt_pd)
 #endif
 #undef GLISS_LANES_FORM
 
-// Of what a comparison says.
+// True if a comparison holds in any lane.
 template <class Mask>
 inline bool any(Mask mask) {
   unsigned long long parts[sizeof(Mask) / 8], sum = 0;

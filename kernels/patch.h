@@ -5,7 +5,7 @@ typedef struct {
   real3 g, g_xi, g_eta;
 } patch_point;
 
-// What the control data of a patch is. Whatever their forms, neighbours have one normal along their
+// Forms of control data. Whatever their patches' forms, neighbours have one normal along their
 // edge, that of eq. 10; but for tables, which come near to it.
 #define FORM_EXACT 0u   // the paper's patch
 #define FORM_RIBBON 1u  // the same blend of sides whose cross tangents are polynomials (ribbon.h)

@@ -55,7 +55,7 @@ FN polygon_place place_on_polygon(int n, polygon_point p) {
   return r;
 }
 
-// What mean value coordinates interpolate from the corners of the polygon at a point of it.
+// Numbers of the polygon's corners, interpolated by mean value coordinates at a point of it.
 typedef struct {
   real xi, eta;  // point of the domain
   real3 normal;  // vertex normals, not of unit length

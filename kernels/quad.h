@@ -4,8 +4,8 @@
 //   w_k = A(u_k) A(v_k),  A(x) = (1-x)^2 / (x^2 + (1-x)^2).
 // What eq. 4 sums over the two corners of a side is then A(v) (C(u) + v T(u)).
 
-// What eq. 2 subtracts at a corner, V + v T(0) + u T_before(1) + twist, with its derivatives along
-// u and v. The twist as in add_twist.
+// The part that eq. 2 subtracts at a corner, V + v T(0) + u T_before(1) + twist, with its
+// derivatives along u and v. The twist as in add_twist.
 FN patch_point corner_excess(control_data side, control_data before, real u, real v) {
   const real one = splat(K(1)), inverse = one / larger(u + v, splat(TINY));
   const real r = u * inverse, s = v * inverse, uv = u * v;

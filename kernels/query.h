@@ -140,8 +140,8 @@ FN domain_point start_on_base(surface_view view, base_point base) {
   return r;
 }
 
-// Whether to go on with `a`: not for a rounding, by which other patches would decide, but where it
-// alone has converged.
+// True if a search goes on with `a`: not for a rounding, by which other patches would decide, but
+// where it alone has converged.
 FN int is_nearer(foot a, foot b) {
   const real rounding = K(8) * EPSILON * b.distance2;
   const int converges = (a.flags & FOOT_CONVERGED) && !(b.flags & FOOT_CONVERGED);

@@ -26,7 +26,7 @@ typedef struct {
   real3 f, d;  // value and derivative
 } curve_point;
 
-// Of the cubic of the four triples from `first`, what it has risen since t = 0, over t.
+// The rise since t = 0, over t, of the cubic of the four triples from `first`.
 FN real3 cubic_rise(control_data side, int first, real t) {
   return fma3(t, fma3(t, load3(side, first + 3), load3(side, first + 2)), load3(side, first + 1));
 }

@@ -132,7 +132,7 @@ FN corner_tangents tangents_at(surface_view view, uint side) {
   return r;
 }
 
-// Whether the direction w, seen from the corner where `side` starts, points into the side's patch.
+// True if the direction w, seen from the corner where `side` starts, points into the side's patch.
 FN int in_sector(surface_view view, uint side, real3 w) {
   const corner_tangents t = tangents_at(view, side);
   const real3 p = t.p, q = t.q;

@@ -395,8 +395,8 @@ FN union_search start_union(contact c) {
   return u;
 }
 
-// What is nearest on one patch, or on the seams there, for a HIP inside: from its point nearest to
-// the HIP on the base polygon.
+// Seeks the nearest point on one patch, or on the seams there, for a HIP inside: from the point of
+// its base polygon that is nearest to the HIP.
 FN_LARGE void seek_on_patch(surface_view view, hip_point h, base_point base, real nearer2,
                             union_search* u, track_options options) {
   const foot first = begin_foot(view, h, start_on_base(view, base), options);

@@ -1,4 +1,4 @@
-// What a query sees of a surface: arrays by value, all in the instance's own precision. One lane a
+// A surface as a query sees it: arrays by value, all in the instance's own precision. One lane a
 // query. Three frames: the mesh's file units; the mesh frame (origin removed, scaled by a power of
 // two into [-1, 1]); and each patch's local frame (its own origin, a number of the mesh frame; its
 // own power of two).
@@ -53,7 +53,7 @@ typedef struct {
   GLOBAL uint* child;       // [node][2]
   GLOBAL uint* tile;        // [tile][TILE_UINTS], patch by patch (tile.h)
   GLOBAL uint* tile_begin;  // [patch + 1], tiles before its own
-  // Of overlapping parts (union.h), where HAS_UNION.
+  // Overlapping parts (union.h), where HAS_UNION:
   GLOBAL uint* part;        // [patch], its part and PATCH_BURIED or PATCH_MIXED
   GLOBAL uint* part_table;  // [part][PART_UINTS]
   GLOBAL uint* partner;     // solid parts that may hold points of a part

@@ -21,8 +21,8 @@ inline Nanoseconds read_clock(clockid_t clock) noexcept {
 
 inline Nanoseconds monotonic_time() noexcept { return read_clock(CLOCK_MONOTONIC); }
 
-// What the calling thread has computed, without what it waited or was pre-empted. A system call,
-// unlike the other.
+// Processor time of the calling thread: not what it waited or was pre-empted. A system call, unlike
+// the other.
 inline Nanoseconds thread_time() noexcept { return read_clock(CLOCK_THREAD_CPUTIME_ID); }
 
 }  // namespace gliss

@@ -1,4 +1,4 @@
-// What a loop needs of a haptic device. Positions in m, velocities in m/s, forces in N on the hand,
+// A haptic device as a loop needs it. Positions in m, velocities in m/s, forces in N on the hand,
 // all in the world's frame.
 #pragma once
 
@@ -42,7 +42,7 @@ class HapticDevice {
   virtual DeviceState read(Nanoseconds now) noexcept = 0;
   // False where the force cannot be handed on; it then counts as a fault.
   virtual bool write(const Vec3& force, Nanoseconds now) noexcept = 0;
-  // What a person is told where the device failed.
+  // Tells a person how the device failed; not called in the loop.
   virtual std::string fault_text() const { return "the device reports a fault"; }
 };
 

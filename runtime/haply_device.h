@@ -38,7 +38,7 @@ class HaplyLink;
 
 class HaplyDevice final : public HapticDevice {
  public:
-  // What is left of the 20 ms that a stuck loop may leave its force is for waking and the service.
+  // The rest of the 20 ms that a stuck loop may leave its force is for waking and the service.
   static constexpr Nanoseconds kForceLife = std::chrono::milliseconds(15);
   // A service that answers at once would keep a core busy; also the shortest time between forces.
   static constexpr Nanoseconds kShortestPeriod = std::chrono::microseconds(250);

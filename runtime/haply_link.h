@@ -1,4 +1,4 @@
-// What HaplyDevice has in its I/O thread: the connection, and the rules by which forces go out. For
+// HaplyDevice's side in its I/O thread: the connection, and the rules by which forces go out. For
 // haply_device.cpp and haply_link.cpp only.
 #pragma once
 

@@ -27,7 +27,7 @@ struct HaplyProtocolError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// Of the inverse3 with this id, or of the first. The text may be anything; throws
+// Reads the state of the inverse3 with this id, or of the first. The text may be anything; throws
 // HaplyProtocolError where it is no such message.
 HaplyState read_haply_state(std::string_view text, std::string_view device_id);
 

@@ -18,7 +18,7 @@ namespace gliss {
 struct LazyWorkerOptions {
   Nanoseconds ahead = std::chrono::milliseconds(20);  // patches are there so long before the hand
   Nanoseconds poll = std::chrono::microseconds(500);
-  // Of tests: called by the worker before each region that it builds.
+  // For tests: called by the worker before each region that it builds.
   std::function<void()> before_build = nullptr;
 };
 

@@ -23,7 +23,7 @@ struct LoopOptions {
   GuardLimits guard = {};
 };
 
-// What one tick did.
+// The doings of one tick.
 struct LoopTick {
   std::uint64_t number = 0;  // from 0
   Nanoseconds time{};        // of the deadline, since the loop's start
@@ -35,7 +35,7 @@ struct LoopTick {
   Vec3 sent = Vec3::Zero();      // N, as the guard let it out
   GuardState state = GuardState::kStart;
   GuardReason reason = GuardReason::kNone;
-  // Of the object that pushes most, or else is nearest; none: nothing is near enough to ask.
+  // The object that pushes most, or else is nearest; kNothing: none is near enough to ask.
   static constexpr std::uint32_t kNothing = ~0u;
   std::uint32_t object = kNothing;  // index in Tracker::objects()
   bool touching = false;            // any of them

@@ -1,5 +1,5 @@
-// What a loop is to render and how, as a TOML file says it; README.md has an example. What a scene
-// does not list costs nothing.
+// A scene: the objects and the rules that a TOML file gives a loop; README.md has an example. What
+// a scene does not list costs nothing.
 #pragma once
 
 #include <optional>
@@ -45,7 +45,7 @@ struct Scene {
   std::vector<Vec3> hips;  // m, from the device's position; empty: one, there
   LoopOptions loop;        // of [loop] and [guards]
   int priority = 80;       // of SCHED_FIFO
-  // Of [device], besides the device's own limits.
+  // Limits of [device], besides the device's own.
   double max_force = std::numeric_limits<double>::infinity();      // N
   double max_stiffness = std::numeric_limits<double>::infinity();  // N/m
   std::optional<SimOptions> sim;

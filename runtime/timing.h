@@ -1,4 +1,4 @@
-// What a loop records of its ticks, without allocating: how late it woke, how long it computed,
+// A loop's record of its ticks, made without allocating: how late it woke, how long it computed,
 // what it missed. One thread's.
 #pragma once
 

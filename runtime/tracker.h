@@ -31,7 +31,7 @@ struct SceneObject {
   double unit() const { return cache != nullptr ? cache->unit : lazy->base().unit; }
 };
 
-// What a step found of one object.
+// One object in a step.
 struct ObjectStep {
   bool searched = false;      // false: too far to touch, nothing was computed, `contact` is older
   Contact contact;            // in the object's frame and its mesh's unit
@@ -51,7 +51,7 @@ class Tracker {
   // The force on the hand at a position (m, world), in N: the sum over HIPs and objects. What is
   // farther than the HIP has moved since its last search costs a comparison.
   Vec3 step(const Vec3& position) noexcept;
-  // What the last step found of the first HIP's objects, then of the next one's. Valid as long as
+  // The last step of the first HIP's objects, then of the next one's. Valid as long as
   // the tracker.
   std::span<const ObjectStep> objects() const { return steps_; }
   double unit(std::size_t i) const { return tracked_[i].unit; }  // m, of objects()[i]

@@ -38,7 +38,7 @@ class Socket {
   bool connect(std::uint16_t port) noexcept;
   void disconnect() noexcept;
 
-  // What an earlier datagram met is told by a later call.
+  // A later call tells what an earlier datagram met.
   Outcome send(std::span<const std::byte> bytes) noexcept;
   void send_to(std::uint16_t port, std::span<const std::byte> bytes) noexcept;
   Arrival receive(std::span<std::byte> buffer) noexcept;
@@ -50,8 +50,8 @@ class Socket {
   std::uint16_t port_ = 0;
 };
 
-// What waits, up to `most` datagrams: take(bytes, port) each, without bytes where it is longer than
-// kSize; dead() where the other end is found to be.
+// Takes up to `most` datagrams that wait: take(bytes, port) each, without bytes where one is longer
+// than kSize; dead() where the other end is found to be.
 template <std::size_t kSize, class Dead, class Take>
 void drain(Socket& socket, int most, Dead dead, Take take) noexcept {
   for (int i = 0; i < most; ++i) {

@@ -1,5 +1,5 @@
-// Whether a machine is fit for the loop: what a loop with a real tick recorded, against the same
-// loop with nothing in it.
+// Judges whether a machine is fit for the loop, by what a loop with a real tick recorded, against
+// the same loop with nothing in it.
 #pragma once
 
 #include "runtime/timing.h"

@@ -9,6 +9,8 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cstdint>
+#include <fstream>
 #include <functional>
 #include <string>
 #include <thread>
@@ -68,6 +70,15 @@ class Process {
   Process& operator=(const Process&) = delete;
 
   void kill(int number) const { ::kill(pid_, number); }
+  // True once it has a handler for this signal.
+  bool catches(int number) const {
+    std::ifstream status("/proc/" + std::to_string(pid_) + "/status");
+    for (std::string word; status >> word;) {
+      std::uint64_t caught = 0;
+      if (word == "SigCgt:" && status >> std::hex >> caught) return (caught >> (number - 1)) & 1;
+    }
+    return false;
+  }
   std::string out() const { return said_.read("out"); }  // so far
   std::string err() const { return said_.read("err"); }
 

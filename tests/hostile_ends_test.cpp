@@ -132,7 +132,8 @@ TEST_F(HostileEnds, leave_whole_files_whenever_a_signal_comes) {
     for (const int signal : {SIGHUP, SIGQUIT, SIGXCPU, SIGINT, SIGTERM}) {
       for (int i = 0; i < tries; ++i) {
         Process process(folder_ / "", test::kProgram, words_of(command));
-        std::this_thread::sleep_for(std::chrono::milliseconds(50 + random() % 600));
+        ASSERT_TRUE(test::await([&] { return process.catches(signal); }));
+        std::this_thread::sleep_for(std::chrono::milliseconds(random() % 600));
         process.kill(signal);
         if (i % 2) process.kill(signal);  // an impatient hand
         const Outcome outcome = process.wait();

@@ -9,34 +9,13 @@
 #include "host/tessellate.h"
 #include "tests/crossing_oracle.h"
 #include "tests/extremes.h"
+#include "tests/open_meshes.h"
 #include "tests/surfaces.h"
 
 namespace gliss {
 namespace {
 
 using test::CrossingOracle;
-
-// Half of a torus, cut through its tube: two open borders.
-Mesh half_torus() {
-  const Mesh whole = torus(24, 12).mesh;
-  Mesh half = whole;
-  half.face_begin = {0};
-  half.corner_vertex.clear();
-  half.corner_normal.clear();
-  for (std::size_t face = 0; face < whole.face_count(); ++face) {
-    const std::uint32_t begin = whole.face_begin[face], end = whole.face_begin[face + 1];
-    Vec3 centre = Vec3::Zero();
-    for (std::uint32_t c = begin; c < end; ++c) centre += whole.positions[whole.corner_vertex[c]];
-    if (centre.y() < 0) continue;
-    for (std::uint32_t c = begin; c < end; ++c) {
-      half.corner_vertex.push_back(whole.corner_vertex[c]);
-      if (!whole.corner_normal.empty()) half.corner_normal.push_back(whole.corner_normal[c]);
-    }
-    half.face_begin.push_back(static_cast<std::uint32_t>(half.corner_vertex.size()));
-  }
-  half.source = "half torus";
-  return half;
-}
 
 WalkOptions options_of(const Mesh& mesh, std::size_t walkers, std::size_t ticks) {
   WalkOptions options;
@@ -95,7 +74,7 @@ TEST(Walk, is_the_same_on_any_number_of_threads_and_with_more_walkers) {
 }
 
 TEST(Walk, starts_again_where_it_leaves_an_open_surface) {
-  const Mesh mesh = test::with_normals(half_torus());
+  const Mesh mesh = test::with_normals(test::half_torus());
   const std::vector<Walk> walks = walks_on(mesh, options_of(mesh, 4, 20000));
   EXPECT_GT(walks.size(), 4u);
   std::size_t ticks = 0;
@@ -199,7 +178,7 @@ TEST(Walk, loses_contact_only_where_the_surface_of_a_generated_mesh_was_crossed)
   const std::pair<const char*, Mesh> meshes[] = {{"knot", torus_knot().mesh},
                                                  {"banana", banana().mesh},
                                                  {"goldberg", goldberg().mesh},
-                                                 {"half torus", half_torus()},
+                                                 {"half torus", test::half_torus()},
                                                  {"plate", thin_plate().mesh}};
   for (const auto& [name, mesh] : meshes) expect_contacts_held(name, mesh, 10000);
 }

@@ -1,4 +1,4 @@
-// What the commands share: their options, their errors, and how they speak.
+// Things that the commands share: their options, their errors, and how they speak.
 #pragma once
 
 #include <algorithm>
@@ -32,7 +32,7 @@ struct ReportOptions {
   bool json = false, quiet = false;
 };
 
-// Of commands that use an engine.
+// Options of commands that use an engine.
 struct CommonOptions : ReportOptions {
   int threads = 0;  // 0: as many as the machine has
   std::string backend = "tbb";
@@ -40,7 +40,7 @@ struct CommonOptions : ReportOptions {
   int device_memory = 0;  // MiB; 0: as OpenClOptions has it
 };
 
-// Of commands that read a mesh or a cache.
+// Options of commands that read a mesh or a cache.
 struct SurfaceOptions : CommonOptions {
   std::string surface;                 // path
   bool from_cache = false;             // it must be a cache
@@ -50,7 +50,7 @@ struct SurfaceOptions : CommonOptions {
   bool split_non_manifold = false;
 };
 
-// Of the commands that outsiders script against: one table out.
+// Options of the commands that outsiders script against: one table out.
 struct TableOptions : SurfaceOptions {
   std::string output = "-";
 };
@@ -66,7 +66,7 @@ void add_input_option(Command& command, const std::string& name, std::string& pa
 // Throws InputError where it is no file that can be read.
 void check_input(const std::string& name, const std::string& path);
 void add_stiffness_option(Command& command, double& stiffness);
-// Of one solver; of all.
+// Adds the options of one solver; of all.
 void add_solver_options(Command& command, SolverOptions& options);
 void add_step_options(Command& command, SolverOptions& options);
 void add_methods_option(Command& command, std::vector<Method>& methods);

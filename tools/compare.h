@@ -1,4 +1,4 @@
-// What each level costs and gives on a mesh and a machine, beside flat polygons and force shading.
+// Costs and gains of each level on a mesh and a machine, beside flat polygons and force shading.
 #pragma once
 
 #include <optional>
@@ -124,7 +124,7 @@ class Comparison {
 
 // Marks rows that no other beats in error, tick and memory at once.
 void mark_pareto(std::vector<CompareRow>& rows);
-// Of the rows within the budget the quickest, or the nearest to the exact surface where no error is
+// The quickest of the rows within the budget, or the nearest to the exact surface where no error is
 // given; null: none.
 const CompareRow* recommend(const std::vector<CompareRow>& rows, const Budget& budget);
 

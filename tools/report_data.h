@@ -17,7 +17,7 @@ std::string base64(std::span<const unsigned char> bytes);
 Json packed(const std::vector<float>& values);          // {"f32": base64}, little-endian
 Json packed(const std::vector<std::uint32_t>& values);  // {"u32": base64}
 
-// Of get(0) ... get(count - 1), indices of about `most`, in order: all that are finite where they
+// Indices of about `most` of get(0) ... get(count - 1), in order: all that are finite where they
 // are few enough, else the least and the largest of each stretch of equally many.
 std::vector<std::size_t> extremes(std::size_t count, std::size_t most,
                                   const std::function<double(std::size_t)>& get);

@@ -16,7 +16,7 @@ struct ReportSource {
   Watch& watch;                  // counts bytes read
 };
 
-// What the page shows of a file: "kind", "file" and more. Throws InputError or CsvError where the
+// The page's view of a file: "kind", "file" and more. Throws InputError or CsvError where the
 // file is no result that the page knows.
 Json read_result(const ReportSource& source);
 

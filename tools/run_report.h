@@ -1,4 +1,4 @@
-// What gliss run tells of a loop, while it runs and after.
+// Tells of a loop in gliss run, while it runs and after.
 #pragma once
 
 #include <deque>
@@ -11,7 +11,7 @@
 
 namespace gliss::tools {
 
-// Of ticks as they come out of the loop's queue.
+// Figures of ticks as they come out of the loop's queue.
 class RunReport {
  public:
   static constexpr std::size_t kTrips = 10;  // told in full

@@ -1,4 +1,4 @@
-// What commands read: a mesh or a cache, and points in whatever unit they come.
+// Input of commands: a mesh or a cache, and points in whatever unit they come.
 #pragma once
 
 #include <string>
