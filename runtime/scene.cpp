@@ -24,8 +24,9 @@ Eigen::Matrix3d read_rotation(TomlTable table) {
   table.get_point("axis", axis);
   table.get("degrees", degrees);
   table.done();
-  if (!(axis.norm() > 0)) table.fail("axis", "must be three numbers that are not all zero");
-  return Eigen::AngleAxisd(degrees * std::numbers::pi / 180, axis.normalized()).matrix();
+  if (axis.isZero(0)) table.fail("axis", "must be three numbers that are not all zero");
+  // Squares of 1e155 are not finite, those of 1e-165 are zero.
+  return Eigen::AngleAxisd(degrees * std::numbers::pi / 180, axis.stableNormalized()).matrix();
 }
 
 void read_patches(TomlTable& table, ObjectDescription& object, bool from_cache) {
