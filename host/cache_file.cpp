@@ -14,6 +14,7 @@
 #include "host/cache_format.h"
 #include "host/kernels.h"
 #include "host/open_file.h"
+#include "host/query.h"
 
 namespace gliss {
 namespace cache_format {
@@ -200,6 +201,7 @@ class Reader {
 }  // namespace
 
 void save_cache(const PatchCache& cache, const std::string& path) {
+  require_patches(cache);
   AtomicFile file(path);
   std::array<Section, kSections> table;
   std::size_t next = 0;

@@ -130,7 +130,7 @@ struct Kernels {
 };
 
 // Of the machine's best instruction set, or of the one that the environment variable GLISS_ISA
-// names (baseline, v3, v4).
+// names (baseline, v3, v4). Throws std::invalid_argument where that names none of them.
 template <class Real>
 const Kernels<Real>& kernels();
 template <>

@@ -17,6 +17,8 @@ static_assert(sizeof(Vec3) == 3 * sizeof(double) && alignof(Vec3) == alignof(dou
 
 inline constexpr std::uint32_t kNone = 0xFFFFFFFFu;
 inline constexpr std::size_t kMaxValence = 1000;
+inline constexpr double kMostCoordinate = 1e60;  // beyond, areas and volumes would overflow
+inline constexpr double kLeastUnit = 1e-15, kMostUnit = 1e15;  // metres
 
 // Faces laid end to end. A corner is one entry of corner_vertex; the side of the same index runs
 // from that corner to the next one of its face. Invariants once `validate` has passed: every face

@@ -78,7 +78,8 @@ struct BuildReport {
 
 // Invariants: every index in range, every number finite, hierarchy a binary tree over all patches.
 // A patch is a face of the mesh, in the order of faces, except that a split face has a patch for
-// each of its triangles.
+// each of its triangles. A cache that was moved from has no patches: patch_count() is 0, and all
+// that needs some throws std::invalid_argument.
 struct PatchCache {
   double unit = 1.0;           // metres per unit of the mesh
   Vec3 origin = Vec3::Zero();  // of the mesh frame, in the mesh's unit

@@ -19,23 +19,23 @@ constexpr double kFarthestCentre = 2;  // from the middle of a polygon in [-1, 1
 constexpr double kTurnsAbout = 1e-6;
 constexpr double kInside = 1 - 1e-5;  // how far from the centre to a side counts as just inside
 
-// True if the outermost probes of a patch, where most that fold do so, say that examine() would not
-// find it safe. It takes a tenth of the time.
-bool folds_at_rim(const PatchDraft& d, const ValenceTables& tables) {
+// PatchShape::turn of the outermost probes alone, where most patches that fold do so: examine()
+// finds no more than that. It takes a tenth of the time.
+double turn_at_rim(const PatchDraft& d, const ValenceTables& tables) {
   const std::uint32_t n = d.valence(), rim = n * kernels<double>().probe_levels(n),
                       first = tables.probe_count[n] - rim;
   const double *xi = tables.probes_of(n), *eta = xi + kernels<double>().probe_reals(n) / 2;
   std::vector<double> rows(9 * rim);
   kernels<double>().evaluate(tables.domain_of(n), d.control.data(), kFormExact, n, xi + first,
                              eta + first, rim, rim, rows.data());
+  double turn = 1;
   for (std::uint32_t i = 0; i < rim; ++i) {
     const auto row = [&](std::size_t r) {
       return Vec3(rows[r * rim + i], rows[(r + 1) * rim + i], rows[(r + 2) * rim + i]);
     };
-    const Vec3 normal = row(3).cross(row(6));
-    if (normal.dot(d.frame.normal) < (kSafeTurn - kRounding) * normal.norm()) return true;
+    turn = std::min(turn, row(3).cross(row(6)).normalized().dot(d.frame.normal));
   }
-  return false;
+  return turn + kRounding;
 }
 
 // The same boundary, with cross tangents shortened until the patch is safe; none where it never is.
@@ -47,7 +47,7 @@ std::optional<PatchDraft> ease(const PatchDraft& draft, const ValenceTables& tab
     PatchDraft d = draft;
     if (d.kind == PatchKind::kExact) d.kind = PatchKind::kEased;
     kernels<double>().ease_patch(d.control.data(), d.valence(), amount);
-    if (folds_at_rim(d, tables)) continue;
+    if (!(turn_at_rim(d, tables) > kSafeTurn)) continue;
     d.shape = examine(d, tables);
     if (d.shape.turn > kSafeTurn) return d;
   }
@@ -55,9 +55,10 @@ std::optional<PatchDraft> ease(const PatchDraft& draft, const ValenceTables& tab
 }
 
 // The same boundary curves, with cross tangents in the plane of the polygon, shorter and shorter:
-// without any, a corner interpolator is the sum of its two curves.
-PatchDraft bend(const PatchDraft& draft, const ValenceTables& tables) {
-  PatchDraft best;
+// without any, a corner interpolator is the sum of its two curves. The best, if its turn is better
+// than `worst`.
+std::optional<PatchDraft> bend(const PatchDraft& draft, double worst, const ValenceTables& tables) {
+  std::optional<PatchDraft> best;
   for (const double length : {1.0, 0.5, 0.0}) {
     PatchDraft d = draft;
     d.kind = PatchKind::kBent;
@@ -68,10 +69,13 @@ PatchDraft bend(const PatchDraft& draft, const ValenceTables& tables) {
         d.control[k * kSideReals + at] *= length;
     }
     kernels<double>().bend_patch(d.control.data(), n, d.frame.normal.data());
+    if (turn_at_rim(d, tables) < worst) continue;
     d.shape = examine(d, tables);
     // Of two that are as bad, the one that moves less.
-    if (best.control.empty() || d.shape.turn >= best.shape.turn) best = std::move(d);
-    if (best.shape.turn > kSafeTurn) break;
+    if (best ? d.shape.turn < worst : !(d.shape.turn > worst)) continue;
+    worst = d.shape.turn;
+    best = std::move(d);
+    if (worst > kSafeTurn) break;
   }
   return best;
 }
@@ -148,12 +152,9 @@ std::vector<PatchDraft> split(const FaceCorners& face, const Cuts& cuts,
   for (const auto& t : cuts) {
     PatchDraft d = draft_patch(face, {t[0], t[1], t[2]});
     d.kind = PatchKind::kSplit;
-    const bool is_open = !is_degenerate(d.soundness) && !folds_at_rim(d, tables);
-    if (is_open) {
+    d.shape.turn = -1;
+    if (!is_degenerate(d.soundness) && turn_at_rim(d, tables) > kSafeTurn)
       d.shape = examine(d, tables);
-    } else {
-      d.shape.turn = -1;
-    }
     std::optional<PatchDraft> eased = ease(d, tables);
     if (!eased || !keeps_normals(*eased, tables)) return {};
     parts.push_back(*std::move(eased));
@@ -170,8 +171,9 @@ std::vector<PatchDraft> split_bent(const FaceCorners& face, const Cuts& cuts,
   for (const auto& t : cuts) {
     PatchDraft d = draft_patch(face, {t[0], t[1], t[2]});
     straighten_cuts(d, face_valence);
-    parts.push_back(bend(d, tables));
-    if (!(parts.back().shape.turn > worst)) return {};
+    std::optional<PatchDraft> bent = bend(d, worst, tables);
+    if (!bent) return {};
+    parts.push_back(*std::move(bent));
   }
   return parts;
 }
@@ -205,7 +207,7 @@ std::vector<PatchDraft> draft_tamer(const FaceCorners& face, PatchDraft exact,
   if (!parts.empty()) return parts;
 
   // Without them otherwise: the best.
-  std::vector<PatchDraft> best{bend(exact, tables)};
+  std::vector<PatchDraft> best{*bend(exact, -2, tables)};
   const auto offer = [&](const FaceCorners& corners, const Cuts& cuts) {
     const double worst = worst_turn(best);
     if (worst > kSafeTurn) return;

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <future>
+#include <limits>
 #include <memory>
 
 #include "host/force_statistics.h"
+#include "host/plain_arithmetic.h"
 #include "host/sweep_grid.h"
 #include "host/sweep_parts.h"
 
@@ -180,7 +182,11 @@ class Sweeper {
       return window.contacts[(method * options.depths.size() + depth) * window.points.size() + p];
     }
     double full_force() const { return options.stiffness * options.depths[depth]; }
-    Vec3 force(std::size_t p) const { return gliss::force(cache, contact(p), options.stiffness); }
+    // No number where the surface has none to put a HIP beneath.
+    Vec3 force(std::size_t p) const {
+      if (!hip(p).allFinite()) return Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
+      return gliss::force(cache, contact(p), options.stiffness);
+    }
   };
 
   // Ring by ring, in the order of the grid.
@@ -303,6 +309,7 @@ class Sweeper {
 
 SweepResult sweep(const PatchCache& cache, const Engine& engine, const SweepOptions& options,
                   const SweepSink& sink, const SweepProgress& progress, SweepParts* parts) {
+  const PlainArithmetic plain;
   return Sweeper(cache, engine, options).run(sink, progress, parts);
 }
 

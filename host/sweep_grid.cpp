@@ -30,6 +30,7 @@ std::uint32_t rings_for(const PatchCache& cache, std::uint64_t samples) {
 }
 
 SweepGrid::SweepGrid(const PatchCache& cache, std::uint32_t rings) : cache_(cache), rings_(rings) {
+  require_patches(cache);
   for (std::uint32_t f = 0; f < cache.mesh_face_count; ++f) {
     if (cache.face_patch[f] != kNone) faces_.push_back(f);
   }
