@@ -55,8 +55,10 @@ struct SolverOptions {
 struct QueryOptions : SolverOptions {
   Method method = Method::kGregory;
   // Evaluations after which a search begins no further descent, so that it spends at most
-  // max_iterations + 1 more; 0: no limit. A search that ends so has kUnfinished.
-  int budget = 0;
+  // max_iterations + 1 more; 0: no limit. A search that ends so has kUnfinished. Usual meshes take
+  // up to ten thousand, and that where a HIP is as near to many places; the default is a bound for
+  // those made to take more.
+  int budget = 1 << 16;
 };
 
 struct Contact {
