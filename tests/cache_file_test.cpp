@@ -475,7 +475,9 @@ TEST(CacheFile, ForgedContentIsRefused) {
 // A tree like a list, of n leaves: its deepest leaf is n levels down, the root being the first.
 Forgery list_of(std::uint32_t n) {
   PatchCache cache = build_cache(torus(static_cast<int>(n) / 4, 4).mesh);
-  auto& child = std::get<1>(cache.surface).child;
+  auto& surface = std::get<1>(cache.surface);
+  auto& child = surface.child;
+  for (std::size_t i = 0; i < surface.node.size(); ++i) surface.node[i] = i % 6 < 3 ? -2 : 2;
   for (std::uint32_t i = 0; i + 1 < n; ++i) {
     child[2 * i] = i | kNodeLeaf;
     child[2 * i + 1] = i + 2 < n ? i + 1 : (n - 1) | kNodeLeaf;
