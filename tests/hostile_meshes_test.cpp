@@ -68,6 +68,17 @@ TEST(HostileMeshes, are_followed_within_the_budget_of_a_tick) {
   }
 }
 
+// A walk round the pole passes hundreds of sides, which count besides the evaluations.
+TEST(HostileMeshes, round_a_pole_count_what_a_walk_passes) {
+  const PatchCache cache = build_cache(test::fan(300));
+  QueryOptions brief;
+  brief.budget = 2000;
+  const Contact c = nearest(cache, Vec3(0.1, 0.2, 0.3), brief);
+  EXPECT_TRUE(c.flags & kUnfinished);
+  EXPECT_LT(c.iterations, brief.budget * 9 / 10);
+  test::record("pole", "{} evaluations", c.iterations);
+}
+
 // A copy adds nothing to the union that it is in: its search costs no more than that of a surface.
 TEST(HostileMeshes, at_one_place_bury_nothing) {
   Mesh one = test::coincident_shells(1), many = test::coincident_shells(40);
