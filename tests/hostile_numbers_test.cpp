@@ -225,6 +225,18 @@ TEST(HostileNumbers, of_a_cache_file_are_named_with_section_and_entry) {
   EXPECT_THAT(of([](auto&, auto& s) { s.domain[9] += 0.01; }), HasSubstr("'domain': entry 9: "));
 }
 
+TEST(HostileNumbers, of_a_mesh_are_named) {
+  const auto refused = [](double unit) {
+    Mesh mesh = goldberg().mesh;
+    mesh.source = "a";
+    mesh.unit = unit;
+    return test::message_of<MeshError>([&] { validate(mesh); });
+  };
+  EXPECT_EQ(refused(1e-3), "");
+  for (const double unit : {0.0, -1.0, 1e-300, 1e300, std::nan("")})
+    EXPECT_THAT(refused(unit), HasSubstr("a: the unit must be a length from 1e-15 to "));
+}
+
 // A surface that no check has seen, with a patch that is no number anywhere.
 std::shared_ptr<const PatchCache> broken_ball() {
   PatchCache cache = build_cache(goldberg(3, 10).mesh);
