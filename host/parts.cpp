@@ -141,13 +141,6 @@ class PartFinder {
     }
   }
 
-  static std::uint64_t key(std::uint32_t part, std::uint32_t partner) {
-    return std::uint64_t{part} << 32 | partner;
-  }
-  void add_pair(std::uint32_t part, std::uint32_t partner) {
-    if (known_pairs_.insert(key(part, partner)).second) pairs_.emplace_back(part, partner);
-  }
-
   struct OrientedBox {
     Eigen::Matrix3d axes;  // columns, unit
     Vec3 centre, half;
@@ -187,25 +180,26 @@ class PartFinder {
   // The patches whose boxes overlap those of a solid part.
   void find_mixed() {
     mixed_.assign(boxes_.size(), 0);
-    const auto is_mixed = [&](std::uint32_t patch, std::uint32_t other) {
-      return !solid_[part_[other]] ||
-             (mixed_[patch] && known_pairs_.contains(key(part_[patch], part_[other])));
-    };
-    const auto mix = [&](std::uint32_t patch, std::uint32_t other) {
-      if (!solid_[part_[other]]) return;
-      mixed_[patch] = 1;
-      add_pair(part_[patch], part_[other]);
+    std::unordered_set<std::uint64_t> known;  // pairs of parts
+    const auto mix = [&](std::uint32_t a, std::uint32_t b) {
+      const std::uint32_t p = part_[a], q = part_[b];
+      const std::uint64_t pair = std::uint64_t{std::min(p, q)} << 32 | std::max(p, q);
+      const bool is_known = known.contains(pair);
+      if (is_known && (mixed_[a] || !solid_[q]) && (mixed_[b] || !solid_[p])) return;
+      if (!overlap_oriented(oriented_box(a), oriented_box(b))) return;
+      if (!is_known) known.insert(pair);
+      const auto enter = [&](std::uint32_t patch, std::uint32_t part, std::uint32_t partner) {
+        if (!solid_[partner]) return;
+        mixed_[patch] = 1;
+        if (!is_known) pairs_.emplace_back(part, partner);
+      };
+      enter(a, p, q);
+      enter(b, q, p);
     };
     std::vector<std::uint32_t> label;
     for (const std::uint32_t part : part_) label.push_back(alike_[part]);
     Overlaps<Real>(s_.node, s_.child, label)
-        .for_each([&](std::uint32_t a, std::uint32_t b) { return !solid_[a] && !solid_[b]; },
-                  [&](std::uint32_t a, std::uint32_t b) {
-                    if (is_mixed(a, b) && is_mixed(b, a)) return;
-                    if (!overlap_oriented(oriented_box(a), oriented_box(b))) return;
-                    mix(a, b);
-                    mix(b, a);
-                  });
+        .for_each([&](std::uint32_t a, std::uint32_t b) { return !solid_[a] && !solid_[b]; }, mix);
   }
 
   // The others, in connected groups: all of a group lie within another part or none does.
@@ -229,7 +223,7 @@ class PartFinder {
       bool within = false;
       part_boxes.for_each_at(x, [&](std::uint32_t part) {
         if (alike_[part] == alike_[part_[first]] || !solid_[part] || !winds_round(part, x)) return;
-        add_pair(part_[first], part);
+        pairs_.emplace_back(part_[first], part);
         within = true;
       });
       for (const std::uint32_t p : group) buried_[p] = within;
@@ -245,6 +239,7 @@ class PartFinder {
 
   void store() {
     std::sort(pairs_.begin(), pairs_.end());
+    pairs_.erase(std::unique(pairs_.begin(), pairs_.end()), pairs_.end());
     s_.part.resize(boxes_.size());
     for (std::size_t p = 0; p < boxes_.size(); ++p)
       s_.part[p] = part_[p] | (mixed_[p] ? kPatchMixed : buried_[p] ? kPatchBuried : 0);
@@ -271,7 +266,6 @@ class PartFinder {
   std::vector<Box> part_box_;           // [part]
   std::vector<char> mixed_, buried_;    // [patch]
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs_;  // of a part and one it lies in
-  std::unordered_set<std::uint64_t> known_pairs_;               // keys of pairs_
 };
 
 }  // namespace

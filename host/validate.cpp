@@ -43,7 +43,7 @@
 //   several-parts         parts that share no edge; the count is that of the parts
 //   parts-intersect       a closed part and another one intersect or touch; the count is that of
 //   the
-//                         pairs. Contact takes closed parts as a union of solids
+//                         pairs, up to a million. Contact takes closed parts as a union of solids
 //   part-inside-part      parts that lie within closed ones; the count is that of the parts
 //   no-volume             closed parts that enclose nothing, such as a face and its reverse
 //   open-border           sides without a face beyond

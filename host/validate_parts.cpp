@@ -126,7 +126,8 @@ class PartPairs {
     Overlaps<double>(node, child, part_)
         .for_each(
             [&](std::uint32_t a, std::uint32_t b) {
-              return (!closed_[a] && !closed_[b]) || met_.contains(key(a, b));
+              return (!closed_[a] && !closed_[b]) || met_.size() >= kMostPairs ||
+                     met_.contains(key(a, b));
             },
             [&](std::uint32_t a, std::uint32_t b) {
               if (!faces_meet(a, b)) return;
@@ -138,7 +139,8 @@ class PartPairs {
     if (met_.empty()) return;
     report_
         .add(Severity::kWarning, "parts-intersect", {.face = face},
-             "meets face {} of another part ({} pairs of parts)", file_face(other), met_.size())
+             "meets face {} of another part ({} pairs of parts{})", file_face(other), met_.size(),
+             met_.size() < kMostPairs ? "" : " or more")
         .count = met_.size();
   }
   bool faces_meet(std::uint32_t a, std::uint32_t b) const {
@@ -190,6 +192,8 @@ class PartPairs {
     }
     return std::abs(angle) > 2 * std::numbers::pi;
   }
+
+  static constexpr std::size_t kMostPairs = 1'000'000;  // that are looked for
 
   const Mesh& mesh_;
   Report& report_;
