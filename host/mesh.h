@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -58,11 +59,14 @@ struct Finding {
 struct LoadOptions {
   double unit = 1.0;                // metres per unit of the file
   bool split_non_manifold = false;  // duplicate vertices instead of refusing
+  // Asked many times a second, on the thread that reads and checks; what it throws ends that.
+  std::function<void()> poll = nullptr;
 };
 
-// Reads OBJ, OFF or PLY (by extension), validates and repairs. No face is dropped in silence:
-// counts are checked against the file. Appends what was found to *findings (may be null). Throws
-// MeshError on the first finding of severity kError, after all findings are appended.
+// Reads OBJ, OFF or PLY (by extension), validates and repairs. Pipes and devices are refused, and
+// lines of over 16 MiB. No face is dropped in silence: counts are checked against the file. Appends
+// what was found to *findings (may be null). Throws MeshError on the first finding of severity
+// kError, after all findings are appended.
 Mesh load_mesh(const std::string& path, const LoadOptions& options = {},
                std::vector<Finding>* findings = nullptr);
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -138,9 +139,10 @@ bool has_border(const PatchCache& cache);
 
 // Written to a temporary beside `path`, synced and renamed: a reader sees a whole cache or none.
 // Throws std::system_error. Reading checks every section's checksum, size, index and number; throws
-// CacheError.
+// CacheError, or NoFileError (host/open_file.h) of what is no regular file. `poll` is asked many
+// times a second, and what it throws ends the reading.
 void save_cache(const PatchCache& cache, const std::string& path);
-PatchCache load_cache(const std::string& path);
+PatchCache load_cache(const std::string& path, const std::function<void()>& poll = nullptr);
 bool is_cache_file(const std::string& path);
 
 }  // namespace gliss

@@ -137,7 +137,7 @@ void validate(Mesh& mesh, const LoadOptions& options, Report& report) {
 }
 
 void validate(Mesh& mesh, const LoadOptions& options, std::vector<Finding>* findings) {
-  Report report(mesh, findings);
+  Report report(mesh, findings, options.poll);
   validate(mesh, options, report);
 }
 

@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
-#include <sys/stat.h>
 
 #include <algorithm>
 #include <atomic>
@@ -276,8 +275,6 @@ TEST(CacheFile, WhatCannotBeOpenedIsNamed) {
   EXPECT_EQ(error(folder / "none"),
             "cannot read '" + (folder / "none") + "': No such file or directory");
   EXPECT_THAT(error(folder / ""), HasSubstr("Is a directory"));
-  ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
-  EXPECT_THAT(error(folder / "pipe"), HasSubstr("cannot read"));
 }
 
 TEST(CacheFile, OtherVersionsAreStaleAndNotDamaged) {
