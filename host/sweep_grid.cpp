@@ -108,6 +108,14 @@ void SweepGrid::add_points(const SweepChunk& chunk, std::vector<DomainPoint>& po
   }
 }
 
+void SweepGrid::add_own_points(const SweepChunk& chunk, std::vector<DomainPoint>& points) const {
+  for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+    for (std::uint32_t r = chunk.first; r < chunk.last; ++r) {
+      for (std::uint32_t k = 0; k < valence(faces_[i]); ++k) add_sector(faces_[i], r, k, points);
+    }
+  }
+}
+
 std::uint64_t SweepGrid::own_points(const SweepChunk& chunk) const {
   std::uint64_t count = 0;
   for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
