@@ -6,6 +6,7 @@
 #include "tools/command.h"
 #include "tools/interrupt.h"
 #include "tools/run_devices.h"
+#include "tools/watch.h"
 
 namespace gliss::tools {
 namespace {
@@ -27,7 +28,7 @@ void describe(Command& command, ServeOptions& options) {
 }
 
 void run(const ServeOptions& options) {
-  const Scene scene = read_scene(options.scene);
+  const Scene scene = read_scene(options.scene, stop_if_interrupted);
   const auto device = open_device(options.device, scene);
   UdpServer server(*device, static_cast<std::uint16_t>(options.port));
   if (!options.quiet)

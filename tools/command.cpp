@@ -9,6 +9,7 @@
 
 #include "host/units.h"
 #include "tools/interrupt.h"
+#include "tools/terminal.h"
 
 namespace gliss::tools {
 namespace {
@@ -87,6 +88,8 @@ void add_input_option(Command& command, const std::string& name, std::string& pa
 
 void check_input(const std::string& name, const std::string& path) {
   const auto status = std::filesystem::status(path);
+  if (!exists(status) && path == "-")
+    throw InputError(fmt::format("{}: standard input is not read; name a file", name));
   if (!exists(status)) throw InputError(fmt::format("{}: there is no file '{}'", name, path));
   if (is_directory(status)) throw InputError(fmt::format("{}: '{}' is a folder", name, path));
 }
@@ -172,7 +175,7 @@ void report(const ReportOptions& options, const std::string& text, const Json& j
   if (options.json) {
     fmt::print(stream, "{}", printed(json));
   } else if (!options.quiet) {
-    fmt::print(stream, "{}", text);
+    fmt::print(stream, "{}", for_terminal(text));
   }
 }
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "tools/terminal.h"
+
 namespace gliss::tools {
 namespace {
 
@@ -42,7 +44,8 @@ void tell_tight_curvature(const ReportOptions& options, const PatchCache& cache,
                           const std::string& meaning, const std::string& name) {
   if (options.quiet) return;
   const std::string text = tight_curvature_text(cache, depth, meaning);
-  if (!text.empty()) fmt::print(stderr, "gliss: {}{}{}\n", name, name.empty() ? "" : ": ", text);
+  if (!text.empty())
+    fmt::print(stderr, "gliss: {}{}{}\n", for_terminal(name), name.empty() ? "" : ": ", text);
 }
 
 }  // namespace gliss::tools

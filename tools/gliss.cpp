@@ -6,12 +6,14 @@
 #include <new>
 
 #include "host/csv_reader.h"
+#include "host/open_file.h"
 #include "host/point_table.h"
 #include "host/units.h"
 #include "runtime/realtime.h"
 #include "runtime/scene.h"
 #include "tools/command.h"
 #include "tools/interrupt.h"
+#include "tools/terminal.h"
 
 namespace gliss::tools {
 namespace {
@@ -20,7 +22,7 @@ enum ExitCode { kDone, kInternal, kBadInput, kBadCache, kNoBackend };
 
 int say(std::string message, int code) {
   std::replace(message.begin(), message.end(), '\n', ' ');
-  fmt::print(stderr, "gliss: {}\n", message);
+  fmt::print(stderr, "gliss: {}\n", for_terminal(message));
   return code;
 }
 
@@ -41,6 +43,8 @@ int run(int count, char** words) {
     if (std::fflush(stdout) != 0) return say("cannot write to standard output", kInternal);
     return kDone;
   } catch (const MeshError& error) {
+    return say(error.what(), kBadInput);
+  } catch (const NoFileError& error) {
     return say(error.what(), kBadInput);
   } catch (const CsvError& error) {
     return say(error.what(), kBadInput);

@@ -6,6 +6,8 @@
 
 #include <cstdio>
 
+#include "tools/terminal.h"
+
 namespace gliss {
 namespace {
 
@@ -29,7 +31,8 @@ StatusLine::~StatusLine() {
   if (open_) say("\n");
 }
 
-void StatusLine::show(const std::string& text) {
+void StatusLine::show(const std::string& raw) {
+  const std::string text = tools::for_terminal(raw);
   if (place_ == Place::kLog) say(text + "\n");
   if (place_ != Place::kTerminal) return;
   // Over the old text, cut to the terminal: a wrapped line could not be drawn over.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "tools/terminal.h"
 #include "tools/watch.h"
 
 namespace gliss::tools {
@@ -9,11 +10,14 @@ namespace gliss::tools {
 Mesh read_mesh(const SurfaceOptions& options) {
   std::vector<Finding> findings;
   Mesh mesh = load_mesh(options.surface,
-                        {.unit = options.unit, .split_non_manifold = options.split_non_manifold},
+                        {.unit = options.unit,
+                         .split_non_manifold = options.split_non_manifold,
+                         .poll = stop_if_interrupted},
                         &findings);
   for (const Finding& finding : findings) {
     if (finding.severity != Severity::kRepaired || options.quiet) continue;
-    fmt::print(stderr, "gliss: repaired: {} ({} in all)\n", finding.message, finding.count);
+    fmt::print(stderr, "gliss: repaired: {} ({} in all)\n", for_terminal(finding.message),
+               finding.count);
   }
   return mesh;
 }
@@ -34,7 +38,7 @@ PatchCache build(const Mesh& mesh, const SurfaceOptions& options, const Engine& 
 PatchCache open_surface(const SurfaceOptions& options, const Engine& engine) {
   if (!options.from_cache && !is_cache_file(options.surface))
     return build(read_mesh(options), options, engine);
-  PatchCache cache = load_cache(options.surface);
+  PatchCache cache = load_cache(options.surface, stop_if_interrupted);
   if (options.precision && *options.precision != cache.precision()) {
     throw CacheError(
         fmt::format("{}: a cache in {}; for --precision {} bake the mesh again", options.surface,
