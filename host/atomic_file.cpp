@@ -5,10 +5,12 @@
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <xxhash.h>
 
 #include <cerrno>
 #include <filesystem>
 #include <random>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -22,8 +24,10 @@ constexpr int kNamedTemporaries = 8, kMostTemporaries = 100;
 // A writer holds a lock on its temporary as long as it lives, on whatever machine of a share.
 // Beyond some numbers, taken where files cannot be locked, dice are thrown.
 std::string temporary_name(const std::string& target, int number) {
-  if (number < kNamedTemporaries) return fmt::format("{}.gliss-tmp{}", target, number);
-  return fmt::format("{}.gliss-tmp{}-{:08x}", target, getpid(), std::random_device{}());
+  return with_ending(target,
+                     number < kNamedTemporaries
+                         ? fmt::format(".gliss-tmp{}", number)
+                         : fmt::format(".gliss-tmp{}-{:08x}", getpid(), std::random_device{}()));
 }
 
 template <class Call>
@@ -72,6 +76,17 @@ std::string folder_of(const std::string& file) {
 
 }  // namespace
 
+std::string with_ending(const std::string& path, const std::string& ending) {
+  constexpr std::size_t kLongestName = 255;
+  const std::size_t begin = path.rfind('/') + 1;  // 0 where there is none
+  const std::string_view name = std::string_view(path).substr(begin);
+  if (name.size() + ending.size() <= kLongestName) return path + ending;
+  const std::string tail = fmt::format("~{:016x}{}", XXH3_64bits(name.data(), name.size()), ending);
+  std::size_t kept = kLongestName - tail.size();
+  while (kept > 0 && (static_cast<unsigned char>(name[kept]) & 0xc0) == 0x80) --kept;  // UTF-8
+  return path.substr(0, begin + kept) + tail;
+}
+
 AtomicFile::AtomicFile(const std::string& path) : path_(path), target_(path) {
   if (path.empty()) {
     errno = ENOENT;
@@ -83,6 +98,7 @@ AtomicFile::AtomicFile(const std::string& path) : path_(path), target_(path) {
   }
   struct stat old {};
   const bool replaces = stat(target_.c_str(), &old) == 0;
+  if (!replaces && errno == ENAMETOOLONG) fail("cannot create");  // that of the temporary may fit
   if (replaces && !S_ISREG(old.st_mode)) {
     errno = S_ISDIR(old.st_mode) ? EISDIR : EINVAL;
     fail(S_ISDIR(old.st_mode) ? "cannot write" : "not a regular file, cannot replace");

@@ -11,7 +11,7 @@ namespace gliss {
 // A killed or failing writer leaves whatever stood at the path before. Every failure, a full disk
 // as well, throws std::system_error that names the file. Several writers of one path never mix: the
 // last commit wins. What a killed writer leaves beside the path, path.gliss-tmp0, the next one
-// removes.
+// removes; a long name is cut (with_ending).
 class AtomicFile {
  public:
   // Creates the temporary, so that a missing or read-only folder is reported before any work is
@@ -39,5 +39,9 @@ class AtomicFile {
   std::string buffer_;
   int descriptor_ = -1;
 };
+
+// The path with an ending. A last name that would be too long with it is cut to what file systems
+// take, 255 bytes, and told from others by a hash.
+std::string with_ending(const std::string& path, const std::string& ending);
 
 }  // namespace gliss

@@ -10,6 +10,7 @@
 #include "host/patch_layout.h"
 #include "host/patch_tame.h"
 #include "host/patch_tiles.h"
+#include "host/plain_arithmetic.h"
 
 namespace gliss {
 namespace {
@@ -398,6 +399,7 @@ PatchCache build_cache(const Mesh& mesh, const Topology& topology, const BuildOp
       options.faces.end()) {
     throw MeshError(mesh.source + ": the faces to build must be ascending, each once");
   }
+  const PlainArithmetic plain;
   return CacheBuilder(mesh, topology, options, backend).build(report);
 }
 
@@ -405,11 +407,13 @@ PatchCache build_base(const Mesh& mesh, const Topology& topology, Precision prec
   BuildOptions options;
   options.precision = precision;
   const BuildBackend serial;
+  const PlainArithmetic plain;
   return CacheBuilder(mesh, topology, options, serial, true).build(nullptr);
 }
 
 PatchCache build_cache(const Mesh& mesh, const BuildOptions& options, BuildReport* report,
                        const BuildBackend& backend) {
+  const PlainArithmetic plain;
   if (!mesh.normals.empty())
     return build_cache(mesh, build_topology(mesh), options, report, backend);
   Mesh with_normals = mesh;

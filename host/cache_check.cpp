@@ -15,21 +15,30 @@ namespace {
 constexpr std::uint32_t kWalkDepth =
     64;  // HIERARCHY_DEPTH: one entry of the walker's stack for each level
 
+// Frames: meshes lie in [-1, 1]^3 of theirs, polygons of theirs. Patches are as large, but for
+// those that nothing could tame, and split faces may have a centre beside them.
+constexpr double kFarthestCorner = 8;        // mesh frame
+constexpr double kLeastPatchScale = 0x1p-4;  // a patch of that size
+constexpr double kFarthest = 0x1p30;         // either frame: a float holds its fourth power
+constexpr double kSlack = 0x1p-10;           // rounding, and more
+// Of meshes of the largest coordinates, and of the shortest sides that have a length.
+constexpr double kLeastScale = 0x1p-200, kMostScale = 0x1p540;
+
 bool is_power_of_two(double x) {
   int exponent = 0;
   return std::isfinite(x) && std::frexp(x, &exponent) == 0.5;
 }
 
-// Integers, since these vectorise everywhere: adding the lowest exponent bit carries into the sign
-// bit exactly where the exponent is that of infinity and NaN.
+// Integers, since these vectorise everywhere: those of larger numbers, of infinity and NaN are
+// larger, and what is left of the most borrows from the sign bit.
 template <class Real, class A>
-bool all_finite(const std::vector<Real, A>& numbers) {
+bool all_within(const std::vector<Real, A>& numbers, Real most) {
   using Bits = std::conditional_t<sizeof(Real) == 4, std::uint32_t, std::uint64_t>;
-  constexpr Bits kExponent = std::bit_cast<Bits>(std::numeric_limits<Real>::infinity());
-  constexpr Bits kLowest = kExponent & (~kExponent + 1);
-  Bits carry = 0;
-  for (const Real x : numbers) carry |= (std::bit_cast<Bits>(x) & kExponent) + kLowest;
-  return !(carry >> (8 * sizeof(Real) - 1));
+  constexpr Bits kSign = Bits{1} << (8 * sizeof(Real) - 1);
+  const Bits limit = std::bit_cast<Bits>(most);
+  Bits borrow = 0;
+  for (const Real x : numbers) borrow |= limit - (std::bit_cast<Bits>(x) & ~kSign);
+  return !(borrow & kSign);
 }
 
 template <class Real>
@@ -50,11 +59,12 @@ class Check {
     check_faces();
     check_domain();
     check_forms();
+    check_numbers();
     check_patches();
     check_tiles();
     check_hierarchy();
+    check_boxes();
     check_parts();
-    check_numbers();
   }
 
  private:
@@ -73,9 +83,12 @@ class Check {
     const auto require_number = [&](bool sound, const char* what) {
       if (!sound) fail("header", what);
     };
-    require_number(std::isfinite(c_.unit) && c_.unit > 0, "the unit is not a positive number");
-    require_number(c_.origin.allFinite(), "the origin is not finite");
-    require_number(is_power_of_two(c_.scale), "the scale is not a power of two");
+    require_number(c_.unit >= kLeastUnit && c_.unit <= kMostUnit,
+                   "the unit is not a positive number, or no length of anything");
+    require_number((c_.origin.array().abs() <= kMostCoordinate).all(),
+                   "the origin is not finite, or beyond what meshes have");
+    require_number(is_power_of_two(c_.scale) && c_.scale >= kLeastScale && c_.scale <= kMostScale,
+                   "the scale is not a power of two, or beyond what meshes have");
   }
 
   void check_sizes() const {
@@ -158,8 +171,14 @@ class Check {
     for (std::uint32_t n = 3; n <= kMaxValence; ++n) {
       if (!used[n]) continue;
       require(n < s_.domain_begin.size(), "domain_begin", n, "missing");
-      require(s_.domain_begin[n] + kernels<Real>().domain_reals(n) <= s_.domain.size(),
-              "domain_begin", n, "out of range");
+      const std::size_t reals = kernels<Real>().domain_reals(n), begin = s_.domain_begin[n];
+      require(begin + reals <= s_.domain.size(), "domain_begin", n, "out of range");
+      std::vector<Real> own(reals);
+      kernels<Real>().fill_domain(n, own.data());
+      for (std::size_t i = 0; i < reals; ++i) {
+        require(std::abs(s_.domain[begin + i] - own[i]) <= 8 * std::numeric_limits<Real>::epsilon(),
+                "domain", begin + i, "not that of its valence");
+      }
     }
   }
 
@@ -187,6 +206,10 @@ class Check {
       require(is_power_of_two(numbers[kPatchScale]) &&
                   numbers[kPatchScale] * numbers[kPatchUnscale] == 1,
               "patch", p, "its scale is not a power of two, or not the inverse of its unscale");
+      require(static_cast<double>(numbers[kPatchScale]) >= kLeastPatchScale, "patch", p,
+              "it is larger than the mesh");
+      require(is_direction(numbers + kPatchNormal) && is_direction(numbers + kPatchTangent),
+              "patch", p, "its normal or tangent is not a unit vector");
       require(numbers[kPatchSag] >= 0, "patch", p, "its sag is negative");
       require(numbers[kPatchCurvature] >= 0, "patch", p, "its curvature is negative");
       require(c_.kind[p] <= PatchKind::kBent, "kind", p, "out of range");
@@ -230,6 +253,61 @@ class Check {
     }
   }
 
+  using Vec = Eigen::Vector3d;
+  static Vec vec(const Real* at) { return {double{at[0]}, double{at[1]}, double{at[2]}}; }
+  static bool is_direction(const Real* at) {
+    const double length = vec(at).norm();
+    return length >= 0.5 && length <= 2;
+  }
+  struct Range {
+    Vec low, high;
+    bool holds(const Vec& a, const Vec& b, double slack) const {
+      return (low.array() <= a.array() + slack).all() && (high.array() >= b.array() - slack).all();
+    }
+  };
+  Range node_box(std::size_t child) const {
+    return {vec(&s_.node[6 * child]), vec(&s_.node[6 * child + 3])};
+  }
+
+  // Boxes hold those beneath them, and the polygons.
+  void check_boxes() const {
+    std::vector<Range> around(patches_ - 1,
+                              Range{Vec::Constant(-kFarthest), Vec::Constant(kFarthest)});
+    std::vector<std::uint32_t> leaf(patches_, kNone);
+    for (std::size_t i = 0; i < s_.child.size(); ++i) {
+      const Range box = node_box(i);
+      require((box.low.array() <= box.high.array()).all(), "node", 6 * i,
+              "a box whose low corner is beyond the high one");
+      require(around[i / 2].holds(box.low, box.high, 0), "node", 6 * i,
+              "a box out of that of its parent");
+      const std::uint32_t child = s_.child[i];
+      if (child & kNodeLeaf) {
+        leaf[child & ~kNodeLeaf] = static_cast<std::uint32_t>(i);
+      } else {
+        around[child] = box;
+      }
+    }
+    for (std::uint32_t p = 0; p < patches_; ++p) {
+      const Real* numbers = &s_.patch[p * kPatchReals];
+      const Vec origin = vec(numbers + kPatchOrigin), normal = vec(numbers + kPatchNormal),
+                tangent = vec(numbers + kPatchTangent);
+      const double unscale = double{numbers[kPatchUnscale]};
+      const Range own{vec(numbers + kPatchLow), vec(numbers + kPatchHigh)};
+      for (std::size_t side = s_.side_begin[p]; side < s_.side_begin[p + 1]; ++side) {
+        const Vec local = vec(&s_.corner[6 * side]), x = origin + unscale * local;
+        const Vec along(local.dot(tangent), local.dot(normal.cross(tangent)), local.dot(normal));
+        require((x.array().abs() <= kFarthestCorner).all(), "corner", 6 * side,
+                "a corner that is not in the mesh");
+        require(is_direction(&s_.corner[6 * side + 3]), "corner", 6 * side + 3,
+                "a normal that is not a unit vector");
+        require(own.holds(along, along, kSlack * (1 + local.norm())), "patch", p,
+                "its box does not hold its polygon");
+        require(patches_ == 1 || node_box(leaf[p]).holds(x, x, kSlack * unscale + kSlack / 64),
+                "node", 6 * std::size_t{leaf[p]}, "a box that does not hold its polygon");
+      }
+    }
+  }
+
   // All empty, or of parts that meet.
   void check_parts() const {
     const std::size_t parts = s_.part_table.size() / kPartUints;
@@ -250,17 +328,26 @@ class Check {
   }
 
   void check_numbers() const {
-    const auto require_finite = [&](const auto& numbers, const char* section) {
-      if (all_finite(numbers)) return;
-      for (std::size_t i = 0;; ++i) require(std::isfinite(numbers[i]), section, i, "not finite");
+    const auto require_within = [&]<class T>(const auto& numbers, T most, const char* section) {
+      if (all_within(numbers, most)) return;
+      for (std::size_t i = 0;; ++i) {
+        require(std::abs(numbers[i]) <= most, section, i,
+                std::isfinite(numbers[i]) ? "too large" : "not finite");
+      }
     };
-    require_finite(s_.domain, "domain");
-    require_finite(s_.control, "control");
-    require_finite(s_.corner, "corner");
-    require_finite(s_.patch, "patch");
-    require_finite(s_.node, "node");
-    require_finite(s_.part_box, "part_box");
-    require_finite(c_.rho_min, "rho_min");
+    const Real most = static_cast<Real>(kFarthest);
+    require_within(s_.domain, most, "domain");
+    require_within(s_.control, most, "control");
+    require_within(s_.corner, most, "corner");
+    require_within(s_.node, most, "node");
+    require_within(s_.part_box, most, "part_box");
+    require_within(c_.rho_min, std::numeric_limits<double>::max(), "rho_min");
+    require_within(s_.patch, std::numeric_limits<Real>::max(), "patch");
+    for (std::size_t i = 0; i < s_.patch.size(); ++i) {
+      const std::size_t at = i % kPatchReals;
+      require(at == kPatchScale || at == kPatchUnscale || std::abs(s_.patch[i]) <= most, "patch", i,
+              "too large");
+    }
   }
 
   const PatchCache& c_;

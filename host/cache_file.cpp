@@ -1,19 +1,17 @@
 #include <fmt/format.h>
-#include <sys/stat.h>
 #include <unistd.h>
 #include <xxhash.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cstring>
-#include <system_error>
 
 #include "host/atomic_file.h"
 #include "host/cache_check.h"
 #include "host/cache_format.h"
 #include "host/kernels.h"
 #include "host/open_file.h"
+#include "host/query.h"
 
 namespace gliss {
 namespace cache_format {
@@ -54,14 +52,9 @@ Header header_of(const PatchCache& cache) {
 
 class Reader {
  public:
-  explicit Reader(const std::string& path) : path_(path), file_(path) {
-    struct stat status {};
-    if (file_.descriptor < 0 || fstat(file_.descriptor, &status) != 0) fail_to_read();
-    if (!S_ISREG(status.st_mode)) {
-      errno = S_ISDIR(status.st_mode) ? EISDIR : EINVAL;
-      fail_to_read();
-    }
-    file_bytes_ = static_cast<std::uint64_t>(status.st_size);
+  Reader(const std::string& path, const std::function<void()>& poll)
+      : path_(path), poll_(poll), file_(path), file_bytes_(file_.size()) {
+    file_.check();
   }
 
   PatchCache read() {
@@ -85,10 +78,6 @@ class Reader {
   }
 
  private:
-  [[noreturn]] void fail_to_read() {
-    const int error = errno;
-    throw std::system_error(error, std::generic_category(), fmt::format("cannot read '{}'", path_));
-  }
   [[noreturn]] void fail(const char* section, const char* what) const {
     throw CacheError(fmt::format("{}: section '{}': {}", path_, section, what), false);
   }
@@ -97,15 +86,9 @@ class Reader {
   }
 
   void read_bytes(void* to, std::size_t bytes, const char* section) {
-    for (auto* at = static_cast<unsigned char*>(to); bytes > 0;) {
-      const ssize_t count = ::read(file_.descriptor, at, bytes);
-      if (count < 0 && errno == EINTR) continue;
-      if (count < 0) fail_to_read();
-      if (count == 0) fail(section, "cut short");
-      at += count;
-      bytes -= static_cast<std::size_t>(count);
-      position_ += static_cast<std::uint64_t>(count);
-    }
+    if (poll_) poll_();
+    if (file_.read(to, bytes) < bytes) fail(section, "cut short");
+    position_ += bytes;
   }
 
   // Sound and of this program when it returns.
@@ -192,14 +175,16 @@ class Reader {
   }
 
   const std::string& path_;
-  const OpenFile file_;
-  std::uint64_t file_bytes_ = 0, position_ = 0;
+  const std::function<void()>& poll_;
+  OpenFile file_;
+  std::uint64_t file_bytes_, position_ = 0;
   Header header_{};
 };
 
 }  // namespace
 
 void save_cache(const PatchCache& cache, const std::string& path) {
+  require_patches(cache);
   AtomicFile file(path);
   std::array<Section, kSections> table;
   std::size_t next = 0;
@@ -226,12 +211,14 @@ void save_cache(const PatchCache& cache, const std::string& path) {
   file.commit();
 }
 
-PatchCache load_cache(const std::string& path) { return Reader(path).read(); }
+PatchCache load_cache(const std::string& path, const std::function<void()>& poll) {
+  return Reader(path, poll).read();
+}
 
 bool is_cache_file(const std::string& path) {
   const OpenFile file(path);
   char begin[kNameBytes] = {};
-  const ssize_t count = read(file.descriptor, begin, sizeof(begin));
+  const ssize_t count = ::read(file.descriptor(), begin, sizeof(begin));
   return count == static_cast<ssize_t>(kNameBytes) &&
          std::string_view(begin, kNameBytes) == kMagic.substr(0, kNameBytes);
 }

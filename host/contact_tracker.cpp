@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "host/frames.h"
+#include "host/plain_arithmetic.h"
 
 namespace gliss {
 
@@ -198,17 +200,33 @@ class ContactTracker::Tick {
   int spent_ = 0, searches_ = 0;
 };
 
+namespace {
+
+// Of a cache that was moved from under the tracker.
+Contact no_surface() {
+  Contact c;
+  c.push.setConstant(std::numeric_limits<double>::quiet_NaN());
+  return c;
+}
+
+}  // namespace
+
 ContactTracker::ContactTracker(const PatchCache& cache, const QueryOptions& options)
     : cache_(&cache), options_(options) {
+  require_patches(cache);
   if (cache.surface.index() == 1) state_.emplace<1>();
 }
 
 Contact ContactTracker::tick(const Vec3& hip) noexcept {
+  if (cache_->patch_count() == 0) return no_surface();
+  const PlainArithmetic plain;
   return with_surface(
       *cache_, [&]<class Real>(const Surface<Real>& s) { return Tick<Real>(*this, s, hip).run(); });
 }
 
 Contact ContactTracker::track(const Vec3& hip, const DomainPoint& start) noexcept {
+  if (cache_->patch_count() == 0) return no_surface();
+  const PlainArithmetic plain;
   return with_surface(*cache_, [&]<class Real>(const Surface<Real>& s) {
     RawContact<Real>& state = *std::get_if<RawContact<Real>>(&state_);
     place_at(place_of(*cache_, s, start), state);

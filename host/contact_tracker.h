@@ -24,10 +24,12 @@ class ContactTracker {
   // ticks do: until then there is no contact.
   static constexpr int kTickEvaluations = 1000, kTickSearches = 128;
 
+  // Throws std::invalid_argument for a cache without patches.
   ContactTracker(const PatchCache& cache, const QueryOptions& options);
   ContactTracker(const PatchCache&&, const QueryOptions&) = delete;  // it would die at once
   // The contact after the HIP has moved to `hip` (mesh's unit). A HIP that is not finite has none,
-  // and changes nothing.
+  // and changes nothing. Where the surface is at fault, the contact is not touching and its push is
+  // NaN; the next tick searches anew.
   Contact tick(const Vec3& hip) noexcept;
   // Follows the local nearest point from a given contact, whatever the state.
   Contact track(const Vec3& hip, const DomainPoint& start) noexcept;

@@ -35,7 +35,7 @@ const Column* find_in(const std::vector<std::string>& names, const std::vector<C
 
 class CsvParser {
  public:
-  CsvParser(const std::string& path, const CsvRequest& request) : lines_(path) {
+  CsvParser(const std::string& path, const CsvRequest& request) : lines_(path, request.poll) {
     table_.source_ = path;
     read_header();
     choose_columns(request);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -22,6 +23,8 @@ struct CsvRequest {
       alternatives;                        // the first of which the file has all columns is read
   std::vector<std::string> optional = {};  // read as well where the file has them
   std::vector<std::string> texts = {};     // likewise, as they stand there
+  // Asked many times a second, on the thread that reads; what it throws ends the reading.
+  std::function<void()> poll = nullptr;
 };
 
 class CsvTable {

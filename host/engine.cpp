@@ -19,9 +19,12 @@ class SerialEngine final : public Engine {
 // In the host's memory, where the cache is.
 class HostSurface final : public ResidentSurface {
  public:
-  HostSurface(const Engine& engine, const PatchCache& cache) : engine_(engine), cache_(cache) {}
+  HostSurface(const Engine& engine, const PatchCache& cache) : engine_(engine), cache_(cache) {
+    require_patches(cache);
+  }
 
   void evaluate(std::span<const DomainPoint> points, std::span<SurfacePoint> out) const override {
+    require_room(out.size(), points.size());
     engine_.for_each(points.size(), kPointGrain, [&](std::size_t begin, std::size_t end) {
       const std::size_t count = end - begin;
       gliss::evaluate(cache_, points.subspan(begin, count), out.subspan(begin, count));
@@ -30,6 +33,7 @@ class HostSurface final : public ResidentSurface {
 
   void nearest(std::span<const Vec3> hips, std::span<const Method> methods,
                const QueryOptions& options, std::span<Contact> out) const override {
+    require_room(out.size(), methods.size() * hips.size());
     engine_.for_each(hips.size(), kHipGrain, [&](std::size_t begin, std::size_t end) {
       gliss::nearest(cache_, hips.subspan(begin, end - begin), methods, options, hips.size(),
                      out.data() + begin);
@@ -38,6 +42,8 @@ class HostSurface final : public ResidentSurface {
 
   void track(std::span<const Vec3> hips, std::span<const DomainPoint> starts,
              const QueryOptions& options, std::span<Contact> out) const override {
+    require_room(starts.size(), hips.size());
+    require_room(out.size(), hips.size());
     engine_.for_each(hips.size(), kHipGrain, [&](std::size_t begin, std::size_t end) {
       const std::size_t count = end - begin;
       gliss::track(cache_, hips.subspan(begin, count), starts.subspan(begin, count), options,

@@ -10,12 +10,13 @@
 
 namespace gliss {
 
-// A cache's patches where an engine's kernels reach them. Results are those of query.h, whatever
-// the number of threads, and can be asked for from any thread. Cache and engine must outlive it.
+// A cache's patches where an engine's kernels reach them. Results and errors are those of query.h,
+// whatever the number of threads, and can be asked for from any thread. Cache and engine must
+// outlive it.
 class ResidentSurface {
  public:
   virtual ~ResidentSurface() = default;
-  // out.size() == points.size(); every point must be in_domain.
+  // out.size() >= points.size(); every point must be in_domain.
   virtual void evaluate(std::span<const DomainPoint> points, std::span<SurfacePoint> out) const = 0;
   // Global: the nearest contact of each HIP with each method (at most kMethods, each once;
   // options.method is not read), which share the search. out: [method][hip].
@@ -51,7 +52,8 @@ class Engine {
   virtual BuildBackend build_backend() const;
   PatchCache build(const Mesh& mesh, const BuildOptions& options = {},
                    BuildReport* report = nullptr) const;
-  // Cache and engine must outlive the surface.
+  // Cache and engine must outlive the surface. Throws std::invalid_argument for a cache without
+  // patches.
   virtual std::unique_ptr<ResidentSurface> reside(const PatchCache& cache) const;
   std::unique_ptr<ResidentSurface> reside(const PatchCache&&) const = delete;
 };

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "host/engine.h"
+#include "host/plain_arithmetic.h"
 
 namespace gliss {
 namespace {
@@ -48,6 +49,7 @@ class TbbEngine final : public Engine {
     const std::size_t pieces = (count + grain - 1) / grain;
     const auto do_piece = [&](std::size_t i) {
       work.take();
+      const PlainArithmetic plain;
       body(i * grain, std::min(count, (i + 1) * grain));
       results.give();
     };

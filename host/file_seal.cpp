@@ -1,7 +1,6 @@
 #include "host/file_seal.h"
 
 #include <fmt/format.h>
-#include <sys/stat.h>
 #include <unistd.h>
 #include <xxhash.h>
 
@@ -47,18 +46,14 @@ bool write_whole(int descriptor, const char* from, std::size_t bytes) {
   return true;
 }
 
-std::optional<std::uint64_t> size_of(int descriptor) {
-  struct stat status {};
-  if (descriptor < 0 || fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) return {};
-  return static_cast<std::uint64_t>(status.st_size);
-}
-
 // Of what stands before it; nothing where that cannot be read.
-std::optional<SealBytes> seal_of(int descriptor, std::uint64_t bytes) {
+std::optional<SealBytes> seal_of(int descriptor, std::uint64_t bytes,
+                                 const std::function<void()>& poll = nullptr) {
   XXH3_state_t hash;
   XXH3_64bits_reset(&hash);
   std::vector<char> block(kBlock);
   for (std::uint64_t at = 0; at < bytes; at += kBlock) {
+    if (poll) poll();
     const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(kBlock, bytes - at));
     if (!read_whole(descriptor, block.data(), count, at)) return {};
     XXH3_64bits_update(&hash, block.data(), count);
@@ -75,22 +70,22 @@ std::optional<SealBytes> seal_of(int descriptor, std::uint64_t bytes) {
 
 void append_seal(const std::string& path, const std::string& name) {
   const OpenFile file(path, O_RDWR | O_APPEND);
-  const auto bytes = size_of(file.descriptor);
-  const auto seal = bytes ? seal_of(file.descriptor, *bytes) : std::nullopt;
-  if (seal && write_whole(file.descriptor, seal->data(), seal->size())) return;
+  file.check();
+  const auto seal = seal_of(file.descriptor(), file.size());
+  if (seal && write_whole(file.descriptor(), seal->data(), seal->size())) return;
   const int error = errno;
   throw std::system_error(error, std::generic_category(), fmt::format("cannot write '{}'", name));
 }
 
-Seal check_seal(const std::string& path) {
+Seal check_seal(const std::string& path, const std::function<void()>& poll) {
   const OpenFile file(path);
-  const auto size = size_of(file.descriptor);
-  if (!size || *size < kSealBytes) return Seal::kNone;
+  file.check();
+  if (file.size() < kSealBytes) return Seal::kNone;
   SealBytes found;
-  const std::uint64_t bytes = *size - kSealBytes;
-  if (!read_whole(file.descriptor, found.data(), kSealBytes, bytes)) return Seal::kNone;
+  const std::uint64_t bytes = file.size() - kSealBytes;
+  if (!read_whole(file.descriptor(), found.data(), kSealBytes, bytes)) return Seal::kNone;
   if (!std::string_view(found.data(), kSealBytes).starts_with(kName)) return Seal::kNone;
-  return seal_of(file.descriptor, bytes) == found ? Seal::kSound : Seal::kBroken;
+  return seal_of(file.descriptor(), bytes, poll) == found ? Seal::kSound : Seal::kBroken;
 }
 
 }  // namespace gliss

@@ -2,6 +2,7 @@
 // readers do not look there. HDF5 itself cannot be trusted with damaged files.
 #pragma once
 
+#include <functional>
 #include <string>
 
 namespace gliss {
@@ -10,6 +11,8 @@ namespace gliss {
 void append_seal(const std::string& path, const std::string& name);
 
 enum class Seal { kNone, kSound, kBroken };  // none: of other programs, or cut off
-Seal check_seal(const std::string& path);    // also none where the file cannot be read
+// Throws as OpenFile does where the file cannot be read; `poll` is asked many times a second, and
+// what it throws ends the reading.
+Seal check_seal(const std::string& path, const std::function<void()>& poll = nullptr);
 
 }  // namespace gliss

@@ -164,7 +164,8 @@ Contact contact_of(const PatchCache& cache, const Surface<Real>& s, const RawCon
   c.normal = vec(raw.reals + kContactNormal);
   const Vec3 offset = vec(raw.reals + kContactOffset) / cache.scale;
   c.distance = (c.touching ? -1 : 1) * offset.norm();
-  c.push = c.touching ? Vec3(vec(raw.reals + kContactPush) / cache.scale) : Vec3(Vec3::Zero());
+  const Vec3 push = vec(raw.reals + kContactPush) / cache.scale;
+  c.push = c.touching || push.hasNaN() ? push : Vec3(Vec3::Zero());
   c.residual_angle = std::atan2(offset.cross(c.normal).norm(), std::abs(offset.dot(c.normal)));
   c.iterations = static_cast<int>(raw.uints[kContactIterations]);
   c.crossings = static_cast<int>(raw.uints[kContactCrossings]);

@@ -1,6 +1,8 @@
 // Results in HDF5, read back: columns by their paths, attributes of the whole file.
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,11 +14,15 @@ namespace hdf5 {
 class Handle;
 }
 
-// Everything throws std::runtime_error that names the file.
+// Everything throws std::runtime_error that names the file. Nothing of another file is read: links,
+// raw data and virtual columns that lead there are refused. So are more rows than are stored, and
+// columns that unpack to far more than the file has.
 class Hdf5Reader {
  public:
-  // `what` is what the file is taken for, for messages: "a recording".
-  Hdf5Reader(const std::string& path, const std::string& what);
+  // `what` is what the file is taken for, for messages: "a recording". `poll` is asked many times a
+  // second by what reads, and what it throws ends that.
+  Hdf5Reader(const std::string& path, const std::string& what,
+             std::function<void()> poll = nullptr);
 
   bool has(const std::string& name) const;  // "ticks/x"
   std::size_t rows(const std::string& column) const;
@@ -28,8 +34,13 @@ class Hdf5Reader {
  private:
   struct Dataset;
   Dataset open(const std::string& column) const;
+  void check_size(Dataset& dataset) const;
+  std::uint64_t most_bytes() const;
+  void poll() const;
 
   std::string action_;
+  std::function<void()> poll_;
+  std::uint64_t file_bytes_ = 0;
   std::shared_ptr<const hdf5::Handle> file_;  // shared: what it is remains in one source file
 };
 

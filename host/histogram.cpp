@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "host/sweep.h"
 
@@ -26,6 +27,12 @@ void Histogram::merge(const Histogram& other) {
   unsound_ += other.unsound_;
   sum_ += other.sum_;
   max_ = std::max(max_, other.max_);
+}
+
+bool Histogram::is_consistent() const {
+  const std::uint64_t sound = std::accumulate(bins_.begin(), bins_.end(), std::uint64_t{0});
+  return unsound_ <= count_ && sound == count_ - unsound_ && sum_ >= 0 && max_ >= 0 &&
+         std::isfinite(max_) == (unsound_ == 0);
 }
 
 double Histogram::bin_edge(int bin) { return kLowest * std::pow(10.0, (bin + 1.0) / kPerDecade); }

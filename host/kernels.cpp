@@ -1,7 +1,9 @@
 #include "host/kernels.h"
 
+#include <algorithm>
 #include <cstdlib>
-#include <cstring>
+#include <stdexcept>
+#include <string>
 
 namespace gliss {
 
@@ -16,7 +18,9 @@ GLISS_DECLARE(v4)
 
 namespace {
 
-// 0 baseline, 1 v3, 2 v4: never above what the machine can do.
+constexpr const char* kIsaNames[] = {"baseline", "v3", "v4"};
+
+// Index of kIsaNames: never above what the machine can do.
 int chosen_isa() {
 #if defined(__x86_64__)
   const bool v3 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
@@ -28,9 +32,13 @@ int chosen_isa() {
   const int best = 0;
 #endif
   const char* wish = std::getenv("GLISS_ISA");
-  if (wish == nullptr) return best;
-  const int wished = std::strcmp(wish, "v4") == 0 ? 2 : std::strcmp(wish, "v3") == 0 ? 1 : 0;
-  return wished < best ? wished : best;
+  if (wish == nullptr || *wish == '\0') return best;
+  const auto named = std::find(std::begin(kIsaNames), std::end(kIsaNames), std::string_view(wish));
+  if (named == std::end(kIsaNames)) {
+    throw std::invalid_argument("GLISS_ISA: '" + std::string(wish) +
+                                "' is none of baseline, v3, v4");
+  }
+  return std::min(static_cast<int>(named - std::begin(kIsaNames)), best);
 }
 
 }  // namespace

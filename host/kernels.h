@@ -130,7 +130,7 @@ struct Kernels {
 };
 
 // The kernels for the machine's best instruction set, or for the one that the environment variable
-// GLISS_ISA names (baseline, v3, v4).
+// GLISS_ISA names (baseline, v3, v4). Throws std::invalid_argument where that names none of them.
 template <class Real>
 const Kernels<Real>& kernels();
 template <>

@@ -1,40 +1,23 @@
 #include "host/line_reader.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cstring>
 #include <stdexcept>
-#include <system_error>
 #include <utility>
 
 namespace gliss {
 namespace {
 
 constexpr std::size_t kBlockSize = 1 << 20;
-constexpr std::size_t kLongestLine = 1 << 24;
-
-[[noreturn]] void fail(const std::string& path) {
-  const int error = errno;  // before anything can change it
-  throw std::system_error(error, std::generic_category(), fmt::format("cannot read '{}'", path));
-}
 
 }  // namespace
 
-LineReader::LineReader(const std::string& path) : path_(path), block_(kBlockSize) {
-  descriptor_ = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor_ < 0) fail(path);
-  struct stat status {};
-  if (fstat(descriptor_, &status) == 0 && S_ISREG(status.st_mode)) {
-    file_size_ = static_cast<std::size_t>(status.st_size);
-  }
+LineReader::LineReader(const std::string& path, std::function<void()> poll)
+    : path_(path), file_(path), poll_(std::move(poll)), block_(kBlockSize) {
+  file_.check();
 }
-
-LineReader::~LineReader() { close(descriptor_); }
 
 bool LineReader::next(std::string_view& line) {
   std::size_t searched = 0;  // a line longer than what is loaded is not searched twice
@@ -66,12 +49,9 @@ bool LineReader::refill() {
     }
     block_.resize(2 * end_);
   }
-  ssize_t count = 0;
-  do {
-    count = read(descriptor_, block_.data() + end_, block_.size() - end_);
-  } while (count < 0 && errno == EINTR);
-  if (count < 0) fail(path_);
-  end_ += static_cast<std::size_t>(count);
+  if (poll_) poll_();
+  const std::size_t count = file_.read(block_.data() + end_, block_.size() - end_);
+  end_ += count;
   return count > 0;
 }
 

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -17,6 +18,8 @@ static_assert(sizeof(Vec3) == 3 * sizeof(double) && alignof(Vec3) == alignof(dou
 
 inline constexpr std::uint32_t kNone = 0xFFFFFFFFu;
 inline constexpr std::size_t kMaxValence = 1000;
+inline constexpr double kMostCoordinate = 1e60;  // beyond, areas and volumes would overflow
+inline constexpr double kLeastUnit = 1e-15, kMostUnit = 1e15;  // metres
 
 // Faces laid end to end. A corner is one entry of corner_vertex; the side of the same index runs
 // from that corner to the next one of its face. Invariants once `validate` has passed: every face
@@ -58,11 +61,14 @@ struct Finding {
 struct LoadOptions {
   double unit = 1.0;                // metres per unit of the file
   bool split_non_manifold = false;  // duplicate vertices instead of refusing
+  // Asked many times a second, on the thread that reads and checks; what it throws ends that.
+  std::function<void()> poll = nullptr;
 };
 
-// Reads OBJ, OFF or PLY (by extension), validates and repairs. No face is dropped in silence:
-// counts are checked against the file. Appends what was found to *findings (may be null). Throws
-// MeshError on the first finding of severity kError, after all findings are appended.
+// Reads OBJ, OFF or PLY (by extension), validates and repairs. Pipes and devices are refused, and
+// lines of over 16 MiB. No face is dropped in silence: counts are checked against the file. Appends
+// what was found to *findings (may be null). Throws MeshError on the first finding of severity
+// kError, after all findings are appended.
 Mesh load_mesh(const std::string& path, const LoadOptions& options = {},
                std::vector<Finding>* findings = nullptr);
 

@@ -1,13 +1,12 @@
 // Mesh files: the reader by the ending of the name, the checks, and the writer.
 #include <algorithm>
 #include <cctype>
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
-#include <memory>
+#include <system_error>
 
 #include "host/atomic_file.h"
+#include "host/line_reader.h"
 #include "host/mesh_readers.h"
+#include "host/open_file.h"
 #include "host/validate_steps.h"
 
 namespace gliss {
@@ -25,25 +24,29 @@ Reader reader_of(const std::string& path, Report& report) {
   report.fail("unsupported", {}, "the file must end in .obj, .off or .ply");
 }
 
-std::string read_file(const std::string& path, Report& report) {
-  struct Close {
-    void operator()(std::FILE* file) const { std::fclose(file); }
+bool is_binary_ply(std::string_view text) {
+  return text.starts_with("ply") &&
+         text.substr(0, text.find("end_header")).find("format binary") != text.npos;
+}
+
+// Asked block by block, so that a file without lines, such as a large hole, is not read to its end.
+std::string read_file(OpenFile& file, const std::function<void()>& poll, Report& report) {
+  std::size_t line = 0, searched = 0;  // where the last line begins; where the next block does
+  const auto check_lines = [&](std::string_view text) {
+    if (poll) poll();
+    const std::size_t end = text.substr(searched).find_last_of("\r\n");
+    if (end != text.npos) line = searched + end + 1;
+    searched = text.size();
+    if (searched - line <= kLongestLine || is_binary_ply(text)) return;
+    const auto lines = std::count(text.begin(), text.end(), '\n');
+    report.fail("unsupported", {.line = static_cast<std::size_t>(lines) + 1},
+                "a line of over {} bytes, not a text file?", kLongestLine);
   };
-  const std::unique_ptr<std::FILE, Close> file(std::fopen(path.c_str(), "rb"));
-  std::string text;
-  std::size_t got = file ? 1 : 0;
-  while (got > 0) {
-    constexpr std::size_t kBlock = 1 << 20;
-    const std::size_t size = text.size();
-    if (text.capacity() < size + kBlock) text.reserve(2 * size + kBlock);
-    text.resize(size + kBlock);
-    got = std::fread(text.data() + size, 1, kBlock, file.get());
-    text.resize(size + got);
+  try {
+    return file.read_all(check_lines);
+  } catch (const std::system_error&) {
+    report.fail("unreadable", {}, "cannot be read: {}", file.why());
   }
-  if (!file || std::ferror(file.get())) {
-    report.fail("unreadable", {}, "cannot be read: {}", std::strerror(errno));
-  }
-  return text;
 }
 
 }  // namespace
@@ -53,9 +56,11 @@ Mesh load_mesh(const std::string& path, const LoadOptions& options,
   Mesh mesh;
   mesh.source = path;
   mesh.unit = options.unit;
-  Report report(mesh, findings);
+  Report report(mesh, findings, options.poll);
+  OpenFile file(path);
+  if (file.descriptor() < 0) report.fail("unreadable", {}, "cannot be read: {}", file.why());
   const Reader read = reader_of(path, report);
-  const std::string text = read_file(path, report);
+  const std::string text = read_file(file, options.poll, report);
   if (text.starts_with("\x1f\x8b")) {
     report.fail("unsupported", {}, "is compressed by gzip; unpack it first");
   }

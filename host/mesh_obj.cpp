@@ -150,11 +150,12 @@ std::string_view take_line(std::string_view& text) {
 
 // Counts again in another way, so that a slip of the reader shows. An "f" that starts a joined line
 // counts as well: whatever the statement before says, it must not vanish in silence.
-Counts count_faces(std::string_view text) {
+Counts count_faces(std::string_view text, Report& report) {
   Counts counts;
   bool in_face = false;
   bool joined = false;  // the line before ended in a backslash
   while (!text.empty()) {
+    report.poll();
     std::string_view line = take_line(text);
     const std::size_t comment = line.find('#');
     const bool joins = comment == std::string_view::npos && line.ends_with('\\');
@@ -183,7 +184,7 @@ Counts count_faces(std::string_view text) {
 void read_obj(std::string_view text, Mesh& mesh, Report& report) {
   ObjReader(text, mesh, report).read();
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  const Counts counts = count_faces(text);
+  const Counts counts = count_faces(text, report);
   if (counts.faces != mesh.face_count() || counts.corners != mesh.corner_vertex.size()) {
     report.fail("count-mismatch", {},
                 "the file has {} faces with {} corners, but {} with {} were read", counts.faces,

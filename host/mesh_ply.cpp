@@ -39,6 +39,7 @@ class Body {
 
   double number(Type type) {
     if (encoding_ == Encoding::kAscii) return cursor_.number("value");
+    report_.poll();
     switch (type) {
       case Type::kInt8:
         return take<std::int8_t>();

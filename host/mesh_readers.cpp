@@ -106,6 +106,7 @@ void TextCursor::skip_line_end() {
   lone_returns_ = *at_ == '\r' && !two;
   at_ += two ? 2 : 1;
   ++line_;
+  report_.poll();
 }
 
 bool TextCursor::at_word() {
@@ -124,6 +125,7 @@ bool TextCursor::at_word() {
 }
 
 std::string_view TextCursor::word() {
+  report_.poll();
   if (!at_word()) return {};
   const char* const begin = at_;
   while (at_ != end_ && !is_blank(*at_) && !at_line_end(at_) && !at_join(at_) &&

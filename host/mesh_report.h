@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -22,9 +23,12 @@ class Report {
     std::size_t line = 0;  // 0: the line of the face, if known
   };
 
-  // Both must outlive the report; findings may be null.
-  Report(const Mesh& mesh, std::vector<Finding>* findings)
-      : mesh_(mesh), findings_(findings ? *findings : own_), first_(findings_.size()) {}
+  // Mesh and findings must outlive the report; findings may be null, `poll` empty.
+  Report(const Mesh& mesh, std::vector<Finding>* findings, std::function<void()> poll)
+      : mesh_(mesh),
+        findings_(findings ? *findings : own_),
+        first_(findings_.size()),
+        poll_(std::move(poll)) {}
   Report(const Report&) = delete;
   Report& operator=(const Report&) = delete;
 
@@ -49,6 +53,11 @@ class Report {
   // Throws the first error, if there is one.
   void stop_on_error() const;
 
+  // LoadOptions::poll, which may throw: for each item of long work, and asked for a few of them.
+  void poll() {
+    if (++items_ % 4096 == 0 && poll_) poll_();
+  }
+
   // [face], its number in the file; empty while no face has been removed.
   std::vector<std::uint32_t> file_face;
 
@@ -59,6 +68,8 @@ class Report {
   std::vector<Finding> own_;
   std::vector<Finding>& findings_;
   std::size_t first_;  // findings before it are the caller's
+  std::function<void()> poll_;
+  std::size_t items_ = 0;
 };
 
 }  // namespace gliss

@@ -31,6 +31,7 @@ class OpenClSurface final : public ResidentSurface {
         turns_{Turn(shared), Turn(shared)} {}
 
   void evaluate(std::span<const DomainPoint> points, std::span<SurfacePoint> out) const override {
+    require_room(out.size(), points.size());
     on_device(
         points.size(), kPoints, 11 * sizeof(Real) * lanes_,
         [&](Turn& turn, std::size_t begin, std::size_t count) {
@@ -44,6 +45,8 @@ class OpenClSurface final : public ResidentSurface {
 
   void nearest(std::span<const Vec3> hips, std::span<const Method> methods,
                const QueryOptions& options, std::span<Contact> out) const override {
+    require_room(kMethods, methods.size());
+    require_room(out.size(), methods.size() * hips.size());
     cl_uint packed = 0;
     for (std::size_t m = 0; m < methods.size(); ++m)
       packed |= static_cast<cl_uint>(methods[m]) << 4 * m;
@@ -70,6 +73,8 @@ class OpenClSurface final : public ResidentSurface {
 
   void track(std::span<const Vec3> hips, std::span<const DomainPoint> starts,
              const QueryOptions& options, std::span<Contact> out) const override {
+    require_room(starts.size(), hips.size());
+    require_room(out.size(), hips.size());
     const TrackOptions<Real> track = track_options<Real>(options);
     on_device(
         hips.size(), kHips, hip_bytes(1) + 2 * sizeof(Real) + sizeof(cl_uint),
@@ -286,6 +291,7 @@ class OpenClSurface final : public ResidentSurface {
 
 std::unique_ptr<ResidentSurface> make_opencl_surface(const OpenClShared& shared,
                                                      const PatchCache& cache) {
+  require_patches(cache);
   shared.device.require(cache.precision());
   return with_surface(cache,
                       [&]<class Real>(const Surface<Real>& s) -> std::unique_ptr<ResidentSurface> {

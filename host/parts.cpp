@@ -1,12 +1,16 @@
 #include "host/parts.h"
 
+#include <xxhash.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <unordered_set>
 #include <utility>
 
+#include "host/hash_index.h"
 #include "host/hierarchy.h"
 #include "host/overlaps.h"
 #include "host/solid_angle.h"
@@ -24,6 +28,7 @@ class PartFinder {
   void run() {
     number_parts();
     if (count_ < 2) return;
+    find_copies();
     describe_parts();
     if (std::find(solid_.begin(), solid_.end(), 1) == solid_.end()) return;
     find_mixed();
@@ -65,6 +70,32 @@ class PartFinder {
       ++count_;
     }
     begin_.push_back(static_cast<std::uint32_t>(patches_.size()));
+  }
+
+  // Parts that are the same numbers at the same place as one before: a union holds them once.
+  void find_copies() {
+    const auto corners = [&](std::uint32_t p) { return s_.side_begin[p + 1] - s_.side_begin[p]; };
+    HashIndex known(count_);
+    for (std::uint32_t part = 0; part < count_; ++part) {
+      XXH64_hash_t hash = begin_[part + 1] - begin_[part];
+      for_patches(part, [&](std::uint32_t p) {
+        hash = XXH3_64bits_withSeed(&s_.patch[p * kPatchReals], kPatchReals * sizeof(Real), hash);
+      });
+      alike_.push_back(known.find_or_insert(part, hash, [&](std::uint32_t a, std::uint32_t b) {
+        const auto first = patches_.begin();
+        return std::equal(
+            first + begin_[a], first + begin_[a + 1], first + begin_[b], first + begin_[b + 1],
+            [&](std::uint32_t p, std::uint32_t q) {
+              return corners(p) == corners(q) &&
+                     std::equal(&s_.patch[p * kPatchReals],
+                                &s_.patch[p * kPatchReals] + kPatchReals,
+                                &s_.patch[q * kPatchReals]) &&
+                     std::equal(&s_.corner[6 * std::size_t{s_.side_begin[p]}],
+                                &s_.corner[6 * std::size_t{s_.side_begin[p]}] + 6 * corners(p),
+                                &s_.corner[6 * std::size_t{s_.side_begin[q]}]);
+            });
+      }));
+    }
   }
 
   // Calls visit(triangle) for the base polygon in the mesh frame, seen from x.
@@ -110,17 +141,6 @@ class PartFinder {
     }
   }
 
-  void add_pair(std::uint32_t part, std::uint32_t partner) {
-    if (!pairs_.empty() && pairs_.back() == std::pair(part, partner)) return;
-    pairs_.emplace_back(part, partner);
-    if (pairs_.size() >= kMostPairs + 2 * unique_pairs_) sort_pairs();
-  }
-  void sort_pairs() {
-    std::sort(pairs_.begin(), pairs_.end());
-    pairs_.erase(std::unique(pairs_.begin(), pairs_.end()), pairs_.end());
-    unique_pairs_ = pairs_.size();
-  }
-
   struct OrientedBox {
     Eigen::Matrix3d axes;  // columns, unit
     Vec3 centre, half;
@@ -160,18 +180,26 @@ class PartFinder {
   // The patches whose boxes overlap those of a solid part.
   void find_mixed() {
     mixed_.assign(boxes_.size(), 0);
-    const auto mix = [&](std::uint32_t patch, std::uint32_t other) {
-      if (!solid_[part_[other]]) return;
-      mixed_[patch] = 1;
-      add_pair(part_[patch], part_[other]);
+    std::unordered_set<std::uint64_t> known;  // pairs of parts
+    const auto mix = [&](std::uint32_t a, std::uint32_t b) {
+      const std::uint32_t p = part_[a], q = part_[b];
+      const std::uint64_t pair = std::uint64_t{std::min(p, q)} << 32 | std::max(p, q);
+      const bool is_known = known.contains(pair);
+      if (is_known && (mixed_[a] || !solid_[q]) && (mixed_[b] || !solid_[p])) return;
+      if (!overlap_oriented(oriented_box(a), oriented_box(b))) return;
+      if (!is_known) known.insert(pair);
+      const auto enter = [&](std::uint32_t patch, std::uint32_t part, std::uint32_t partner) {
+        if (!solid_[partner]) return;
+        mixed_[patch] = 1;
+        if (!is_known) pairs_.emplace_back(part, partner);
+      };
+      enter(a, p, q);
+      enter(b, q, p);
     };
-    Overlaps<Real>(s_.node, s_.child, part_)
-        .for_each([&](std::uint32_t a, std::uint32_t b) { return !solid_[a] && !solid_[b]; },
-                  [&](std::uint32_t a, std::uint32_t b) {
-                    if (!overlap_oriented(oriented_box(a), oriented_box(b))) return;
-                    mix(a, b);
-                    mix(b, a);
-                  });
+    std::vector<std::uint32_t> label;
+    for (const std::uint32_t part : part_) label.push_back(alike_[part]);
+    Overlaps<Real>(s_.node, s_.child, label)
+        .for_each([&](std::uint32_t a, std::uint32_t b) { return !solid_[a] && !solid_[b]; }, mix);
   }
 
   // The others, in connected groups: all of a group lie within another part or none does.
@@ -194,8 +222,8 @@ class PartFinder {
       for_triangles(first, Vec3::Zero(), [&](const Triangle& t) { x = t[0]; });
       bool within = false;
       part_boxes.for_each_at(x, [&](std::uint32_t part) {
-        if (part == part_[first] || !solid_[part] || !winds_round(part, x)) return;
-        add_pair(part_[first], part);
+        if (alike_[part] == alike_[part_[first]] || !solid_[part] || !winds_round(part, x)) return;
+        pairs_.emplace_back(part_[first], part);
         within = true;
       });
       for (const std::uint32_t p : group) buried_[p] = within;
@@ -210,7 +238,8 @@ class PartFinder {
   }
 
   void store() {
-    sort_pairs();
+    std::sort(pairs_.begin(), pairs_.end());
+    pairs_.erase(std::unique(pairs_.begin(), pairs_.end()), pairs_.end());
     s_.part.resize(boxes_.size());
     for (std::size_t p = 0; p < boxes_.size(); ++p)
       s_.part[p] = part_[p] | (mixed_[p] ? kPatchMixed : buried_[p] ? kPatchBuried : 0);
@@ -226,19 +255,17 @@ class PartFinder {
     }
   }
 
-  static constexpr std::size_t kMostPairs = 1 << 16;  // more are kept once each
-
   const std::vector<Box>& boxes_;
   Surface<Real>& s_;
   std::uint32_t count_ = 0;
   std::vector<std::uint32_t> part_;     // [patch]
   std::vector<std::uint32_t> begin_;    // [part + 1], where its patches begin
   std::vector<std::uint32_t> patches_;  // those of the first part, of the second, ...
+  std::vector<std::uint32_t> alike_;    // [part], the first that it is a copy of: itself, mostly
   std::vector<char> solid_;             // [part]
   std::vector<Box> part_box_;           // [part]
   std::vector<char> mixed_, buried_;    // [patch]
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs_;  // of a part and one it lies in
-  std::size_t unique_pairs_ = 0;
 };
 
 }  // namespace

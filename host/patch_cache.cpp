@@ -6,6 +6,8 @@
 #include <limits>
 
 #include "host/kernels.h"
+#include "host/plain_arithmetic.h"
+#include "host/query.h"
 
 namespace gliss {
 
@@ -91,10 +93,13 @@ std::uint64_t hash_of(const Mesh& mesh) {
 }
 
 double PatchCache::smallest_rho() const {
+  require_patches(*this);
   return *std::min_element(rho_min.begin(), rho_min.end());
 }
 
 Box PatchCache::bounds() const {
+  require_patches(*this);
+  const PlainArithmetic plain;
   return std::visit(
       [&](const auto& s) {
         Box box{Vec3::Constant(std::numeric_limits<double>::infinity()),

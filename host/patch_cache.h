@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -78,7 +79,8 @@ struct BuildReport {
 
 // Invariants: every index in range, every number finite, hierarchy a binary tree over all patches.
 // A patch is a face of the mesh, in the order of faces, except that a split face has a patch for
-// each of its triangles.
+// each of its triangles. A cache that was moved from has no patches: patch_count() is 0, and all
+// that needs some throws std::invalid_argument.
 struct PatchCache {
   double unit = 1.0;           // metres per unit of the mesh
   Vec3 origin = Vec3::Zero();  // of the mesh frame, in the mesh's unit
@@ -138,9 +140,10 @@ bool has_border(const PatchCache& cache);
 
 // Written to a temporary beside `path`, synced and renamed: a reader sees a whole cache or none.
 // Throws std::system_error. Reading checks every section's checksum, size, index and number; throws
-// CacheError.
+// CacheError, or NoFileError (host/open_file.h) of what is no regular file. `poll` is asked many
+// times a second, and what it throws ends the reading.
 void save_cache(const PatchCache& cache, const std::string& path);
-PatchCache load_cache(const std::string& path);
+PatchCache load_cache(const std::string& path, const std::function<void()>& poll = nullptr);
 bool is_cache_file(const std::string& path);
 
 }  // namespace gliss

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "host/kernels.h"
 
@@ -11,32 +12,53 @@ namespace {
 
 // A patch whose normal stays within 84 degrees of its polygon's neither folds nor nearly does.
 constexpr double kSafeTurn = 0.1;
+constexpr double kRounding = 1e-9;     // far above that of a cosine
 constexpr std::uint32_t kMaxFan = 64;  // faces of more sides are not cut from their centre: slivers
 constexpr double kFarthestCentre = 2;  // from the middle of a polygon in [-1, 1]^3
 // Cross tangents of weaker ribbons turn about within less of their side than floats tell apart.
 constexpr double kTurnsAbout = 1e-6;
 constexpr double kInside = 1 - 1e-5;  // how far from the centre to a side counts as just inside
 
-// The same boundary, with cross tangents shortened until the patch no longer folds; else the best
-// of them. As it was where they have no direction to speak of.
-PatchDraft ease(const PatchDraft& draft, const ValenceTables& tables) {
-  PatchDraft best = draft;
-  if (draft.soundness < kTurnsAbout) return best;
+// PatchShape::turn of the outermost probes alone, where most patches that fold do so: examine()
+// finds no more than that. It takes a tenth of the time.
+double turn_at_rim(const PatchDraft& d, const ValenceTables& tables) {
+  const std::uint32_t n = d.valence(), rim = n * kernels<double>().probe_levels(n),
+                      first = tables.probe_count[n] - rim;
+  const double *xi = tables.probes_of(n), *eta = xi + kernels<double>().probe_reals(n) / 2;
+  std::vector<double> rows(9 * rim);
+  kernels<double>().evaluate(tables.domain_of(n), d.control.data(), kFormExact, n, xi + first,
+                             eta + first, rim, rim, rows.data());
+  double turn = 1;
+  for (std::uint32_t i = 0; i < rim; ++i) {
+    const auto row = [&](std::size_t r) {
+      return Vec3(rows[r * rim + i], rows[(r + 1) * rim + i], rows[(r + 2) * rim + i]);
+    };
+    turn = std::min(turn, row(3).cross(row(6)).normalized().dot(d.frame.normal));
+  }
+  return turn + kRounding;
+}
+
+// The same boundary, with cross tangents shortened until the patch is safe; none where it never is.
+// As it was where they have no direction to speak of.
+std::optional<PatchDraft> ease(const PatchDraft& draft, const ValenceTables& tables) {
+  if (draft.shape.turn > kSafeTurn) return draft;
+  if (draft.soundness < kTurnsAbout) return std::nullopt;
   for (const double amount : {0.25, 0.5, 0.75, 0.9}) {
-    if (best.shape.turn > kSafeTurn) break;
     PatchDraft d = draft;
     if (d.kind == PatchKind::kExact) d.kind = PatchKind::kEased;
     kernels<double>().ease_patch(d.control.data(), d.valence(), amount);
+    if (!(turn_at_rim(d, tables) > kSafeTurn)) continue;
     d.shape = examine(d, tables);
-    if (d.shape.turn > best.shape.turn) best = std::move(d);
+    if (d.shape.turn > kSafeTurn) return d;
   }
-  return best;
+  return std::nullopt;
 }
 
 // The same boundary curves, with cross tangents in the plane of the polygon, shorter and shorter:
-// without any, a corner interpolator is the sum of its two curves.
-PatchDraft bend(const PatchDraft& draft, const ValenceTables& tables) {
-  PatchDraft best;
+// without any, a corner interpolator is the sum of its two curves. The best, if its turn is better
+// than `worst`.
+std::optional<PatchDraft> bend(const PatchDraft& draft, double worst, const ValenceTables& tables) {
+  std::optional<PatchDraft> best;
   for (const double length : {1.0, 0.5, 0.0}) {
     PatchDraft d = draft;
     d.kind = PatchKind::kBent;
@@ -47,10 +69,13 @@ PatchDraft bend(const PatchDraft& draft, const ValenceTables& tables) {
         d.control[k * kSideReals + at] *= length;
     }
     kernels<double>().bend_patch(d.control.data(), n, d.frame.normal.data());
+    if (turn_at_rim(d, tables) < worst) continue;
     d.shape = examine(d, tables);
     // Of two that are as bad, the one that moves less.
-    if (best.control.empty() || d.shape.turn >= best.shape.turn) best = std::move(d);
-    if (best.shape.turn > kSafeTurn) break;
+    if (best ? d.shape.turn < worst : !(d.shape.turn > worst)) continue;
+    worst = d.shape.turn;
+    best = std::move(d);
+    if (worst > kSafeTurn) break;
   }
   return best;
 }
@@ -67,29 +92,6 @@ void straighten_cuts(PatchDraft& d, std::uint32_t face_valence) {
       curve[6 + i] = curve[9 + i] = 0;
     }
   }
-}
-
-// The face cut into triangles that share its corners and perhaps a centre, each with the normals of
-// its corners: they join each other and the neighbours with G1 continuity as any two patches do.
-// Bent: with continuity of position only.
-std::vector<PatchDraft> split(const FaceCorners& face,
-                              const std::vector<std::array<std::uint32_t, 3>>& triangles,
-                              std::uint32_t face_valence, bool bent, const ValenceTables& tables) {
-  std::vector<PatchDraft> parts;
-  for (const auto& t : triangles) {
-    PatchDraft d = draft_patch(face, {t[0], t[1], t[2]});
-    if (bent) {
-      straighten_cuts(d, face_valence);
-      d = bend(d, tables);
-    } else {
-      d.kind = PatchKind::kSplit;
-      d.shape = examine(d, tables);
-      if (is_degenerate(d.soundness)) d.shape.turn = -1;
-      d = ease(d, tables);
-    }
-    parts.push_back(std::move(d));
-  }
-  return parts;
 }
 
 // The face with a centre as its last corner: places and normals to try. Where ribbons degenerate,
@@ -139,13 +141,46 @@ bool keeps_normals(const PatchDraft& d, const ValenceTables& tables) {
   return true;
 }
 
-// The least of all patches; as bad as can be where boundary normals are promised and not kept.
-double worst_turn(const std::vector<PatchDraft>& drafts, const ValenceTables& tables) {
-  double turn = 1;
-  for (const PatchDraft& d : drafts) {
-    const bool kept = d.kind == PatchKind::kBent || keeps_normals(d, tables);
-    turn = std::min(turn, kept ? d.shape.turn : -1);
+using Cuts = std::vector<std::array<std::uint32_t, 3>>;  // triangles of corners of a face
+
+// The face cut into triangles that share its corners and perhaps a centre, each with the normals of
+// its corners: they join each other and the neighbours with G1 continuity as any two patches do.
+// None where one of them is not safe.
+std::vector<PatchDraft> split(const FaceCorners& face, const Cuts& cuts,
+                              const ValenceTables& tables) {
+  std::vector<PatchDraft> parts;
+  for (const auto& t : cuts) {
+    PatchDraft d = draft_patch(face, {t[0], t[1], t[2]});
+    d.kind = PatchKind::kSplit;
+    d.shape.turn = -1;
+    if (!is_degenerate(d.soundness) && turn_at_rim(d, tables) > kSafeTurn)
+      d.shape = examine(d, tables);
+    std::optional<PatchDraft> eased = ease(d, tables);
+    if (!eased || !keeps_normals(*eased, tables)) return {};
+    parts.push_back(*std::move(eased));
   }
+  return parts;
+}
+
+// The same with continuity of position only. None where a triangle's turn is no better than
+// `worst`.
+std::vector<PatchDraft> split_bent(const FaceCorners& face, const Cuts& cuts,
+                                   std::uint32_t face_valence, double worst,
+                                   const ValenceTables& tables) {
+  std::vector<PatchDraft> parts;
+  for (const auto& t : cuts) {
+    PatchDraft d = draft_patch(face, {t[0], t[1], t[2]});
+    straighten_cuts(d, face_valence);
+    std::optional<PatchDraft> bent = bend(d, worst, tables);
+    if (!bent) return {};
+    parts.push_back(*std::move(bent));
+  }
+  return parts;
+}
+
+double worst_turn(const std::vector<PatchDraft>& drafts) {
+  double turn = 1;
+  for (const PatchDraft& d : drafts) turn = std::min(turn, d.shape.turn);
   return turn;
 }
 
@@ -157,31 +192,30 @@ std::vector<PatchDraft> draft_tamer(const FaceCorners& face, PatchDraft exact,
   const std::uint32_t n = exact.valence();
   std::vector<FaceCorners> fans;
   if (n <= kMaxFan) fans = with_centres(face, exact, tables);
-  std::vector<std::array<std::uint32_t, 3>> fan, ears;
+  Cuts fan, ears;
   for (std::uint32_t k = 0; k < n; ++k) fan.push_back({k, (k + 1) % n, n});
   for (std::size_t t = 0; t < exact.triangle.size(); t += 3) {
     ears.push_back({exact.triangle[t], exact.triangle[t + 1], exact.triangle[t + 2]});
   }
-  std::vector<PatchDraft> best;
-  double best_turn = 0;
-  const auto offer = [&](std::vector<PatchDraft> other) {
-    const double turn = worst_turn(other, tables);
-    if (best.empty() || turn > best_turn) {
-      best = std::move(other);
-      best_turn = turn;
-    }
-    return best_turn > kSafeTurn;
+  // With the boundary normals as they are, if that gives a safe surface.
+  std::vector<PatchDraft> parts;
+  if (std::optional<PatchDraft> eased = ease(exact, tables); eased && keeps_normals(*eased, tables))
+    parts = {*std::move(eased)};
+  for (std::size_t i = 0; i < fans.size() && parts.empty(); ++i)
+    parts = split(fans[i], fan, tables);
+  if (n > 3 && parts.empty()) parts = split(face, ears, tables);
+  if (!parts.empty()) return parts;
+
+  // Without them otherwise: the best.
+  std::vector<PatchDraft> best{*bend(exact, -2, tables)};
+  const auto offer = [&](const FaceCorners& corners, const Cuts& cuts) {
+    const double worst = worst_turn(best);
+    if (worst > kSafeTurn) return;
+    parts = split_bent(corners, cuts, n, worst, tables);
+    if (!parts.empty()) best = std::move(parts);
   };
-  // With the boundary normals as they are, if that gives a surface without a fold; without them
-  // otherwise.
-  for (const bool bent : {false, true}) {
-    best.clear();
-    if (offer({bent ? bend(exact, tables) : ease(exact, tables)})) return best;
-    for (const FaceCorners& f : fans) {
-      if (offer(split(f, fan, n, bent, tables))) return best;
-    }
-    if (n > 3 && offer(split(face, ears, n, bent, tables))) return best;
-  }
+  for (const FaceCorners& f : fans) offer(f, fan);
+  if (n > 3) offer(face, ears);
   return best;
 }
 

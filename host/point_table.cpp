@@ -10,9 +10,9 @@
 namespace gliss {
 namespace {
 
-std::vector<Vec3> read_recording(const std::string& path) {
+std::vector<Vec3> read_recording(const std::string& path, const std::function<void()>& poll) {
   const std::string action = fmt::format("cannot read '{}' as a recording", path);
-  const Hdf5Reader file(path, "a recording");
+  const Hdf5Reader file(path, "a recording", poll);
   const auto x = file.numbers("ticks/x"), y = file.numbers("ticks/y"), z = file.numbers("ticks/z");
   if (y.size() != x.size() || z.size() != x.size())
     throw std::runtime_error(action + ": x, y and z are not equally long");
@@ -29,18 +29,19 @@ std::vector<Vec3> read_recording(const std::string& path) {
 }  // namespace
 
 PointTable read_points(const std::string& path, double unit,
-                       const std::vector<std::string>& optional) {
+                       const std::vector<std::string>& optional,
+                       const std::function<void()>& poll) {
   PointTable result;
   if (path.ends_with(".h5") || path.ends_with(".hdf5")) {
     try {
-      result.points = read_recording(path);
+      result.points = read_recording(path, poll);
     } catch (const std::runtime_error& error) {
       throw RecordingError(error.what());
     }
     return result;
   }
   const std::vector<std::vector<std::string>> names = {{"x", "y", "z"}, {"x_mm", "y_mm", "z_mm"}};
-  result.table = read_csv(path, {.alternatives = names, .optional = optional});
+  result.table = read_csv(path, {.alternatives = names, .optional = optional, .poll = poll});
   const std::size_t chosen = result.table.alternative;
   result.unit = chosen == 0 ? unit : 1e-3;
   const auto &x = *result.table.find(names[chosen][0]), &y = *result.table.find(names[chosen][1]),

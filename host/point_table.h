@@ -22,9 +22,12 @@ struct PointTable {
   std::vector<Vec3> points;  // in `unit`
 };
 
-// Throws CsvError or RecordingError; std::system_error where a CSV file cannot be read.
+// Throws CsvError or RecordingError; NoFileError or std::system_error (host/open_file.h) where a
+// CSV file cannot be read. `poll` is asked many times a second, and what it throws ends the
+// reading.
 PointTable read_points(const std::string& path, double unit,
-                       const std::vector<std::string>& optional = {});
+                       const std::vector<std::string>& optional = {},
+                       const std::function<void()>& poll = nullptr);
 // In m. By value, so that a table that is not needed is not copied.
 std::vector<Vec3> points_in_metres(PointTable table);
 

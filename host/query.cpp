@@ -1,13 +1,17 @@
 #include "host/query.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <stdexcept>
 #include <vector>
 
 #include "host/frames.h"
 #include "host/patch_batch.h"
+#include "host/plain_arithmetic.h"
 #include "host/point_blocks.h"
 
 namespace gliss {
@@ -85,13 +89,24 @@ std::vector<RawHip<Real>> raw_hips(const PatchCache& cache, std::span<const Vec3
 
 }  // namespace
 
+void require_patches(const PatchCache& cache) {
+  if (cache.patch_count() == 0)
+    throw std::invalid_argument("the cache has no patches: it is empty, or was moved from");
+}
+void require_room(std::size_t room, std::size_t needed) {
+  if (room < needed) {
+    throw std::invalid_argument(
+        fmt::format("a batch of {} has room or starts for {} only", needed, room));
+  }
+}
+
 DomainPoint on_side(std::uint32_t face, std::uint32_t n, std::uint32_t k, double t) {
   const DomainVec X = on_side(n, k, t);
   return {face, X.x(), X.y()};
 }
 
 bool in_domain(const PatchCache& cache, const DomainPoint& point) {
-  if (point.face >= cache.mesh_face_count || cache.face_patch[point.face] == kNone) return false;
+  if (point.face >= cache.face_patch.size() || cache.face_patch[point.face] == kNone) return false;
   return with_surface(cache, [&](const auto& s) {
     const std::uint32_t n = cache.face_valence[point.face];
     for (std::uint32_t k = 0; k < n; ++k) {
@@ -105,12 +120,18 @@ bool in_domain(const PatchCache& cache, const DomainPoint& point) {
 }
 
 SurfacePoint evaluate(const PatchCache& cache, const DomainPoint& point) {
+  require_patches(cache);
+  const PlainArithmetic plain;
   return with_surface(cache, [&](const auto& s) { return evaluate_point(cache, s, point); });
 }
 
 void evaluate(const PatchCache& cache, std::span<const DomainPoint> points,
               std::span<SurfacePoint> out) {
-  with_surface(cache, [&](const auto& s) { evaluate_points(cache, s, points, out); });
+  require_patches(cache);
+  require_room(out.size(), points.size());
+  const PlainArithmetic plain;
+  with_surface(cache,
+               [&](const auto& s) { evaluate_points(cache, s, points, out.first(points.size())); });
 }
 
 Contact nearest(const PatchCache& cache, const Vec3& hip, const QueryOptions& options) {
@@ -121,6 +142,10 @@ Contact nearest(const PatchCache& cache, const Vec3& hip, const QueryOptions& op
 
 void nearest(const PatchCache& cache, const Vec3& hip, std::span<const Method> methods,
              const QueryOptions& options, std::span<Contact> out) {
+  require_patches(cache);
+  require_room(kMethods, methods.size());
+  require_room(out.size(), methods.size());
+  const PlainArithmetic plain;
   with_surface(cache, [&]<class Real>(const Surface<Real>& s) {
     std::array<RawContact<Real>, kMethods> raw;
     const RawHip<Real> there = raw_hip<Real>(cache, hip);
@@ -132,6 +157,10 @@ void nearest(const PatchCache& cache, const Vec3& hip, std::span<const Method> m
 
 void nearest(const PatchCache& cache, std::span<const Vec3> hips, std::span<const Method> methods,
              const QueryOptions& options, std::size_t stride, Contact* out) {
+  require_patches(cache);
+  require_room(kMethods, methods.size());
+  require_room(stride, hips.size());
+  const PlainArithmetic plain;
   with_surface(cache, [&]<class Real>(const Surface<Real>& s) {
     const std::vector<RawHip<Real>> there = raw_hips<Real>(cache, hips);
     std::vector<RawContact<Real>> raw(hips.size() * methods.size());
@@ -146,6 +175,10 @@ void nearest(const PatchCache& cache, std::span<const Vec3> hips, std::span<cons
 
 void track(const PatchCache& cache, std::span<const Vec3> hips, std::span<const DomainPoint> starts,
            const QueryOptions& options, std::span<Contact> out) {
+  require_patches(cache);
+  require_room(starts.size(), hips.size());
+  require_room(out.size(), hips.size());
+  const PlainArithmetic plain;
   with_surface(cache, [&]<class Real>(const Surface<Real>& s) {
     const std::vector<RawHip<Real>> there = raw_hips<Real>(cache, hips);
     std::vector<RawContact<Real>> states(hips.size());

@@ -1,6 +1,10 @@
 // Questions to a patch cache, in the mesh's unit and double whatever its precision: points of a
-// face's patch and the nearest point of the surface. What takes one point allocates nothing, and
-// nothing checks its input again.
+// face's patch and the nearest point of the surface. What takes one point allocates nothing. A
+// DomainPoint must be in_domain; nothing checks that again.
+//
+// All throw std::invalid_argument for a cache without patches, such as one that was moved from, and
+// for results that have less room than there are questions. The thread's rounding mode changes
+// nothing.
 //
 // Any number of threads may ask one const PatchCache at once. Calls for many points keep their
 // working arrays for the next call, one set a thread, as large as its largest batch.
@@ -26,12 +30,17 @@ struct SurfacePoint {
   Vec3 normal;  // outward, unit; that of the polygon where the derivatives span no plane
 };
 
+// Throws std::invalid_argument unless the cache has patches; unless there is room for as many as
+// are needed.
+void require_patches(const PatchCache& cache);
+void require_room(std::size_t room, std::size_t needed);
+
 // At t, 0 to 1, along side k, from corner k to the next, of a face of n sides.
 DomainPoint on_side(std::uint32_t face, std::uint32_t n, std::uint32_t k, double t);
 // True if a point lies in the domain of a face that has a patch.
 bool in_domain(const PatchCache& cache, const DomainPoint& point);
 SurfacePoint evaluate(const PatchCache& cache, const DomainPoint& point);
-// Many points of any faces: as evaluate, several lanes at a time; allocates.
+// Many points of any faces: as evaluate, several lanes at a time; point i at out[i]. Allocates.
 void evaluate(const PatchCache& cache, std::span<const DomainPoint> points,
               std::span<SurfacePoint> out);
 
@@ -46,8 +55,10 @@ struct SolverOptions {
 struct QueryOptions : SolverOptions {
   Method method = Method::kGregory;
   // Evaluations after which a search begins no further descent, so that it spends at most
-  // max_iterations + 1 more; 0: no limit. A search that ends so has kUnfinished.
-  int budget = 0;
+  // max_iterations + 1 more; 0: no limit. A search that ends so has kUnfinished. Usual meshes take
+  // up to ten thousand, and that where a HIP is as near to many places; the default is a bound for
+  // those made to take more.
+  int budget = 1 << 16;
 };
 
 struct Contact {
@@ -56,9 +67,10 @@ struct Contact {
   Vec3 scp = Vec3::Zero(),
        normal = Vec3::Zero();  // surface contact point, mesh's unit; outward unit normal
   double distance = 0;         // signed, mesh's unit; negative inside
-  Vec3 push = Vec3::Zero();    // SCP - HIP for gregory and flat, turned to the normal for shaded;
-                               // zero outside. Mesh's unit
-  double residual_angle = 0;   // between SCP - HIP and the normal, rad
+  // SCP - HIP for gregory and flat, turned to the normal for shaded; zero outside. NaN where the
+  // surface is at fault: its numbers give no contact, though the HIP is near. Mesh's unit
+  Vec3 push = Vec3::Zero();
+  double residual_angle = 0;          // between SCP - HIP and the normal, rad
   int iterations = 0, crossings = 0;  // iterations: over all patches that were tried
   std::uint32_t flags = 0;            // kConverged, kOnBorder, kOnCrease, kNotBuilt, kUnfinished
   // The distance that a search found no surface nearer than, but for rounding, mesh's unit:
@@ -69,8 +81,8 @@ struct Contact {
 // Global: the nearest point of the surface.
 Contact nearest(const PatchCache& cache, const Vec3& hip, const QueryOptions& options = {});
 
-// The same for several methods (at most kMethods, each once; options.method is not read), which
-// share the search.
+// The same for several methods (at most kMethods, or std::invalid_argument; each once;
+// options.method is not read), which share the search.
 void nearest(const PatchCache& cache, const Vec3& hip, std::span<const Method> methods,
              const QueryOptions& options, std::span<Contact> out);
 // The nearest points of many HIPs, several lanes at a time: HIP i with method m at out[m * stride +

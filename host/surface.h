@@ -31,7 +31,9 @@ struct Surface {
   std::vector<std::uint32_t> partner;     // solid parts that may hold a part's points
   std::vector<Real> part_box;             // [part][6], mesh frame
 
-  std::uint32_t patch_count() const { return static_cast<std::uint32_t>(side_begin.size()) - 1; }
+  std::uint32_t patch_count() const {
+    return side_begin.empty() ? 0 : static_cast<std::uint32_t>(side_begin.size()) - 1;
+  }
   std::uint32_t valence(std::uint32_t patch) const {
     return side_begin[patch + 1] - side_begin[patch];
   }

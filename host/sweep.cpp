@@ -3,14 +3,22 @@
 #include <algorithm>
 #include <cmath>
 #include <future>
+#include <limits>
 #include <memory>
+#include <random>
+#include <utility>
 
 #include "host/force_statistics.h"
+#include "host/plain_arithmetic.h"
 #include "host/sweep_grid.h"
 #include "host/sweep_parts.h"
 
 namespace gliss {
 namespace {
+
+constexpr int kSpotChecks = 4;       // of a block that is read
+constexpr double kRounding = 1e-9;   // of a point of a domain
+constexpr double kAgreement = 1e-3;  // of a depth, and of the force there
 
 // A chunk under way.
 struct Piece {
@@ -57,11 +65,15 @@ class Sweeper {
       const std::size_t part_end = end_of_part(first);
       if (parts != nullptr) {
         finish();
-        std::vector<SweepStatistics> kept;
-        if (parts->load(part, kept, sink)) {
-          merge(kept, result.statistics);
+        const auto kept = parts->load(part);
+        if (kept && holds(*kept, first, part_end, sink != nullptr)) {
+          for (const SweepBlock& block : kept->blocks) sink(block);
+          merge(kept->statistics, result.statistics);
           done += samples_of(first, part_end);
           first = part_end;
+          if (progress && !progress(done, total)) result.complete = false;
+        } else if (kept) {
+          parts->discard(part);
         }
       }
       while (first < part_end && result.complete) {
@@ -127,6 +139,76 @@ class Sweeper {
     return c;
   }
 
+  // True if a part from a file is that of these chunks: its points are theirs, and some contacts,
+  // done again, are the same. Another engine may round otherwise.
+  bool holds(const SweepPart& part, std::size_t first, std::size_t last, bool samples) const {
+    const std::size_t methods = options_.methods.size(), kinds = options_.depths.size() * methods;
+    std::uint64_t points = 0;
+    for (std::size_t c = first; c < last; ++c) points += grid_.own_points(grid_.chunks()[c]);
+    for (const SweepStatistics& s : part.statistics) {
+      if (s.samples != points) return false;
+    }
+    if (part.blocks.size() != (samples ? (last - first) * kinds : 0)) return false;
+    std::vector<DomainPoint> own;
+    for (std::size_t b = 0; b < part.blocks.size(); ++b) {
+      const SweepBlock& block = part.blocks[b];
+      if (b % kinds == 0) {
+        own.clear();
+        grid_.add_own_points(grid_.chunks()[first + b / kinds], own);
+      }
+      if (block.depth_index != b % kinds / methods || block.method_index != b % methods ||
+          block.face.size() != own.size()) {
+        return false;
+      }
+      for (std::size_t i = 0; i < own.size(); ++i) {
+        if (block.face[i] != own[i].face || !(std::abs(block.xi[i] - own[i].xi) < kRounding) ||
+            !(std::abs(block.eta[i] - own[i].eta) < kRounding)) {
+          return false;
+        }
+      }
+    }
+    for (std::size_t method = 0; method < methods; ++method) {
+      if (!agrees(part.blocks, method)) return false;
+    }
+    return true;
+  }
+
+  // Does some contacts of each block of a method again; others each time.
+  bool agrees(const std::vector<SweepBlock>& blocks, std::size_t method) const {
+    std::minstd_rand dice(std::random_device{}());
+    std::vector<std::pair<const SweepBlock*, std::size_t>> chosen;  // block, row
+    std::vector<DomainPoint> points;
+    for (const SweepBlock& block : blocks) {
+      for (int i = 0; block.method_index == method && i < kSpotChecks; ++i) {
+        const std::size_t row = dice() % block.face.size();
+        chosen.emplace_back(&block, row);
+        points.push_back({block.face[row], block.xi[row], block.eta[row]});
+      }
+    }
+    std::vector<SurfacePoint> surface(points.size());
+    surface_->evaluate(points, surface);
+    std::vector<Vec3> hips;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double depth = options_.depths[chosen[i].first->depth_index];
+      hips.push_back(surface[i].position - depth / cache_.unit * surface[i].normal);
+    }
+    std::vector<Contact> contacts(points.size());
+    QueryOptions query{options_};
+    query.method = options_.methods[method];
+    surface_->project(hips, query, contacts);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const auto [block, row] = chosen[i];
+      const double depth = options_.depths[block->depth_index];
+      const Vec3 force = gliss::force(cache_, contacts[i], options_.stiffness);
+      if (!((block->hip[row] - hips[i]).norm() * cache_.unit <= kAgreement * depth) ||
+          !((block->scp[row] - contacts[i].scp).norm() * cache_.unit <= kAgreement * depth) ||
+          !((block->force[row] - force).norm() <= kAgreement * depth * options_.stiffness)) {
+        return false;
+      }
+    }
+    return true;
+  }
+
   void collect(std::size_t first, std::size_t last, Window& window) const {
     window.pieces.clear();
     window.points.clear();
@@ -180,7 +262,11 @@ class Sweeper {
       return window.contacts[(method * options.depths.size() + depth) * window.points.size() + p];
     }
     double full_force() const { return options.stiffness * options.depths[depth]; }
-    Vec3 force(std::size_t p) const { return gliss::force(cache, contact(p), options.stiffness); }
+    // No number where the surface has none to put a HIP beneath.
+    Vec3 force(std::size_t p) const {
+      if (!hip(p).allFinite()) return Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
+      return gliss::force(cache, contact(p), options.stiffness);
+    }
   };
 
   // Ring by ring, in the order of the grid.
@@ -303,6 +389,7 @@ class Sweeper {
 
 SweepResult sweep(const PatchCache& cache, const Engine& engine, const SweepOptions& options,
                   const SweepSink& sink, const SweepProgress& progress, SweepParts* parts) {
+  const PlainArithmetic plain;
   return Sweeper(cache, engine, options).run(sink, progress, parts);
 }
 

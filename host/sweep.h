@@ -37,6 +37,7 @@ class Histogram {
   static constexpr double kLowest = 1e-12;  // values below count in bin 0
   void add(double value);
   void merge(const Histogram& other);
+  bool is_consistent() const;  // true if it can have been added up so; false: read from damage
   std::uint64_t count() const { return count_; }  // with the unsound ones
   std::uint64_t unsound() const { return unsound_; }
   double mean() const {
@@ -102,7 +103,8 @@ class SweepParts;
 
 // Memory is bounded by the part under way, whatever the number of samples; the result is the same
 // at any thread count. With `parts` (host/sweep_parts.h, made of the same cache and options), those
-// that are there already are taken from there, and others kept there; the result is the same.
+// that are there already are taken from there, unless a few contacts that are done again differ,
+// and others kept there; the result is the same.
 SweepResult sweep(const PatchCache& cache, const Engine& engine, const SweepOptions& options,
                   const SweepSink& sink = nullptr, const SweepProgress& progress = nullptr,
                   SweepParts* parts = nullptr);

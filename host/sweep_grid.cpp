@@ -30,6 +30,7 @@ std::uint32_t rings_for(const PatchCache& cache, std::uint64_t samples) {
 }
 
 SweepGrid::SweepGrid(const PatchCache& cache, std::uint32_t rings) : cache_(cache), rings_(rings) {
+  require_patches(cache);
   for (std::uint32_t f = 0; f < cache.mesh_face_count; ++f) {
     if (cache.face_patch[f] != kNone) faces_.push_back(f);
   }
@@ -105,6 +106,14 @@ void SweepGrid::add_points(const SweepChunk& chunk, std::vector<DomainPoint>& po
       const FaceSide& twin = twin_[side_begin_[faces_[i]] + k];
       add_sector(twin.face, rings_, twin.side, points);
     });
+  }
+}
+
+void SweepGrid::add_own_points(const SweepChunk& chunk, std::vector<DomainPoint>& points) const {
+  for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+    for (std::uint32_t r = chunk.first; r < chunk.last; ++r) {
+      for (std::uint32_t k = 0; k < valence(faces_[i]); ++k) add_sector(faces_[i], r, k, points);
+    }
   }
 }
 

@@ -30,6 +30,9 @@ class SweepGrid {
   // The points of a chunk's faces, in this order: its rings, one ring more unless they end with the
   // last, else `rings` points of every neighbour with a higher number, along their edge.
   void add_points(const SweepChunk& chunk, std::vector<DomainPoint>& points) const;
+  // Of these, the points that the chunk itself samples: without the further ring and neighbours.
+  void add_own_points(const SweepChunk& chunk, std::vector<DomainPoint>& points) const;
+  std::uint64_t own_points(const SweepChunk& chunk) const;  // how many these are
   std::uint32_t last_ring(const SweepChunk& chunk) const { return std::min(chunk.last, rings_); }
   bool has_neighbours(const SweepChunk& chunk) const { return chunk.last > rings_; }
   // Calls visit(side) for the sides of a face with such neighbours.
@@ -40,7 +43,6 @@ class SweepGrid {
       if (twin.face != kNone && twin.face > face) visit(k);
     }
   }
-  std::uint64_t own_points(const SweepChunk& chunk) const;  // without those of ring and neighbours
 
  private:
   // Sides of whole faces: the outer sides of their patches.

@@ -6,17 +6,19 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstddef>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <optional>
 #include <system_error>
 #include <type_traits>
 
 #include "host/atomic_file.h"
 #include "host/cache_format.h"
+#include "host/open_file.h"
 
 namespace gliss {
 namespace {
@@ -83,8 +85,10 @@ struct BlockHeader {
 
 bool take(std::string_view& bytes, SweepBlock& block, std::size_t depths, std::size_t methods) {
   BlockHeader header{};
+  std::size_t row_bytes = 0;
+  for_each_column(block, [&](const auto& column) { row_bytes += sizeof(column[0]); });
   if (!take(bytes, &header, sizeof header) || header.depth_index >= depths ||
-      header.method_index >= methods || header.rows > bytes.size()) {
+      header.method_index >= methods || header.rows > bytes.size() / row_bytes) {
     return false;
   }
   block.depth_index = header.depth_index;
@@ -97,13 +101,26 @@ bool take(std::string_view& bytes, SweepBlock& block, std::size_t depths, std::s
   return whole;
 }
 
-std::optional<std::string> read_file(const std::string& path) {
-  std::ifstream file(path, std::ios::binary | std::ios::ate);
-  if (!file) return std::nullopt;
-  std::string bytes(static_cast<std::size_t>(file.tellg()), '\0');
-  file.seekg(0);
-  if (!file.read(bytes.data(), static_cast<std::streamsize>(bytes.size()))) return std::nullopt;
-  return bytes;
+template <class Value>
+bool is_finite(const Value& value) {
+  if constexpr (std::is_same_v<Value, Vec3>) {
+    return value.allFinite();
+  } else {
+    return std::isfinite(value);
+  }
+}
+
+// Of the numbers of a block, which is taken from a file.
+bool is_in_range(const SweepBlock& block, const PatchCache& cache) {
+  const auto finite = [](const auto& column) {
+    return std::all_of(column.begin(), column.end(),
+                       [](const auto& value) { return is_finite(value); });
+  };
+  const bool faces = std::all_of(block.face.begin(), block.face.end(), [&](std::uint32_t face) {
+    return face < cache.mesh_face_count && cache.face_patch[face] != kNone;
+  });
+  return faces && finite(block.xi) && finite(block.eta) && finite(block.hip) && finite(block.scp) &&
+         finite(block.force) && finite(block.residual_angle);
 }
 
 std::uint64_t checksum_of(std::string_view file) {
@@ -114,19 +131,13 @@ std::uint64_t checksum_of(std::string_view file) {
 
 SweepParts::SweepParts(const std::string& folder, const PatchCache& cache,
                        const SweepOptions& options, bool samples)
-    : folder_(folder),
+    : cache_(cache),
+      folder_(folder),
       key_(fmt::format("{:016x}-", hash_of_sweep(cache, options, samples))),
       samples_(samples),
-      depths_(options.depths.size()),
-      methods_(options.methods.size()) {
-  if (mkdir(folder.c_str(), 0777) != 0 && errno != EEXIST) fail("cannot create");
-  lock_ = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (lock_ < 0) fail("cannot open");
-  // Let go of by the system when this process ends, however it does.
-  if (flock(lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-    close(lock_);
-    throw std::runtime_error(fmt::format("'{}': another sweep is at work here", folder));
-  }
+      depths_(options.depths),
+      methods_(options.methods) {
+  open_folder();
   for (const auto& file : std::filesystem::directory_iterator(folder)) {
     const std::string name = file.path().filename();
     if (!name.starts_with(key_))
@@ -136,40 +147,91 @@ SweepParts::SweepParts(const std::string& folder, const PatchCache& cache,
   }
 }
 
+// Folders that a sweep made are told by their sticky bit, which means nothing in a folder of one
+// user: a sweep that goes on may remove them, and nobody else's.
+void SweepParts::open_folder() {
+  const bool is_new = mkdir(folder_.c_str(), S_ISVTX | S_IRWXU) == 0;
+  if (!is_new && errno != EEXIST) fail("cannot create");
+  struct stat status {};
+  if (lstat(folder_.c_str(), &status) == 0 && S_ISLNK(status.st_mode))
+    refuse("it is a symbolic link; name the folder that it leads to");
+  lock_ = open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+  if (lock_ < 0 || fstat(lock_, &status) != 0) fail("cannot open");
+  if (!is_new && status.st_uid != geteuid()) refuse("it belongs to another user");
+  if ((status.st_mode & S_IWOTH) != 0) refuse("all may write to it; chmod o-w is the cure");
+  // Let go of by the system when this process ends, however it does.
+  if (flock(lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+    refuse("another sweep is at work here");
+  made_ = is_new || (status.st_mode & S_ISVTX) != 0;
+}
+
 SweepParts::~SweepParts() {
-  rmdir(folder_.c_str());  // refused while anything is there
+  if (made_) rmdir(folder_.c_str());  // refused while anything is there
   close(lock_);
 }
 
-// A new part: room for what comes before its blocks.
-void SweepParts::begin() {
-  file_.assign(sizeof(PartHeader) + depths_ * methods_ * sizeof(SweepStatistics), '\0');
+std::optional<SweepPart> SweepParts::load(std::size_t part) {
+  // Room for what comes before the blocks, should it have to be done.
+  file_.assign(sizeof(PartHeader) + depths_.size() * methods_.size() * sizeof(SweepStatistics),
+               '\0');
+  struct stat status {};
+  if (lstat(path_of(part).c_str(), &status) != 0 && errno == ENOENT) return {};
+  auto found = read(part);
+  if (!found) discard(part);
+  return found;
 }
 
-bool SweepParts::load(std::size_t part, std::vector<SweepStatistics>& statistics,
-                      const SweepSink& sink) {
-  const std::string path = path_of(part);
-  begin();
-  const auto file = read_file(path);
-  if (!file) return false;
-  std::string_view rest = *file;
+std::optional<SweepPart> SweepParts::read(std::size_t part) const {
+  OpenFile opened(path_of(part), O_RDONLY | O_NOFOLLOW);
+  std::string file;
+  try {
+    file = opened.read_all();
+  } catch (const std::runtime_error&) {  // a pipe, a folder, one that cannot be read
+    return {};
+  }
+  std::string_view rest = file;
   PartHeader header{};
-  statistics.resize(depths_ * methods_);
+  SweepPart found;
+  found.statistics.resize(depths_.size() * methods_.size());
   if (!take(rest, &header, sizeof header) ||
       std::string_view(header.magic, sizeof header.magic) != kMagic || header.part != part ||
-      header.checksum != checksum_of(*file) ||
-      !take(rest, statistics.data(), statistics.size() * sizeof(SweepStatistics))) {
-    damaged_.push_back(path);
-    return false;
+      header.checksum != checksum_of(file) ||
+      !take(rest, found.statistics.data(), found.statistics.size() * sizeof(SweepStatistics))) {
+    return {};
   }
   while (!rest.empty()) {
-    SweepBlock block;
-    if (!take(rest, block, depths_, methods_)) {
-      throw std::logic_error(fmt::format("'{}' is whole and cannot be read", path));
-    }
-    sink(block);
+    if (!take(rest, found.blocks.emplace_back(), depths_.size(), methods_.size())) return {};
   }
-  return true;
+  if (!is_in_range(found)) return {};
+  return found;
+}
+
+bool SweepParts::is_in_range(const SweepPart& part) const {
+  for (std::size_t kind = 0; kind < part.statistics.size(); ++kind) {
+    const SweepStatistics& s = part.statistics[kind];
+    const Histogram* const all[] = {&s.step, &s.edge_step, &s.angle, &s.error, &s.residual};
+    if (s.depth != depths_[kind / methods_.size()] ||
+        s.method != methods_[kind % methods_.size()] || s.touching > s.samples ||
+        s.unconverged > s.samples || s.error.count() != s.samples ||
+        s.residual.count() != s.samples || s.jumps > s.step.count() + s.edge_step.count() ||
+        s.lost > s.jumps ||
+        !std::all_of(std::begin(all), std::end(all), [](auto* h) { return h->is_consistent(); })) {
+      return false;
+    }
+  }
+  return std::all_of(part.blocks.begin(), part.blocks.end(),
+                     [&](const SweepBlock& block) { return gliss::is_in_range(block, cache_); });
+}
+
+// By remove(3), which takes empty folders as well.
+void SweepParts::discard(std::size_t part) {
+  const std::string path = path_of(part);
+  damaged_.push_back(path);
+  if (std::remove(path.c_str()) != 0) {
+    throw std::system_error(errno, std::generic_category(),
+                            fmt::format("'{}' is no part of a sweep and cannot be removed", path));
+  }
+  --kept_;
 }
 
 void SweepParts::add(const SweepBlock& block) {
@@ -207,7 +269,14 @@ std::string SweepParts::path_of(std::size_t part) const {
 }
 
 void SweepParts::fail(const char* action) const {
-  throw std::system_error(errno, std::generic_category(), fmt::format("{} '{}'", action, folder_));
+  const int error = errno;
+  if (lock_ >= 0) close(lock_);
+  throw std::system_error(error, std::generic_category(), fmt::format("{} '{}'", action, folder_));
+}
+
+void SweepParts::refuse(const char* why) const {
+  if (lock_ >= 0) close(lock_);
+  throw std::runtime_error(fmt::format("parts folder '{}': {}", folder_, why));
 }
 
 }  // namespace gliss

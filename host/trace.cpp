@@ -1,11 +1,13 @@
 #include "host/trace.h"
 
 #include "host/contact_tracker.h"
+#include "host/plain_arithmetic.h"
 
 namespace gliss {
 
 std::vector<TraceStatistics> trace(const PatchCache& cache, std::span<const Vec3> hips,
                                    const TraceOptions& options, const TraceSink& sink) {
+  const PlainArithmetic plain;
   std::vector<ContactTracker> trackers;
   std::vector<TraceStatistics> statistics;
   for (const Method method : options.methods) {

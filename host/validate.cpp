@@ -8,7 +8,7 @@
 //   extra-data            the file has more than it announces
 //   count-mismatch        another number of faces or corners was read than the file has
 //   error
-//   bad-unit              the unit is not a positive number
+//   bad-unit              the unit is not a positive number, or no length of anything
 //   inconsistent-arrays   the arrays of a mesh made in memory do not fit together
 //   too-large             more corners than 32 bits can number
 //   no-faces              nothing to touch
@@ -43,7 +43,7 @@
 //   several-parts         parts that share no edge; the count is that of the parts
 //   parts-intersect       a closed part and another one intersect or touch; the count is that of
 //   the
-//                         pairs. Contact takes closed parts as a union of solids
+//                         pairs, up to a million. Contact takes closed parts as a union of solids
 //   part-inside-part      parts that lie within closed ones; the count is that of the parts
 //   no-volume             closed parts that enclose nothing, such as a face and its reverse
 //   open-border           sides without a face beyond
@@ -54,17 +54,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/plain_arithmetic.h"
 #include "host/validate_steps.h"
 
 namespace gliss {
 namespace {
 
-constexpr double kHuge = 1e60;
-
 void check_arrays(const Mesh& mesh, double unit, Report& report) {
   const std::size_t corners = mesh.corner_vertex.size();
-  if (!(unit > 0) || !std::isfinite(unit)) {
-    report.fail("bad-unit", {}, "the unit must be a positive length, not {} m", unit);
+  if (!(unit >= kLeastUnit && unit <= kMostUnit)) {
+    report.fail("bad-unit", {}, "the unit must be a length from {} to {} m, not {} m", kLeastUnit,
+                kMostUnit, unit);
   }
   const bool consistent = !mesh.face_begin.empty() && mesh.face_begin.front() == 0 &&
                           mesh.face_begin.back() == corners &&
@@ -84,9 +84,9 @@ void check_numbers(const Mesh& mesh, Report& report) {
     if (!p.allFinite()) {
       report.add(Severity::kError, "non-finite", {.vertex = v}, "({}, {}, {}) is not finite", p.x(),
                  p.y(), p.z());
-    } else if (p.cwiseAbs().maxCoeff() > kHuge) {
+    } else if (p.cwiseAbs().maxCoeff() > kMostCoordinate) {
       report.add(Severity::kError, "huge-coordinate", {.vertex = v}, "({}, {}, {}) is beyond {}",
-                 p.x(), p.y(), p.z(), kHuge);
+                 p.x(), p.y(), p.z(), kMostCoordinate);
     }
   }
   for (std::size_t i = 0; i < mesh.normals.size(); ++i) {
@@ -119,6 +119,7 @@ void check_indices(const Mesh& mesh, Report& report) {
 }  // namespace
 
 void validate(Mesh& mesh, const LoadOptions& options, Report& report) {
+  const PlainArithmetic plain;
   check_arrays(mesh, mesh.unit, report);
   check_numbers(mesh, report);
   check_indices(mesh, report);
@@ -137,7 +138,7 @@ void validate(Mesh& mesh, const LoadOptions& options, Report& report) {
 }
 
 void validate(Mesh& mesh, const LoadOptions& options, std::vector<Finding>* findings) {
-  Report report(mesh, findings);
+  Report report(mesh, findings, options.poll);
   validate(mesh, options, report);
 }
 

@@ -22,6 +22,7 @@ void remove(Mesh& mesh, const std::vector<bool>& corners, const std::vector<bool
   std::uint32_t face_to = 0;
   std::uint32_t c = 0;
   for (std::size_t face = 0; face < face_count; ++face) {
+    report.poll();
     for (const std::uint32_t end = mesh.face_begin[face + 1]; c < end; ++c) {
       if (faces[face] || corners[c]) continue;
       mesh.corner_vertex[corner_to] = mesh.corner_vertex[c];
@@ -44,6 +45,7 @@ void remove_repeated_corners(Mesh& mesh, Report& report) {
   std::vector<bool> repeated(mesh.corner_vertex.size(), false);
   bool any = false;
   for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
+    report.poll();
     const std::uint32_t begin = mesh.face_begin[face], end = mesh.face_begin[face + 1];
     const auto is_first = [&](std::uint32_t vertex) { return vertex == mesh.corner_vertex[begin]; };
     for (std::uint32_t c = begin; c < end; ++c) {
@@ -77,6 +79,7 @@ void remove_duplicates(Mesh& mesh, Report& report) {
   std::vector<bool> duplicate(mesh.face_count(), false);
   bool any = false;
   for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
+    report.poll();
     std::uint64_t hash = 0;  // a sum, so that it does not matter where the cycle starts
     for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c) {
       hash += mix_bits(mesh.corner_vertex[c] + 1);
@@ -103,6 +106,7 @@ void refuse_faces(Mesh& mesh, Report& report) {
   std::vector<bool> refused(mesh.face_count(), false);
   std::vector<std::uint32_t> sorted;
   for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
+    report.poll();
     sorted.assign(mesh.corner_vertex.begin() + mesh.face_begin[face],
                   mesh.corner_vertex.begin() + mesh.face_begin[face + 1]);
     std::sort(sorted.begin(), sorted.end());
@@ -130,6 +134,7 @@ void refuse_faces(Mesh& mesh, Report& report) {
 void check_sizes(const Mesh& mesh, Report& report) {
   constexpr double kLine = 1e-13;  // area against squared girth where nothing but rounding is left
   for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
+    report.poll();
     double girth = 0;
     bool zero_side = false;
     for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c) {

@@ -15,12 +15,13 @@ struct Fans {
   std::vector<std::vector<std::uint32_t>> bad_edges;  // sides of each edge that has too many
 };
 
-Fans find_fans(const Mesh& mesh, const std::vector<std::uint32_t>& side_face) {
+Fans find_fans(const Mesh& mesh, const std::vector<std::uint32_t>& side_face, Report& report) {
   Fans fans{DisjointSets(side_face.size()), {}};
   const auto corner_at = [&](std::uint32_t side, std::uint32_t vertex) {
     return mesh.corner_vertex[side] == vertex ? side : next_corner(mesh, side_face[side], side);
   };
   for_each_edge(mesh, side_face, [&](const Edge& edge) {
+    report.poll();
     if (edge.sides.size() == 2) {
       for (const std::uint32_t vertex : {edge.lower, edge.upper}) {
         fans.corners.unite(corner_at(edge.sides[0], vertex), corner_at(edge.sides[1], vertex));
@@ -41,7 +42,7 @@ Fans find_fans(const Mesh& mesh, const std::vector<std::uint32_t>& side_face) {
 void repair_manifold(Mesh& mesh, bool split, Report& report) {
   const Severity severity = split ? Severity::kRepaired : Severity::kError;
   const std::vector<std::uint32_t> side_face = side_faces(mesh);
-  Fans fans = find_fans(mesh, side_face);
+  Fans fans = find_fans(mesh, side_face, report);
   const auto number = [&](std::uint32_t face) {
     return report.file_face.empty() ? face : report.file_face[face];
   };
@@ -62,6 +63,7 @@ void repair_manifold(Mesh& mesh, bool split, Report& report) {
   std::unordered_map<std::uint32_t, std::uint32_t> copy;               // of a vertex, for a fan
   std::vector<bool> named(mesh.positions.size(), false);
   for (std::uint32_t corner = 0; corner < side_face.size(); ++corner) {
+    report.poll();
     const std::uint32_t vertex = mesh.corner_vertex[corner];
     const std::uint32_t fan = fans.corners.find(corner);
     if (first_fan[vertex] == kNone) first_fan[vertex] = fan;

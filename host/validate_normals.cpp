@@ -53,6 +53,7 @@ void complete(Mesh& mesh, const std::vector<bool>& zero, Report& report) {
   std::vector<Vec3> computed;                                // [vertex], once needed
   std::unordered_map<std::uint32_t, std::uint32_t> replace;  // [vertex], its new normal
   for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
+    report.poll();
     bool missing = false;
     for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c) {
       std::uint32_t& normal = mesh.corner_normal[c];
@@ -76,6 +77,7 @@ void warn(const Mesh& mesh, Report& report) {
   std::vector<std::uint32_t> first(mesh.positions.size(), kNone);  // [vertex], a normal there
   std::vector<bool> sharp(mesh.positions.size(), false);
   for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
+    report.poll();
     const Vec3 face_normal = newell_normal(mesh, face);
     for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c) {
       const std::uint32_t vertex = mesh.corner_vertex[c];

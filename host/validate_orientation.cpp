@@ -69,6 +69,7 @@ class Orientation {
     part_.assign(1, first);
     turn_[first] = Turn::kKeep;
     for (std::size_t done = 0; done < part_.size(); ++done) {
+      report_.poll();
       const std::uint32_t face = part_[done];
       for (std::uint32_t side = mesh_.face_begin[face]; side < mesh_.face_begin[face + 1]; ++side) {
         if (other_[side] == kNone) {
@@ -119,6 +120,7 @@ class Orientation {
   }
   void report_borders() {
     for (std::uint32_t side = 0; side < other_.size(); ++side) {
+      report_.poll();
       if (other_[side] != kNone) continue;
       const std::uint32_t from = mesh_.corner_vertex[side];
       report_.add(Severity::kWarning, "open-border", {.face = side_face_[side], .vertex = from},

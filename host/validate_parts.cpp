@@ -87,6 +87,7 @@ class PartPairs {
 
   void find_boxes() {
     for (std::uint32_t face = 0; face < part_.size(); ++face) {
+      report_.poll();
       Box box{corner(mesh_.face_begin[face]), corner(mesh_.face_begin[face])};
       for (std::uint32_t c = mesh_.face_begin[face]; c < mesh_.face_begin[face + 1]; ++c) {
         box.low = box.low.cwiseMin(corner(c));
@@ -126,9 +127,12 @@ class PartPairs {
     Overlaps<double>(node, child, part_)
         .for_each(
             [&](std::uint32_t a, std::uint32_t b) {
-              return (!closed_[a] && !closed_[b]) || met_.contains(key(a, b));
+              report_.poll();
+              return (!closed_[a] && !closed_[b]) || met_.size() >= kMostPairs ||
+                     met_.contains(key(a, b));
             },
             [&](std::uint32_t a, std::uint32_t b) {
+              report_.poll();
               if (!faces_meet(a, b)) return;
               met_.insert(key(part_[a], part_[b]));
               if (std::min(a, b) >= face) return;
@@ -138,7 +142,8 @@ class PartPairs {
     if (met_.empty()) return;
     report_
         .add(Severity::kWarning, "parts-intersect", {.face = face},
-             "meets face {} of another part ({} pairs of parts)", file_face(other), met_.size())
+             "meets face {} of another part ({} pairs of parts{})", file_face(other), met_.size(),
+             met_.size() < kMostPairs ? "" : " or more")
         .count = met_.size();
   }
   bool faces_meet(std::uint32_t a, std::uint32_t b) const {
@@ -185,11 +190,14 @@ class PartPairs {
   bool winds_round(const std::vector<std::uint32_t>& faces, const Vec3& x) const {
     double angle = 0;
     for (const std::uint32_t face : faces) {
+      report_.poll();
       for_triangles(face,
                     [&](const Triangle& t) { angle += solid_angle(t[0] - x, t[1] - x, t[2] - x); });
     }
     return std::abs(angle) > 2 * std::numbers::pi;
   }
+
+  static constexpr std::size_t kMostPairs = 1'000'000;  // that are looked for
 
   const Mesh& mesh_;
   Report& report_;

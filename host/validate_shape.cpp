@@ -60,6 +60,7 @@ void warn_of_vertices(const Mesh& mesh, Report& report) {
   for (const std::uint32_t vertex : mesh.corner_vertex) used[vertex] = true;
   HashIndex known(mesh.positions.size());
   for (std::uint32_t v = 0; v < used.size(); ++v) {
+    report.poll();
     if (!used[v]) {
       report.add(Severity::kWarning, "unused-vertices", {.vertex = v}, "belongs to no face");
       continue;
@@ -76,6 +77,7 @@ void warn_of_vertices(const Mesh& mesh, Report& report) {
 
 void warn_of_shapes(const Mesh& mesh, Report& report) {
   for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
+    report.poll();
     const Vec3 normal = newell_normal(mesh, face);
     const double size = normal.norm();
     const Vec3 unit_normal = normal / size;

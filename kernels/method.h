@@ -16,8 +16,9 @@ typedef struct {
   real3 scp;     // surface contact point, local frame
   real3 normal;  // outward surface normal there (of the polygon's blend for shaded and flat), unit
   real3 offset;  // SCP - HIP, mesh frame
-  real3 push;  // force over stiffness, mesh frame: `offset`, for shaded turned to the normal; past
-               // a border that of its rounded rim (past_border)
+  real3
+      push;  // force over stiffness, mesh frame: `offset`, for shaded turned to the normal; past
+             // a border that of its rounded rim (past_border). No number where the contact is none
   real clear;  // of a search: no point of the surface is nearer to the HIP, mesh frame; of
                // tracking 0
   int iterations, crossings;
@@ -208,9 +209,19 @@ FN contact contact_of_base(surface_view view, hip_point h, base_point b, int met
 // A thousand sizes of the mesh away, rounding of the offset may be more than parts are thick.
 #define FAR_OUTSIDE K(1024)
 
+// A contact from there is none. From nearer, one that is no number is a fault of the surface; its
+// push is no number either, so that nobody takes it for none.
 FN contact within_reach(hip_point h, contact c) {
   const real reach = fabs(h.high.x) + fabs(h.high.y) + fabs(h.high.z);
-  if (!(reach <= FAR_OUTSIDE)) c.state = CONTACT_FREE;
+  const real3 all = add3(add3(c.scp, c.normal), add3(c.offset, c.push));
+  const real sum = all.x + all.y + all.z;
+  if (!(reach <= FAR_OUTSIDE)) {
+    c.state = CONTACT_FREE;
+    c.push = make3(K(0), K(0), K(0));
+  } else if (!(sum - sum == K(0))) {
+    c.state = CONTACT_FREE;
+    c.push = make3(K(NAN), K(NAN), K(NAN));
+  }
   if (!(reach - reach == K(0))) c.flags &= ~FOOT_CONVERGED;  // it is no place
   return c;
 }

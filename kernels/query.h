@@ -150,16 +150,19 @@ FN int is_nearer(foot a, foot b) {
 
 // True if a search has spent the evaluations that it may.
 FN int is_spent(foot best, track_options options) {
-  return options.budget > 0 && best.iterations + best.starts >= options.budget;
+  return options.budget > 0 &&
+         best.iterations + best.starts + best.walked / FAN_STEPS_AN_EVALUATION >= options.budget;
 }
 
 // The better of what a search has found and another foot of it.
 FN foot better_foot(foot best, foot f) {
-  const int iterations = best.iterations + f.iterations, starts = best.starts + f.starts;
+  const int iterations = best.iterations + f.iterations, starts = best.starts + f.starts,
+            walked = best.walked + f.walked;
   const real clear2 = best.clear2;
   if (best.patch == NONE || is_nearer(f, best)) best = f;
   best.iterations = iterations;
   best.starts = starts;
+  best.walked = walked;
   best.clear2 = clear2;
   return best;
 }
@@ -347,6 +350,9 @@ FN foot finish_search(foot best) {
   return best;
 }
 
+// Patches whose tiles a search with a budget looks at, for each of its evaluations.
+#define PATCHES_AN_EVALUATION 4
+
 // Nearest point of the whole surface: from `first`, on the nearest base polygon of all, then from
 // every patch whose box is nearer, of those near or, if they are not all, of the surface.
 FN_LARGE foot nearest_foot(surface_view view, hip_point h, foot first, const near_patches* near,
@@ -364,10 +370,16 @@ FN_LARGE foot nearest_foot(surface_view view, hip_point h, foot first, const nea
     return finish_search(best);
   }
   walk w = start_walk(view);
+  int searched = 0;
   for (uint p = next_patch(view, &w, h.high, best.distance2); p != NONE;
        p = next_patch(view, &w, h.high, best.distance2)) {
-    if (p != first.patch && patch_box_distance2(view, h, p) < best.distance2)
+    const real box2 = patch_box_distance2(view, h, p);
+    if (p == first.patch || !(box2 < best.distance2)) continue;
+    if (options.budget > 0 && searched++ / PATCHES_AN_EVALUATION >= options.budget) {
+      best.clear2 = smaller(box2, best.clear2);
+    } else {
       best = search_patch(view, h, p, options, best);
+    }
   }
   return finish_search(best);
 }

@@ -23,6 +23,7 @@ typedef struct {
   int starts;      // first evaluations of a search
   int iterations;  // evaluations after the first
   int crossings;   // edges and corners crossed
+  int walked;      // sides passed on the way round corners that very many share
   uint flags;      // FOOT_*
   sym2 bend;       // as a descent has it, like the next two
   real last2, before2;
@@ -46,6 +47,7 @@ FN foot start_foot(surface_view view, hip_point h, uint patch, real xi, real eta
   f.starts = 1;
   f.iterations = 0;
   f.crossings = 0;
+  f.walked = 0;
   f.flags = 0u;
   f.last2 = f.before2 = -K(1);
   return move_foot(view, h, f, patch, xi, eta);
@@ -143,23 +145,42 @@ FN int in_sector(surface_view view, uint side, real3 w) {
   return a >= gap * sqrt(pp) * qq && b >= gap * sqrt(qq) * pp && a + b > K(0);
 }
 
-// The side that starts at the same vertex as `side` and whose patch w points into, anticlockwise
-// and then clockwise round the vertex; NONE if there is none but its own.
-FN_LARGE uint fan_sector(surface_view view, uint side, real3 w) {
+// Of a corner: the side that starts at the same vertex and whose patch a direction points into;
+// NONE if there is none but its own.
+typedef struct {
+  uint side;
+  int is_border;  // of NONE: a border runs through the vertex
+  int steps;      // sides passed
+} fan_place;
+
+// Anticlockwise and then clockwise round the vertex at which `side` starts.
+FN_LARGE fan_place find_in_fan(surface_view view, uint side, real3 w) {
+  fan_place r = {NONE, 0, 0};
   uint at = view.side_twin[prev_in_patch(view, side)];
-  while (at != NONE && at != side) {
-    if (in_sector(view, at, w)) return at;
-    at = view.side_twin[prev_in_patch(view, at)];
+  for (; at != NONE && at != side; at = view.side_twin[prev_in_patch(view, at)]) {
+    ++r.steps;
+    if (in_sector(view, at, w)) {
+      r.side = at;
+      return r;
+    }
   }
-  if (at == side) return NONE;
-  at = view.side_twin[side];
-  while (at != NONE) {
+  if (at == side) return r;
+  r.is_border = 1;
+  for (at = view.side_twin[side]; at != NONE; at = view.side_twin[at]) {
+    ++r.steps;
     at = next_in_patch(view, at);
-    if (in_sector(view, at, w)) return at;
-    at = view.side_twin[at];
+    if (in_sector(view, at, w)) {
+      r.side = at;
+      return r;
+    }
   }
-  return NONE;
+  return r;
 }
+// A walk round a corner of more sides counts: as an evaluation for so many each. No descent begins
+// one after so many.
+#define WIDE_FAN 64
+#define FAN_STEPS_AN_EVALUATION 16
+#define FAN_STEPS_A_DESCENT 8192
 
 // True if a border runs through the vertex at which `side` starts.
 FN int is_border_vertex(surface_view view, uint side) {
@@ -337,11 +358,16 @@ FN_LARGE foot track_foot(surface_view view, hip_point h, foot f, track_options o
     const int leaves_a = held.a >= 0 && outward(domain, held.a, step) > K(0);
     const int leaves_b = held.b >= 0 && outward(domain, held.b, step) > K(0);
     held_sides along = {-1, -1};
+    int ends = held.b < 0;
     if (leaves_a || leaves_b) {
       uint next = NONE;
       domain_point to;
       if (held.b >= 0) {
-        next = fan_sector(view, first_side + (uint)held.b, mul3(K(-1), f.r));
+        if (f.walked > FAN_STEPS_A_DESCENT) break;
+        const fan_place fan = find_in_fan(view, first_side + (uint)held.b, mul3(K(-1), f.r));
+        next = fan.side;
+        ends = fan.is_border;
+        f.walked += fan.steps > WIDE_FAN ? fan.steps : 0;
         if (next != NONE) {
           to.patch = view.side_patch[next];
           const int m = valence_of(view, to.patch);
@@ -367,9 +393,7 @@ FN_LARGE foot track_foot(surface_view view, hip_point h, foot f, track_options o
       }
       step = edge_step(domain, n, held, first, f.bend, gradient);
       along = held;
-      const int ends =
-          next == NONE && (held.b < 0 || is_border_vertex(view, first_side + (uint)held.b));
-      f.flags |= ends ? FOOT_BORDER : FOOT_CREASE;
+      f.flags |= next == NONE && ends ? FOOT_BORDER : FOOT_CREASE;
       if (quadratic(first, step) <= tolerance2) {
         f.flags |= FOOT_CONVERGED;
         break;

@@ -24,8 +24,9 @@ Eigen::Matrix3d read_rotation(TomlTable table) {
   table.get_point("axis", axis);
   table.get("degrees", degrees);
   table.done();
-  if (!(axis.norm() > 0)) table.fail("axis", "must be three numbers that are not all zero");
-  return Eigen::AngleAxisd(degrees * std::numbers::pi / 180, axis.normalized()).matrix();
+  if (axis.isZero(0)) table.fail("axis", "must be three numbers that are not all zero");
+  // Squares of 1e155 are not finite, those of 1e-165 are zero.
+  return Eigen::AngleAxisd(degrees * std::numbers::pi / 180, axis.stableNormalized()).matrix();
 }
 
 void read_patches(TomlTable& table, ObjectDescription& object, bool from_cache) {
@@ -126,7 +127,8 @@ void read_loop(TomlTable table, Scene& scene) {
   table.done();
 }
 
-HandPath read_hand_path(TomlTable& table, const std::string& scene) {
+HandPath read_hand_path(TomlTable& table, const std::function<void()>& poll,
+                        std::vector<std::string>& files) {
   std::string path;
   table.get("path", path);
   std::vector<Vec3> waypoints;
@@ -141,7 +143,8 @@ HandPath read_hand_path(TomlTable& table, const std::string& scene) {
   if (path.empty()) return HandPath::along(waypoints, speed, rounds);
   std::vector<Vec3> points;
   try {
-    points = points_in_metres(read_points(beside(scene, path), 1));
+    points =
+        points_in_metres(read_points(files.emplace_back(beside(files.front(), path)), 1, {}, poll));
   } catch (const CsvError&) {
     throw;  // which names its own file and line
   } catch (const std::runtime_error& error) {
@@ -151,8 +154,8 @@ HandPath read_hand_path(TomlTable& table, const std::string& scene) {
   return HandPath::sampled(std::move(points), interval, rounds);
 }
 
-void read_sim(TomlTable table, const std::string& path, Scene& scene) {
-  table.checked([&] { scene.sim_path = read_hand_path(table, path); });
+void read_sim(TomlTable table, const std::function<void()>& poll, Scene& scene) {
+  table.checked([&] { scene.sim_path = read_hand_path(table, poll, scene.files); });
   SimOptions& sim = scene.sim.emplace();
   table.get_positive("mass", sim.mass);
   table.get_positive("hand_stiffness", sim.hand_stiffness, parse_stiffness);
@@ -169,15 +172,18 @@ void read_sim(TomlTable table, const std::string& path, Scene& scene) {
 
 }  // namespace
 
-Scene read_scene(const std::string& path) {
+Scene read_scene(const std::string& path, const std::function<void()>& poll) {
   toml::table storage;
   TomlTable root = TomlTable::read(path, storage);
   Scene scene;
-  for (const TomlTable& table : root.tables("object"))
+  scene.files.push_back(path);
+  for (const TomlTable& table : root.tables("object")) {
     scene.objects.push_back(read_object(table, path, scene.objects.size() + 1));
+    scene.files.push_back(scene.objects.back().surface);
+  }
   if (auto table = root.table("guards")) read_guards(*table, scene);
   if (auto table = root.table("loop")) read_loop(*table, scene);
-  if (auto table = root.table("sim")) read_sim(*table, path, scene);
+  if (auto table = root.table("sim")) read_sim(*table, poll, scene);
   if (auto table = root.table("device")) read_device(*table, scene);
   root.done();
   return scene;

@@ -2,6 +2,7 @@
 // a scene does not list costs nothing.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -50,9 +51,11 @@ struct Scene {
   double max_stiffness = std::numeric_limits<double>::infinity();  // N/m
   std::optional<SimOptions> sim;
   HandPath sim_path;
+  std::vector<std::string> files;  // paths: the scene's own, of meshes, caches and the sim's path
 };
 
-// Throws SceneError, CsvError for the table of a path.
-Scene read_scene(const std::string& path);
+// Throws SceneError, CsvError for the table of a path. `poll` is asked many times a second while
+// that is read, and what it throws ends the reading.
+Scene read_scene(const std::string& path, const std::function<void()>& poll = nullptr);
 
 }  // namespace gliss

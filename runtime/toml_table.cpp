@@ -1,15 +1,16 @@
 #include "runtime/toml_table.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
 
+#include "host/open_file.h"
 #include "host/units.h"
 #include "runtime/scene.h"
 
 namespace gliss {
 namespace {
+
+constexpr std::uint64_t kLargestScene = 1 << 26;  // bytes
 
 // In one line, whatever of the file it quotes.
 [[noreturn]] void refuse(std::string what) {
@@ -21,13 +22,17 @@ namespace {
 }  // namespace
 
 TomlTable TomlTable::read(const std::string& path, toml::table& storage) {
-  std::ifstream file(path);
-  file.peek();  // a folder can be opened, and is empty to what reads on
-  if (!file.is_open() || file.bad())
-    refuse(fmt::format("{}: cannot be read: {}", path, std::strerror(errno)));
-  file.clear();
+  OpenFile file(path);
+  if (file.size() > kLargestScene)
+    refuse(fmt::format("{}: over {} bytes; put long paths into a CSV file", path, kLargestScene));
+  std::string text;
   try {
-    storage = toml::parse(file, path);
+    text = file.read_all();
+  } catch (const std::runtime_error&) {
+    refuse(fmt::format("{}: cannot be read: {}", path, file.why()));
+  }
+  try {
+    storage = toml::parse(text);
   } catch (const toml::parse_error& error) {
     refuse(fmt::format("{}:{}: {}", path, error.source().begin.line, error.description()));
   }

@@ -1,8 +1,11 @@
 #include "runtime/tracker.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <string>
+
+#include "host/plain_arithmetic.h"
 
 namespace gliss {
 namespace {
@@ -13,6 +16,8 @@ QueryOptions query_of(const SceneObject& object) {
 
 // Why nothing can be touched of an object, as the end of a sentence about it; null: it can.
 const char* fault_of(const SceneObject& object) {
+  if (!object.pose.matrix().allFinite()) return "has a pose that is not finite";
+  if (!std::isfinite(object.stiffness)) return "has a stiffness that is not finite";
   if (object.cache != nullptr)
     return object.cache->patch_count() == 0 ? "has a cache without patches" : nullptr;
   if (object.lazy == nullptr)
@@ -32,6 +37,9 @@ void check(std::span<const SceneObject> objects) {
 
 Tracker::Tracker(std::span<const SceneObject> objects, std::span<const Vec3> hips) {
   check(objects);
+  for (const Vec3& hip : hips) {
+    if (!hip.allFinite()) throw std::invalid_argument("hips: one is not finite");
+  }
   static const Vec3 at_the_device = Vec3::Zero();
   if (hips.empty()) hips = {&at_the_device, 1};
   for (const Vec3& hip : hips) {
@@ -49,6 +57,7 @@ Tracker::Tracker(std::span<const SceneObject> objects, std::span<const Vec3> hip
 }
 
 Vec3 Tracker::step(const Vec3& position) noexcept {
+  const PlainArithmetic plain;
   Vec3 sum = Vec3::Zero();
   for (std::size_t i = 0; i < tracked_.size(); ++i) {
     Tracked& tracked = tracked_[i];
@@ -59,7 +68,7 @@ Vec3 Tracker::step(const Vec3& position) noexcept {
     step.force.setZero();
     if (!step.searched) continue;
     step.contact = tracked.tick(at);
-    if (!step.contact.touching) continue;
+    if (step.contact.push.isZero(0)) continue;
     const Vec3 force = tracked.object.stiffness * tracked.unit * step.contact.push;
     step.force = tracked.object.pose.linear() * force;
     sum += step.force;

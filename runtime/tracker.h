@@ -45,11 +45,12 @@ class Tracker {
   // `hips`: where the tool's HIPs are from the device's position (m, world); none: one, there.
   // Throws std::invalid_argument, one line with the object's index, for an object without a surface
   // (neither cache nor `lazy`, or a cache without patches) and for a lazy one with another method
-  // than kGregory.
+  // than kGregory, or numbers that are not finite; and for such HIPs.
   explicit Tracker(std::span<const SceneObject> objects, std::span<const Vec3> hips = {});
 
   // The force on the hand at a position (m, world), in N: the sum over HIPs and objects. What is
-  // farther than the HIP has moved since its last search costs a comparison.
+  // farther than the HIP has moved since its last search costs a comparison. NaN where a surface is
+  // at fault, for the guard to see.
   Vec3 step(const Vec3& position) noexcept;
   // The last step of the first HIP's objects, then of the next one's. Valid as long as
   // the tracker.

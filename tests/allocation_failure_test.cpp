@@ -174,7 +174,8 @@ TEST_F(AllocationFailure, of_tables) {
 
 // As a user sees it: a file larger than the memory.
 TEST_F(AllocationFailure, of_the_program_is_one_line_and_exit_code_1) {
-  const std::string file = folder_.write("large.obj", kCube);
+  const std::string file = folder_.write(
+      "large.ply", "ply\nformat binary_little_endian 1.0\nelement vertex 8000000000\nend_header\n");
   std::filesystem::resize_file(file, std::uintmax_t{8} << 30);  // has no blocks on disk
   folder_.write("large.gliss", "old");
   const auto little_memory = [] {
@@ -183,7 +184,7 @@ TEST_F(AllocationFailure, of_the_program_is_one_line_and_exit_code_1) {
   };
   const test::Outcome outcome =
       test::Process(folder_ / "", test::kProgram,
-                    {"bake", "large.obj", "-o", "large.gliss", "--threads", "1"}, little_memory)
+                    {"bake", "large.ply", "-o", "large.gliss", "--threads", "1"}, little_memory)
           .wait();
   EXPECT_EQ(outcome.code, 1);
   EXPECT_EQ(outcome.err, "gliss: out of memory\n");

@@ -61,7 +61,7 @@ class DirectDevice : public HapticDevice {
 
  private:
   Hand& hand_;
-  DeviceInfo info_{.name = "direct"};
+  DeviceInfo info_;
   DeviceState state_;
 };
 
@@ -132,7 +132,7 @@ void expect_fresh(Nanoseconds ahead, Open open) {
                    seconds(ahead), 1e3 * seconds(ended.after));
     }
     EXPECT_LE(ended.after, kLongest + ended.late);
-    if (ahead == 0ns) EXPECT_TRUE(ended.pressed);
+    EXPECT_TRUE(ended.pressed || ahead != 0ns);
     return;
   }
 }

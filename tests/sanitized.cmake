@@ -3,7 +3,7 @@
 if(GLISS_SANITIZE STREQUAL "thread")
   set(parts haply_device loop parallel periodic udp_device udp_server)
 else()
-  set(parts atomic_file cache_file csv_file csv_reader guard haply_device loop mesh parallel
+  set(parts atomic_file cache_file csv_file csv_reader guard haply_device hostile_files hostile_numbers hostile_parts loop mesh parallel
     result_file scene_error scene_file sim_device sweep udp_device udp_protocol udp_server units validate vtp_file)
 endif()
 list(TRANSFORM parts APPEND _test.cpp OUTPUT_VARIABLE sources)

@@ -79,7 +79,7 @@ TEST_F(SweepPartsTest, go_on_from_wherever_the_sweep_was_stopped) {
     complete = true;
     const std::string got =
         swept(cache_, engine, options_, &parts,
-              [&](std::uint64_t, std::uint64_t) { return complete = ++windows < 2; });
+              [&](std::uint64_t, std::uint64_t) { return complete = ++windows < kept + 2; });
     if (complete) {
       EXPECT_EQ(got, want);
     }
@@ -154,19 +154,22 @@ TEST_F(SweepPartsTest, every_flipped_bit_is_found) {
   SweepParts parts = open(false);
   sweep(cache_, *engine_, options_, nullptr, nullptr, &parts);
   ASSERT_GE(parts.kept(), 2u);
-  std::fstream file(files().front(), std::ios::in | std::ios::out | std::ios::binary);
-  const std::string bytes = read(files().front());
+  // Under a second name, since parts that are damaged are removed.
+  const std::string path = files().front(), kept = folder_ / "kept";
+  std::filesystem::create_hard_link(path, kept);
+  std::fstream file(kept, std::ios::in | std::ios::out | std::ios::binary);
+  const std::string bytes = read(kept);
   const auto put = [&](std::size_t at, char byte) {
     file.seekp(static_cast<std::streamoff>(at)).put(byte).flush();
   };
-  std::vector<SweepStatistics> statistics;
   for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
     const char was = bytes[bit / 8];
     put(bit / 8, static_cast<char>(was ^ (1 << bit % 8)));
-    ASSERT_FALSE(parts.load(0, statistics, nullptr)) << "bit " << bit;
+    ASSERT_FALSE(parts.load(0)) << "bit " << bit;
     put(bit / 8, was);
+    std::filesystem::create_hard_link(kept, path);
   }
-  EXPECT_TRUE(parts.load(0, statistics, nullptr));
+  EXPECT_TRUE(parts.load(0));
 }
 
 // Parts of another mesh, precision, level or option are neither read nor removed.

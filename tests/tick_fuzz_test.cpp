@@ -80,7 +80,8 @@ std::vector<std::vector<SceneObject>> scenes() {
   shaded.method = Method::kShaded;
   SceneObject printed[2] = {plate, fin};
   for (SceneObject& object : printed) object.solver = Solver::kPaper;
-  return {{plate, ball}, {fin, plate}, {ball, fin}, {unioned}, {flat, shaded}, {printed[0], printed[1]}};
+  return {{plate, ball}, {fin, plate},   {ball, fin},
+          {unioned},     {flat, shaded}, {printed[0], printed[1]}};
 }
 
 TEST(TickFuzz, keeps_the_promises_of_tracker_and_guard_wherever_the_hand_is) {

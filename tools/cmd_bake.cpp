@@ -4,6 +4,7 @@
 #include <set>
 
 #include "tools/curvature.h"
+#include "tools/outputs.h"
 #include "tools/surface_input.h"
 
 namespace gliss::tools {
@@ -65,6 +66,7 @@ std::vector<std::uint32_t> parse_faces(const Mesh& mesh, const std::string& text
 }
 
 void run(const BakeOptions& options) {
+  check_outputs({options.output}, {options.surface});
   const Stopwatch clock;
   const auto engine = make_engine(options);
   const Mesh mesh = read_mesh(options);

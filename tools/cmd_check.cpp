@@ -8,6 +8,7 @@
 
 #include "tools/curvature.h"
 #include "tools/surface_input.h"
+#include "tools/watch.h"
 
 namespace gliss::tools {
 namespace {
@@ -50,9 +51,11 @@ void run(const SurfaceOptions& options) {
   std::size_t faces = 0;
   std::exception_ptr refusal;
   try {
-    const Mesh mesh = load_mesh(
-        options.surface, {.unit = options.unit, .split_non_manifold = options.split_non_manifold},
-        &findings);
+    const Mesh mesh = load_mesh(options.surface,
+                                {.unit = options.unit,
+                                 .split_non_manifold = options.split_non_manifold,
+                                 .poll = stop_if_interrupted},
+                                &findings);
     faces = mesh.face_count();
     const PatchCache cache = build(mesh, options, *make_engine(options), {}, &built);
     tell_tight_curvature(options, cache, usual_depth(cache), "0.5 % of the diagonal");

@@ -10,6 +10,7 @@
 #include "host/units.h"
 #include "tools/compare.h"
 #include "tools/curvature.h"
+#include "tools/outputs.h"
 #include "tools/surface_input.h"
 
 namespace gliss::tools {
@@ -158,7 +159,8 @@ std::vector<ComparePath> make_paths(const ComparingOptions& options, const Mesh&
                                     const Topology& topology, const PatchCache& exact) {
   std::vector<ComparePath> paths;
   if (!options.path.empty()) {
-    std::vector<Vec3> hips = points_in_metres(read_points(options.path, options.unit));
+    std::vector<Vec3> hips =
+        points_in_metres(read_points(options.path, options.unit, {}, stop_if_interrupted));
     for (Vec3& hip : hips) hip /= mesh.unit;
     const double depth = options.depths.size() == 1 ? options.depths.front() : 0;
     if (!(depth > 0)) throw InputError("--path: needs the one --depth that its HIPs have");
@@ -393,6 +395,7 @@ const CompareRow* smoothest(const std::vector<CompareRow>& rows) {
 }
 
 void run(const ComparingOptions& options) {
+  check_outputs({options.output}, {options.surface, options.path, options.reference});
   const Stopwatch clock;
   const auto engine = make_engine(options);
   Mesh mesh = read_mesh(options);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/result_table.h"
+#include "tools/outputs.h"
 #include "tools/surface_input.h"
 #include "tools/watch.h"
 
@@ -22,7 +23,8 @@ void describe(Command& command, EvalOptions& options) {
 }
 
 std::vector<DomainPoint> read_domain_points(const std::string& path, const PatchCache& cache) {
-  const CsvTable table = read_csv(path, {.alternatives = {{"patch", "xi", "eta"}}});
+  const CsvTable table =
+      read_csv(path, {.alternatives = {{"patch", "xi", "eta"}}, .poll = stop_if_interrupted});
   const auto &patch = *table.find("patch"), &xi = *table.find("xi"), &eta = *table.find("eta");
   const auto refuse = [&](std::size_t row, const std::string& problem) {
     throw CsvError(fmt::format("{}: {}", table.place(row), problem));
@@ -45,6 +47,7 @@ std::vector<DomainPoint> read_domain_points(const std::string& path, const Patch
 }
 
 void run(const EvalOptions& options) {
+  check_outputs({options.output}, {options.surface, options.points});
   const auto engine = make_engine(options);
   const PatchCache cache = open_surface(options, *engine);
   const std::vector<DomainPoint> points = read_domain_points(options.points, cache);

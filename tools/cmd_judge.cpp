@@ -12,7 +12,7 @@
 #include "runtime/realtime.h"
 #include "runtime/verdict.h"
 #include "tools/interrupt.h"
-#include "tools/tell.h"
+#include "tools/terminal.h"
 #include "tools/timing_text.h"
 #include "tools/watch.h"
 

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "host/result_table.h"
+#include "tools/outputs.h"
 #include "tools/surface_input.h"
 #include "tools/watch.h"
 
@@ -26,9 +27,10 @@ void describe(Command& command, ProjectOptions& options) {
 }
 
 void run(const ProjectOptions& options) {
+  check_outputs({options.output}, {options.surface, options.hips});
   const auto engine = make_engine(options);
   const PatchCache cache = open_surface(options, *engine);
-  PointTable hips = read_points(options.hips, options.unit);
+  PointTable hips = read_points(options.hips, options.unit, {}, stop_if_interrupted);
   const UnitChange inward(hips.unit, cache.unit), outward(cache.unit, options.unit);
   for (Vec3& hip : hips.points) hip = inward(hip);
 

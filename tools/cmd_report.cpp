@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "host/atomic_file.h"
+#include "tools/outputs.h"
 #include "tools/report_page.h"
 #include "tools/report_source.h"
 
@@ -94,6 +95,7 @@ std::vector<Shown> read_results(const ReportingOptions& options) {
 }
 
 void run(const ReportingOptions& options) {
+  check_outputs({options.output}, options.results);
   AtomicFile file(options.output);
   const auto results = read_results(options);
   constexpr std::string_view kPlace = "@@RESULTS@@";

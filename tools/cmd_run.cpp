@@ -13,11 +13,13 @@
 #include "runtime/recorder.h"
 #include "tools/curvature.h"
 #include "tools/interrupt.h"
+#include "tools/outputs.h"
 #include "tools/run_devices.h"
 #include "tools/run_progress.h"
 #include "tools/surface_input.h"
-#include "tools/tell.h"
+#include "tools/terminal.h"
 #include "tools/timing_text.h"
+#include "tools/watch.h"
 
 namespace gliss::tools {
 namespace {
@@ -268,7 +270,10 @@ std::vector<Attribute> provenance(const RunOptions& options, const HapticDevice&
 }
 
 void run(const RunOptions& options) {
-  const Scene scene = read_scene(options.scene);
+  const Scene scene = read_scene(options.scene, stop_if_interrupted);
+  std::vector<std::string> inputs = scene.files;
+  if (options.device.starts_with("replay:")) inputs.push_back(options.device.substr(7));
+  check_outputs({options.recording, options.report}, inputs);
   const std::vector<SceneObject> objects = open_objects(scene, options);
   const auto device = open_device(options.device, scene);
   check_stiffness(scene, device->info());

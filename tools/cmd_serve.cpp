@@ -6,7 +6,8 @@
 #include "tools/command.h"
 #include "tools/interrupt.h"
 #include "tools/run_devices.h"
-#include "tools/tell.h"
+#include "tools/terminal.h"
+#include "tools/watch.h"
 
 namespace gliss::tools {
 namespace {
@@ -28,7 +29,7 @@ void describe(Command& command, ServeOptions& options) {
 }
 
 void run(const ServeOptions& options) {
-  const Scene scene = read_scene(options.scene);
+  const Scene scene = read_scene(options.scene, stop_if_interrupted);
   const auto device = open_device(options.device, scene);
   UdpServerOptions limits;
   limits.guard = scene.loop.guard;

@@ -10,9 +10,10 @@
 #include "host/sweep_parts.h"
 #include "host/units.h"
 #include "tools/curvature.h"
+#include "tools/outputs.h"
 #include "tools/sweep_files.h"
 #include "tools/sweep_report.h"
-#include "tools/tell.h"
+#include "tools/terminal.h"
 #include "tools/watch.h"
 
 namespace gliss::tools {
@@ -58,7 +59,7 @@ std::string parts_folder(const SweepingOptions& options) {
   if (options.parts == "none") return "";
   if (!options.parts.empty()) return options.parts;
   for (const std::string* file : {&options.output, &options.summary, &options.picture}) {
-    if (!file->empty() && *file != "-") return *file + ".parts";
+    if (!file->empty() && *file != "-") return with_ending(*file, ".parts");
   }
   return "";
 }
@@ -80,6 +81,12 @@ std::uint64_t peak_memory() {
 }
 
 void run(const SweepingOptions& options) {
+  std::vector<std::string> outputs{options.output, options.summary};
+  if (!options.picture.empty()) {
+    outputs.push_back(options.picture);
+    outputs.push_back(SweepPicture::mesh_path(options.picture));
+  }
+  check_outputs(outputs, {options.surface});
   const auto engine = make_engine(options);
   const PatchCache cache = open_surface(options, *engine);
   SweepOptions grid = options.sweep;

@@ -7,6 +7,7 @@
 #include "host/result_table.h"
 #include "host/trace.h"
 #include "tools/curvature.h"
+#include "tools/outputs.h"
 #include "tools/surface_input.h"
 #include "tools/watch.h"
 
@@ -87,9 +88,10 @@ void report_statistics(const TracingOptions& options, const std::vector<TraceSta
 }
 
 void run(const TracingOptions& options) {
+  check_outputs({options.output}, {options.surface, options.path});
   const auto engine = make_engine(options);
   const PatchCache cache = open_surface(options, *engine);
-  const PointTable path = read_points(options.path, options.unit, {"step"});
+  const PointTable path = read_points(options.path, options.unit, {"step"}, stop_if_interrupted);
   const std::vector<double>* steps = path.table.find("step");
   const UnitChange across(path.unit, options.unit);
   // As the loop has it: by way of metres, so that the forces have the same bytes.

@@ -9,7 +9,7 @@
 
 #include "host/units.h"
 #include "tools/interrupt.h"
-#include "tools/tell.h"
+#include "tools/terminal.h"
 
 namespace gliss::tools {
 namespace {
@@ -88,6 +88,8 @@ void add_input_option(Command& command, const std::string& name, std::string& pa
 
 void check_input(const std::string& name, const std::string& path) {
   const auto status = std::filesystem::status(path);
+  if (!exists(status) && path == "-")
+    throw InputError(fmt::format("{}: standard input is not read; name a file", name));
   if (!exists(status)) throw InputError(fmt::format("{}: there is no file '{}'", name, path));
   if (is_directory(status)) throw InputError(fmt::format("{}: '{}' is a folder", name, path));
 }
@@ -170,7 +172,7 @@ const std::string& command_line() { return kept_command_line(); }
 void report(const ReportOptions& options, const std::string& text, const Json& json,
             bool table_on_stdout) {
   if (options.quiet && !options.json) return;
-  const std::string said = options.json ? printed(json) : text;
+  const std::string said = options.json ? printed(json) : for_terminal(text);
   if (table_on_stdout) return tell(said);
   fmt::print("{}", said);
 }

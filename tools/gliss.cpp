@@ -9,13 +9,14 @@
 #include <new>
 
 #include "host/csv_reader.h"
+#include "host/open_file.h"
 #include "host/point_table.h"
 #include "host/units.h"
 #include "runtime/realtime.h"
 #include "runtime/scene.h"
 #include "tools/command.h"
 #include "tools/interrupt.h"
-#include "tools/tell.h"
+#include "tools/terminal.h"
 
 namespace gliss::tools {
 namespace {
@@ -45,6 +46,8 @@ int run(int count, char** words) {
     if (std::fflush(stdout) != 0) return say("cannot write to standard output", kInternal);
     return kDone;
   } catch (const MeshError& error) {
+    return say(error.what(), kBadInput);
+  } catch (const NoFileError& error) {
     return say(error.what(), kBadInput);
   } catch (const CsvError& error) {
     return say(error.what(), kBadInput);

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <string_view>
 
+#include "host/open_file.h"
 #include "tools/report_table.h"
 
 namespace gliss::tools {
@@ -13,17 +13,20 @@ namespace {
 
 constexpr char kWhat[] = "a result of gliss trace, sweep, compare or run, or of bench/growth.py";
 
+constexpr std::uint64_t kLargestJson = 1 << 26;  // bytes
+
 [[noreturn]] void refuse(const ReportSource& source, const std::string& why) {
   throw InputError(fmt::format("'{}' is not {}: {}", source.path, kWhat, why));
 }
 
 Json read_hdf5(const ReportSource& source) {
   try {
-    const Hdf5Reader file(source.path, kWhat);
-    if (file.has("statistics/method")) return read_sweep(file, source);
-    const bool recording = file.has("ticks/sent_x");
-    if (!recording && !file.has("method"))
-      refuse(source, "HDF5 without 'statistics', 'ticks' or 'method'");
+    const Hdf5Reader file(source.path, kWhat, stop_if_interrupted);
+    // What it lacks of its kind is named where it is looked for.
+    if (file.has("statistics")) return read_sweep(file, source);
+    const bool recording = file.has("ticks");
+    if (!recording && !file.has("method") && !file.has("fx"))
+      refuse(source, "HDF5 without 'statistics', 'ticks', 'method' and 'fx'");
     const ReportTable table =
         read_hdf5_ticks(file, source, recording ? TickTable::kRecording : TickTable::kTrace);
     return recording ? recording_result(table, source) : trace_result(table, source);
@@ -35,8 +38,14 @@ Json read_hdf5(const ReportSource& source) {
 }
 
 Json read_json(const ReportSource& source) {
-  std::ifstream file(source.path, std::ios::binary);
-  const Json json = Json::parse(file, nullptr, false);
+  OpenFile file(source.path);
+  if (file.size() > kLargestJson)
+    refuse(source, fmt::format("JSON of over {} bytes", kLargestJson));
+  const auto poll = [](int, Json::parse_event_t, Json&) {
+    stop_if_interrupted();
+    return true;
+  };
+  const Json json = Json::parse(file.read_all(), poll, false);
   if (json.is_discarded()) refuse(source, "JSON that is damaged");
   const auto holds = [&](const char* key, bool (Json::*is)() const noexcept) {
     return json.contains(key) && (json[key].*is)();
@@ -67,11 +76,11 @@ Json provenance(const Hdf5Reader& file) {
 }
 
 Json read_result(const ReportSource& source) {
-  std::ifstream file(source.path, std::ios::binary);
+  OpenFile file(source.path);
+  if (file.descriptor() < 0) refuse(source, file.why());
   std::string start(4096, '\0');
-  file.read(start.data(), static_cast<std::streamsize>(start.size()));
-  start.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, file.gcount())));
-  if (start.empty()) refuse(source, file.bad() ? "it cannot be read" : "it is empty");
+  start.resize(file.read(start.data(), start.size()));
+  if (start.empty()) refuse(source, "it is empty");
   if (start.starts_with("\x89HDF\r\n\x1a\n")) return read_hdf5(source);
   if (start[std::min(start.find_first_not_of(" \t\r\n"), start.size() - 1)] == '{')
     return read_json(source);

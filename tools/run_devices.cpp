@@ -6,7 +6,7 @@
 #include "runtime/haply_device.h"
 #include "runtime/replay_device.h"
 #include "runtime/udp_device.h"
-#include "tools/command.h"
+#include "tools/watch.h"
 
 namespace gliss::tools {
 namespace {
@@ -18,7 +18,7 @@ std::unique_ptr<HapticDevice> open_sim(const Scene& scene) {
 
 std::unique_ptr<HapticDevice> open_replay(const std::string& file) {
   try {
-    std::vector<Vec3> positions = points_in_metres(read_points(file, 1));
+    std::vector<Vec3> positions = points_in_metres(read_points(file, 1, {}, stop_if_interrupted));
     return std::make_unique<ReplayDevice>(std::move(positions), "replay:" + file);
   } catch (const std::runtime_error& error) {  // also where there is no such file
     throw InputError(error.what());

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "tools/tell.h"
+#include "tools/terminal.h"
 
 #include <algorithm>
 

@@ -6,7 +6,7 @@
 
 #include <cstdio>
 
-#include "tools/tell.h"
+#include "tools/terminal.h"
 
 namespace gliss {
 namespace {
@@ -28,11 +28,12 @@ StatusLine::~StatusLine() {
   if (open_) tell("\n");
 }
 
-void StatusLine::show(const std::string& text) {
+void StatusLine::show(const std::string& raw) {
+  const std::string text = for_terminal(raw);
   if (place_ == Place::kLog) tell(text + "\n");
   if (place_ != Place::kTerminal) return;
   // Over the old text, cut to the terminal: a wrapped line could not be drawn over.
-  tell(fmt::format("\r{}\x1b[K", text.substr(0, terminal_width() - 1)));
+  std::fputs(fmt::format("\r{}\x1b[K", text.substr(0, terminal_width() - 1)).c_str(), stderr);
   std::fflush(stderr);
   open_ = true;
 }

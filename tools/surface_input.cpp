@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "tools/tell.h"
+#include "tools/terminal.h"
 #include "tools/watch.h"
 
 namespace gliss::tools {
@@ -10,7 +10,9 @@ namespace gliss::tools {
 Mesh read_mesh(const SurfaceOptions& options) {
   std::vector<Finding> findings;
   Mesh mesh = load_mesh(options.surface,
-                        {.unit = options.unit, .split_non_manifold = options.split_non_manifold},
+                        {.unit = options.unit,
+                         .split_non_manifold = options.split_non_manifold,
+                         .poll = stop_if_interrupted},
                         &findings);
   for (const Finding& finding : findings) {
     if (finding.severity != Severity::kRepaired || options.quiet) continue;
@@ -35,7 +37,7 @@ PatchCache build(const Mesh& mesh, const SurfaceOptions& options, const Engine& 
 PatchCache open_surface(const SurfaceOptions& options, const Engine& engine) {
   if (!options.from_cache && !is_cache_file(options.surface))
     return build(read_mesh(options), options, engine);
-  PatchCache cache = load_cache(options.surface);
+  PatchCache cache = load_cache(options.surface, stop_if_interrupted);
   if (options.precision && *options.precision != cache.precision()) {
     throw CacheError(
         fmt::format("{}: a cache in {}; for --precision {} bake the mesh again", options.surface,

@@ -42,7 +42,8 @@ class SweepPicture {
 
   SweepPicture(const PatchCache& cache, const SweepOptions& sweep, double unit);
   void add(const SweepBlock& block);
-  void write(const std::string& path) const;  // "a.vtp", and "a_mesh.vtp" beside it
+  void write(const std::string& path) const;              // "a.vtp", and mesh_path() beside it
+  static std::string mesh_path(const std::string& path);  // "a_mesh.vtp"
 
  private:
   void write_mesh(const std::string& path) const;

@@ -4,6 +4,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "host/atomic_file.h"
 #include "host/query.h"
 #include "host/vtp_file.h"
 #include "tools/sweep_files.h"
@@ -37,7 +38,11 @@ void SweepPicture::write(const std::string& path) const {
                                std::span<const float>(forces_[m])});
   }
   write_vtp(path, data);
-  write_mesh(path.substr(0, path.size() - kEnding.size()) + "_mesh.vtp");
+  write_mesh(mesh_path(path));
+}
+
+std::string SweepPicture::mesh_path(const std::string& path) {
+  return with_ending(path.substr(0, path.size() - kEnding.size()), "_mesh.vtp");
 }
 
 // From the patches, whose corners are the polygons': a cache has no other mesh.

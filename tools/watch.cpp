@@ -11,6 +11,10 @@ constexpr double kPatience = 1;  // seconds
 
 }  // namespace
 
+void stop_if_interrupted() {
+  if (interrupted()) throw Interrupted();
+}
+
 Watch::Watch(const ReportOptions& options, std::string label, std::uint64_t total, std::string noun)
     : progress_(std::move(label), total, std::move(noun),
                 options.quiet ? ProgressStyle::kSilent : ProgressStyle::kAutomatic),
@@ -27,7 +31,7 @@ void Watch::add(std::uint64_t more) {
 }
 
 void Watch::reach(std::uint64_t done) {
-  if (interrupted()) throw Interrupted();
+  stop_if_interrupted();
   done_ = done;
   shown_ = shown_ || clock_.seconds() > kPatience;
   if (shown_) progress_.update(done_);

@@ -11,6 +11,9 @@
 
 namespace gliss::tools {
 
+// Answers Ctrl-C with the exception Interrupted: for what asks now and then.
+void stop_if_interrupted();
+
 // Ctrl-C is answered with the exception Interrupted, out of add() or reach().
 class Watch {
  public:

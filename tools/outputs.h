@@ -1,0 +1,13 @@
+// What a command writes beside what it reads.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace gliss::tools {
+
+// Throws InputError where an output is one of the inputs, by whatever name, or is another output.
+// Empty names and "-" are no files.
+void check_outputs(const std::vector<std::string>& outputs, const std::vector<std::string>& inputs);
+
+}  // namespace gliss::tools
