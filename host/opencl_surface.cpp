@@ -92,11 +92,11 @@ class OpenClSurface final : public ResidentSurface {
           });
           turn.start.upload();
           turn.in_index.upload();
-          turn.ran(kernel(track_)(turn.queue, count, turn.in.buffer(), turn.in_index.buffer(),
-                                  turn.start.buffer(), static_cast<cl_int>(options.method),
-                                  static_cast<cl_int>(track.solver),
-                                  static_cast<cl_int>(track.max_iterations), track.tolerance,
-                                  turn.out.buffer(), turn.out_index.buffer()));
+          turn.ran(kernel(track_)(
+              turn.queue, count, turn.in.buffer(), turn.in_index.buffer(), turn.start.buffer(),
+              static_cast<cl_int>(options.method), static_cast<cl_int>(track.solver),
+              static_cast<cl_int>(track.max_iterations), track.tolerance,
+              static_cast<cl_int>(track.budget), turn.out.buffer(), turn.out_index.buffer()));
           turn.out.download();
           turn.out_index.download();
         },

@@ -16,9 +16,9 @@ typedef struct {
   real3 scp;     // surface contact point, local frame
   real3 normal;  // outward surface normal there (of the polygon's blend for shaded and flat), unit
   real3 offset;  // SCP - HIP, mesh frame
-  real3
-      push;  // force over stiffness, mesh frame: `offset`, for shaded turned to the normal; past
-             // a border that of its rounded rim (past_border). No number where the contact is none
+  real3 push;  // force over stiffness, mesh frame: `offset`, for shaded turned to the normal; past
+               // a border that of its rounded rim (past_border); no number where the surface gives
+               // none, though the HIP is near
   real clear;  // of a search: no point of the surface is nearer to the HIP, mesh frame; of
                // tracking 0
   int iterations, crossings;

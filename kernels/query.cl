@@ -23,12 +23,12 @@ __kernel GROUP void nearest(SURFACE_ARGUMENTS, uint count, __global const scalar
 // The local contact from a start.
 __kernel GROUP void track(SURFACE_ARGUMENTS, uint count, __global const scalar* hip,
                           __global const uint* start_patch, __global const scalar* start, int method,
-                          int solver, int max_iterations, scalar tolerance, __global scalar* reals,
-                          __global uint* uints) {
+                          int solver, int max_iterations, scalar tolerance, int budget,
+                          __global scalar* reals, __global uint* uints) {
   const ulong i = get_global_id(0);
   if (i >= count) return;
   const surface_view view = SURFACE_VIEW;
-  const track_options options = {solver, max_iterations, tolerance, 0};
+  const track_options options = {solver, max_iterations, tolerance, budget};
   contact last;
   last.method = method;
   last.patch = start_patch[i];
