@@ -39,7 +39,7 @@ inline int read_mesh(void (*read)(std::string_view, Mesh&, Report&), std::string
     Mesh mesh;
     mesh.source = "fuzz";
     std::vector<Finding> findings;
-    Report report(mesh, &findings);
+    Report report(mesh, &findings, nullptr);
     try {
       read(text, mesh, report);
     } catch (const MeshError&) {
