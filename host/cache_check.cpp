@@ -21,7 +21,7 @@ constexpr double kFarthestCorner = 8;        // mesh frame
 constexpr double kLeastPatchScale = 0x1p-4;  // a patch of that size
 constexpr double kFarthest = 0x1p30;         // either frame: a float holds its fourth power
 constexpr double kSlack = 0x1p-10;           // rounding, and more
-// Of meshes of the largest coordinates, and of the shortest sides that have a length.
+// Scales of meshes of the largest coordinates, and of the shortest sides that have a length.
 constexpr double kLeastScale = 0x1p-200, kMostScale = 0x1p540;
 
 bool is_power_of_two(double x) {

@@ -186,7 +186,7 @@ class ContactTracker::Tick {
     return cache_.is_closed || (was_near && !behind) ? settle(end) : settle_free(end);
   }
 
-  // Of a point on the way, a bound on the distance is enough.
+  // Evaluations for a point on the way, where a bound on the distance is enough.
   static constexpr int kWaySearch = 128;
 
   ContactTracker& t_;
@@ -202,7 +202,7 @@ class ContactTracker::Tick {
 
 namespace {
 
-// Of a cache that was moved from under the tracker.
+// The contact with a cache that was moved from under the tracker.
 Contact no_surface() {
   Contact c;
   c.push.setConstant(std::numeric_limits<double>::quiet_NaN());

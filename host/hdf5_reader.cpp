@@ -15,7 +15,7 @@ using hdf5::Handle;
 
 namespace {
 
-// What a column may unpack to: 4.6 hours of a hand at rest, or so many times the whole file.
+// Bytes that a column may unpack to: 4.6 hours of a hand at rest, or so many times the whole file.
 constexpr std::uint64_t kSmallColumn = 1 << 27, kMostBytesPerByte = 64;
 constexpr hsize_t kBlockRows = 1 << 20;
 

@@ -39,7 +39,7 @@ double turn_at_rim(const PatchDraft& d, const ValenceTables& tables) {
 }
 
 // The same boundary, with cross tangents shortened until the patch is safe; none where it never is.
-// As it was where they have no direction to speak of.
+// Cross tangents stay as they were where they have no direction to speak of.
 std::optional<PatchDraft> ease(const PatchDraft& draft, const ValenceTables& tables) {
   if (draft.shape.turn > kSafeTurn) return draft;
   if (draft.soundness < kTurnsAbout) return std::nullopt;
@@ -197,7 +197,7 @@ std::vector<PatchDraft> draft_tamer(const FaceCorners& face, PatchDraft exact,
   for (std::size_t t = 0; t < exact.triangle.size(); t += 3) {
     ears.push_back({exact.triangle[t], exact.triangle[t + 1], exact.triangle[t + 2]});
   }
-  // With the boundary normals as they are, if that gives a safe surface.
+  // It keeps the boundary normals as they are if that gives a safe surface.
   std::vector<PatchDraft> parts;
   if (std::optional<PatchDraft> eased = ease(exact, tables); eased && keeps_normals(*eased, tables))
     parts = {*std::move(eased)};

@@ -30,7 +30,7 @@ class SweepGrid {
   // The points of a chunk's faces, in this order: its rings, one ring more unless they end with the
   // last, else `rings` points of every neighbour with a higher number, along their edge.
   void add_points(const SweepChunk& chunk, std::vector<DomainPoint>& points) const;
-  // Of these, the points that the chunk itself samples: without the further ring and neighbours.
+  // Adds those that the chunk itself samples: without the further ring and neighbours.
   void add_own_points(const SweepChunk& chunk, std::vector<DomainPoint>& points) const;
   std::uint64_t own_points(const SweepChunk& chunk) const;  // how many these are
   std::uint32_t last_ring(const SweepChunk& chunk) const { return std::min(chunk.last, rings_); }

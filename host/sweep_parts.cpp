@@ -110,7 +110,7 @@ bool is_finite(const Value& value) {
   }
 }
 
-// Of the numbers of a block, which is taken from a file.
+// True if the numbers of a block, which is taken from a file, can be a sweep's.
 bool is_in_range(const SweepBlock& block, const PatchCache& cache) {
   const auto finite = [](const auto& column) {
     return std::all_of(column.begin(), column.end(),

@@ -11,7 +11,7 @@
 
 namespace gliss {
 
-// What a part holds: statistics [depth][method], and blocks where samples are kept.
+// Contents of a part: statistics [depth][method], and blocks where samples are kept.
 struct SweepPart {
   std::vector<SweepStatistics> statistics;
   std::vector<SweepBlock> blocks;

@@ -145,7 +145,7 @@ FN int in_sector(surface_view view, uint side, real3 w) {
   return a >= gap * sqrt(pp) * qq && b >= gap * sqrt(qq) * pp && a + b > K(0);
 }
 
-// Of a corner: the side that starts at the same vertex and whose patch a direction points into;
+// The side that starts at a corner's vertex and whose patch a direction points into, and its way;
 // NONE if there is none but its own.
 typedef struct {
   uint side;

@@ -20,7 +20,7 @@ using namespace std::chrono_literals;
 
 constexpr Nanoseconds kSpeaks = 900ms, kWatched = 200ms, kLongest = 20ms;
 
-// What a device says: a hand from the open into a ball of 10 mm. From the moment that it presses
+// Words of a device: a hand from the open into a ball of 10 mm. From the moment that it presses
 // its clock may be wrong.
 class Hand {
  public:

@@ -92,7 +92,7 @@ TEST(HostMisuse, a_cache_that_was_moved_from_is_empty_and_says_so) {
   }
 }
 
-// What a host asks, made before its thread rounds otherwise.
+// Questions of a host, made before its thread rounds otherwise.
 struct Questions {
   Mesh mesh = torus(12, 8).mesh;
   std::vector<Vec3> hips, in_metres;

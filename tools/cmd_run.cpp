@@ -311,7 +311,7 @@ void run(const RunOptions& options) {
   tell_tight_objects(options, scene, objects, session.report);
   report(options, text_of(loop, session, json), json);
   if (session.not_recorded) std::rethrow_exception(session.not_recorded);
-  if (interrupted()) throw Interrupted();
+  stop_if_interrupted();
   if (session.end == LoopEnd::kDeviceFault)
     throw LoopError(fmt::format("{}: {}", device->info().name, device->fault_text()));
 }

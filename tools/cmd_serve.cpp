@@ -1,6 +1,8 @@
 // gliss serve: a device for a loop in another process of this machine.
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "runtime/realtime.h"
 #include "runtime/udp_server.h"
 #include "tools/command.h"
@@ -61,7 +63,7 @@ void run(const ServeOptions& options) {
           {"ignored", counts.ignored},
           {"watchdog_trips", counts.watchdog_trips},
           {"lost", counts.lost}});
-  if (interrupted()) throw Interrupted();
+  stop_if_interrupted();
 }
 
 }  // namespace

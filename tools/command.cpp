@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "host/units.h"
-#include "tools/interrupt.h"
 #include "tools/terminal.h"
+#include "tools/watch.h"
 
 namespace gliss::tools {
 namespace {
@@ -184,7 +184,7 @@ std::string printed(const Json& json) {
 ParallelFor interruptible(const Engine& engine) {
   return [&engine](std::size_t count, std::size_t grain, const auto& body) {
     engine.for_each(count, grain, [&](std::size_t begin, std::size_t end) {
-      if (interrupted()) throw Interrupted();
+      stop_if_interrupted();
       body(begin, end);
     });
   };

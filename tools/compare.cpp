@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "host/tessellate.h"
-#include "tools/interrupt.h"
+#include "tools/watch.h"
 
 namespace gliss::tools {
 namespace {
@@ -22,7 +22,7 @@ double rate_of(std::size_t items, Work work) {
   std::size_t rounds = 0;
   double seconds = 0;
   do {
-    if (interrupted()) throw Interrupted();
+    stop_if_interrupted();
     work();
     ++rounds;
     seconds = clock.seconds();
@@ -167,7 +167,7 @@ void Comparison::measure_feel(const PatchCache& cache, const QueryOptions& query
   row.tick = row.jumps_per_100k = row.lost_per_100k = 0;
   row.unsound = 0;
   for (const ComparePath& path : paths_) {
-    if (interrupted()) throw Interrupted();
+    stop_if_interrupted();
     const double depth = path.depth / mesh_.unit;
     const Ride felt = ride(cache, query, path.hips, depth, path.reference);
     const double newtons = options_.stiffness * mesh_.unit;
@@ -216,7 +216,7 @@ DenseRow Comparison::match(Method method, const CompareRow& target, std::uint64_
   // Half as many again along a side each time.
   for (std::uint32_t cells = 1; tessellated_count(mesh_, cells) <= limit || cells == 1;
        cells = cells < 2 ? cells + 1 : cells + cells / 2) {
-    if (interrupted()) throw Interrupted();
+    stop_if_interrupted();
     const Mesh dense = tessellate(mesh_, exact_, cells);
     const PatchCache cache = build_base(dense, build_topology(dense), Precision::kDouble);
     CompareRow felt{};

@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include "tools/terminal.h"
-
 #include <algorithm>
+
+#include "tools/terminal.h"
 
 namespace gliss::tools {
 namespace {

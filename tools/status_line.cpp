@@ -28,12 +28,12 @@ StatusLine::~StatusLine() {
   if (open_) tell("\n");
 }
 
-void StatusLine::show(const std::string& raw) {
-  const std::string text = for_terminal(raw);
+void StatusLine::show(const std::string& text) {
   if (place_ == Place::kLog) tell(text + "\n");
   if (place_ != Place::kTerminal) return;
   // Over the old text, cut to the terminal: a wrapped line could not be drawn over.
-  std::fputs(fmt::format("\r{}\x1b[K", text.substr(0, terminal_width() - 1)).c_str(), stderr);
+  const std::string shown = for_terminal(text).substr(0, terminal_width() - 1);
+  std::fputs(fmt::format("\r{}\x1b[K", shown).c_str(), stderr);
   std::fflush(stderr);
   open_ = true;
 }
