@@ -12,7 +12,7 @@ void register_queries();  // nearest, track, tick
 void register_whole();    // sweep, load
 void register_peers();    // those that are installed
 void register_loop();
-// Of the OpenCL engine, each beside oneTBB's in the same run.
+// Registers the benchmarks of the OpenCL engine, each beside oneTBB's in the same run.
 void register_opencl(const std::string& device);
 
 }  // namespace gliss::bench

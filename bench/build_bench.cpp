@@ -6,8 +6,10 @@
 #include "bench/flops.h"
 #include "bench/machine.h"
 #include "bench/meshes.h"
-#include "host/large_array.h"
-#include "host/names.h"
+#include "gliss/base/large_array.h"
+#include "gliss/build/build_cache.h"
+#include "gliss/surface/layout.h"
+#include "gliss/surface/names.h"
 
 namespace gliss::bench {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "host/opencl_device.h"
+#include "gliss/engine/opencl_device.h"
 
 namespace gliss::bench {
 namespace {

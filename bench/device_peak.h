@@ -1,4 +1,4 @@
-// What a device can do at most, measured: what the engine's kernels are compared with.
+// Measures what a device can do at most: what the engine's kernels are compared with.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@ struct DevicePeak {
   double bandwidth = 0;   // bytes read and written a second
 };
 
-// Of the device that OpenClOptions::device names.
+// Measures the device that OpenClOptions::device names.
 DevicePeak measure_peak(const std::string& device);
 
 }  // namespace gliss::bench

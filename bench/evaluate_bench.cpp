@@ -7,7 +7,7 @@
 #include "bench/meshes.h"
 #include "bench/peers/peers.h"
 #include "bench/samples.h"
-#include "host/names.h"
+#include "gliss/surface/names.h"
 
 namespace gliss::bench {
 namespace {
@@ -90,7 +90,7 @@ Work make(const Case& c) {
       cache_of(c.shape, c.precision, c.level).surface);
 }
 
-// What each is compared with: less of the same, the machine, peers.
+// The rivals that each is compared with: less of the same, the machine, peers.
 std::vector<Rival> rivals_of(const Case& c) {
   const auto like = [](Case other) { return [=] { return make(other); }; };
   std::vector<Rival> rivals;

@@ -7,7 +7,8 @@
 #include <tuple>
 #include <vector>
 
-#include "host/kernels.h"
+#include "gliss/surface/instances.h"
+#include "gliss/surface/layout.h"
 
 namespace gliss::bench {
 namespace {
@@ -33,7 +34,7 @@ class Tape {
   int input(std::size_t which) { return number(kInput, {}, static_cast<double>(which)); }
   int operation(Kind kind, int a, int b = -1, int c = -1) { return number(kind, {a, b, c}, 0); }
 
-  // Of all that the results need and that inputs decide.
+  // Counts the flops of all that the results need and that inputs decide.
   double flops(const std::vector<int>& results) const {
     std::vector<char> needed(nodes_.size(), 0);
     for (const int r : results) needed[static_cast<std::size_t>(r)] = 1;
@@ -126,6 +127,7 @@ Counted counted_root(Counted a) {
 #define __builtin_sqrt counted_root
 namespace counted {
 // clang-format off
+#include "kernels/layout.h"
 #include "kernels/real.h"
 #include "kernels/vector.h"
 #include "kernels/domain.h"
@@ -134,6 +136,7 @@ namespace counted {
 #include "kernels/patch.h"
 #include "kernels/quad.h"
 #include "kernels/bezier.h"
+#include "kernels/sextic.h"
 #include "kernels/table.h"
 #include "kernels/forms.h"
 #include "kernels/build.h"
@@ -176,7 +179,7 @@ double flops_of_evaluate(std::uint32_t form, std::uint32_t n) {
   k.build_patches(corners.data(), n, 1, control.data(), &soundness);
   if (form != kFormExact) {
     std::vector<double> baked(k.control_reals(form, n));
-    k.bake(domain.data(), corners.data(), control.data(), form, n, baked.data());
+    k.bake(domain.data(), corners.data(), control.data(), kFormExact, form, n, baked.data());
     control = baked;
   }
   Tape own;

@@ -5,11 +5,11 @@
 
 namespace gliss::bench {
 
-// Of a position with both derivatives: an fma is two, every other + - * / sqrt one; choices and
-// signs are free. What is asked for twice counts once, and what is the same for all points of a
-// patch not at all.
+// Counts the flops of a position with both derivatives: an fma is two, every other + - * / sqrt
+// one; choices and signs are free. What is asked for twice counts once, and what is the same for
+// all points of a patch not at all.
 double flops_of_evaluate(std::uint32_t form, std::uint32_t n);
-// Of the control data of a patch.
+// Counts the flops of the control data of a patch.
 double flops_of_build(std::uint32_t n);
 
 }  // namespace gliss::bench

@@ -4,9 +4,9 @@
 
 #include "bench/benches.h"
 #include "bench/setup.h"
-#include "runtime/loop.h"
-#include "runtime/realtime.h"
-#include "runtime/replay_device.h"
+#include "gliss/device/replay_device.h"
+#include "gliss/loop/loop.h"
+#include "gliss/thread/realtime.h"
 
 namespace gliss::bench {
 namespace {

@@ -1,8 +1,8 @@
-// What the machine can do at most, with the instructions that the kernels' lanes use.
+// Measures what the machine can do at most, with the instructions that the kernels' lanes use.
 #pragma once
 
 #include "bench/work.h"
-#include "host/patch_cache.h"
+#include "gliss/surface/patch_cache.h"
 
 namespace gliss::bench {
 

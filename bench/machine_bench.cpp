@@ -11,7 +11,7 @@
 
 #include "bench/benches.h"
 #include "bench/meshes.h"
-#include "host/names.h"
+#include "gliss/surface/names.h"
 
 namespace gliss::bench {
 namespace {

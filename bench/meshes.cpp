@@ -7,8 +7,9 @@
 #include <memory>
 #include <tuple>
 
-#include "host/names.h"
-#include "host/tessellate.h"
+#include "gliss/build/build_cache.h"
+#include "gliss/study/tessellate.h"
+#include "gliss/surface/names.h"
 
 namespace gliss::bench {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "host/engine.h"
-#include "host/generate.h"
+#include "gliss/engine/engine.h"
+#include "gliss/generate/generate.h"
 
 namespace gliss::bench {
 

@@ -9,8 +9,9 @@
 #include "bench/benches.h"
 #include "bench/device_peak.h"
 #include "bench/setup.h"
-#include "host/opencl.h"
-#include "host/sweep.h"
+#include "gliss/build/build_cache.h"
+#include "gliss/engine/opencl.h"
+#include "gliss/study/sweep.h"
 
 namespace gliss::bench {
 namespace {

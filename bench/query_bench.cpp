@@ -9,8 +9,9 @@
 #include "bench/benches.h"
 #include "bench/meshes.h"
 #include "bench/peers/peers.h"
-#include "host/contact_tracker.h"
-#include "host/names.h"
+#include "gliss/query/contact_tracker.h"
+#include "gliss/surface/layout.h"
+#include "gliss/surface/names.h"
 
 namespace gliss::bench {
 namespace {

@@ -1,12 +1,13 @@
-// What benchmarks share: the generated knot of 1,440 quads and HIPs beneath it.
+// The surfaces that benchmarks share: the generated knot of 1,440 quads and HIPs beneath it.
 #pragma once
 
 #include <random>
 #include <string>
 #include <vector>
 
-#include "host/engine.h"
-#include "host/generate.h"
+#include "gliss/build/build_cache.h"
+#include "gliss/engine/engine.h"
+#include "gliss/generate/generate.h"
 
 namespace gliss::bench {
 

@@ -1,4 +1,4 @@
-// What commands do from end to end: a sweep of the whole surface, and reading a cache.
+// Times what commands do from end to end: a sweep of the whole surface, and reading a cache.
 #include <benchmark/benchmark.h>
 #include <unistd.h>
 
@@ -10,7 +10,8 @@
 #include "bench/benches.h"
 #include "bench/meshes.h"
 #include "bench/work.h"
-#include "host/sweep.h"
+#include "gliss/files/cache_file.h"
+#include "gliss/study/sweep.h"
 
 namespace gliss::bench {
 namespace {

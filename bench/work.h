@@ -1,5 +1,5 @@
-// What a benchmark times, and what it is compared with: both in turn, in one run, so that ratios
-// hold on a machine that others use too.
+// The work that a benchmark times, and what it is compared with: both in turn, in one run, so that
+// ratios hold on a machine that others use too.
 #pragma once
 
 #include <functional>

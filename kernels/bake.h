@@ -110,10 +110,8 @@ FN bezier_side bezier_side_of(GLOBAL scalar* corners, GLOBAL scalar* exact, int 
   return r;
 }
 
-FN void bake_quad(GLOBAL scalar* corners, GLOBAL scalar* exact, GLOBAL_OUT scalar* out) {
+FN void store_quad(const bezier_side* s, GLOBAL_OUT scalar* out) {
   const real third = K(1) / K(3), half = K(0.5f);
-  bezier_side s[4];
-  for (int k = 0; k < 4; ++k) s[k] = bezier_side_of(corners, exact, 4, k);
   real3 p[4][4];  // [j][i]
   for (int i = 0; i < 4; ++i) {
     p[0][i] = s[0].c[i];
@@ -144,6 +142,12 @@ FN void bake_quad(GLOBAL scalar* corners, GLOBAL scalar* exact, GLOBAL_OUT scala
   }
   for (int k = 0; k < 4; ++k)
     store3(out + 3 * (QUAD_DIFFERENCE + k), 1, mul3(K(4.5f), sub3(a[k], b[k])));
+}
+
+FN void bake_quad(GLOBAL scalar* corners, GLOBAL scalar* exact, GLOBAL_OUT scalar* out) {
+  bezier_side s[4];
+  for (int k = 0; k < 4; ++k) s[k] = bezier_side_of(corners, exact, 4, k);
+  store_quad(s, out);
 }
 
 // Adds f times a^i b^j (1 - a - b)^k to polynomials of degree 3 in a and b, [j][i].
@@ -199,13 +203,13 @@ FN void bake_triangle(GLOBAL scalar* corners, GLOBAL scalar* exact, GLOBAL_OUT s
   }
 }
 
-// G_u and G_v of the exact patch at (u, v) of corner k.
+// G_u and G_v of a patch at (u, v) of corner k.
 typedef struct {
   real3 g, u, v;
 } table_sample;
 
-FN_LARGE table_sample sample_corner(GLOBAL scalar* domain, GLOBAL scalar* exact, int n, int k,
-                                    real u, real v) {
+FN_LARGE table_sample sample_corner(GLOBAL scalar* domain, GLOBAL scalar* exact, uint from, int n,
+                                    int k, real u, real v) {
   // u (d_(k-1) + d_(k+1)) = d_(k-1) and v (d_k + d_(k-2)) = d_k: two lines.
   GLOBAL scalar* side = domain + DOMAIN_HEAD;
   GLOBAL scalar *a = side + DOMAIN_STRIDE * wrap(k - 1, n),
@@ -216,7 +220,7 @@ FN_LARGE table_sample sample_corner(GLOBAL scalar* domain, GLOBAL scalar* exact,
   const real p = (K(1) - K(2) * u) * domain[0], q = (K(1) - K(2) * v) * domain[0];
   const real over = K(1) / (px * qy - py * qx);
   const real xi = (p * qy - q * py) * over, eta = (px * q - qx * p) * over;
-  const patch_point g = evaluate_form(domain, exact, FORM_EXACT, n, xi, eta);
+  const patch_point g = evaluate_form(domain, exact, from, n, xi, eta);
   const jet ju = corner_u(domain, n, k, xi, eta).u,
             jv = corner_u(domain, n, wrap(k - 1, n), xi, eta).rest;
   const real inverse = K(1) / (ju.xi * jv.eta - ju.eta * jv.xi);
@@ -230,25 +234,27 @@ FN_LARGE table_sample sample_corner(GLOBAL scalar* domain, GLOBAL scalar* exact,
 // The nodes of a table of r x r cells a corner. G_uv is a difference of G_u along v, inwards at the
 // corner's sides; at the corner itself, where it depends on the direction, the mean of those along
 // both sides.
-FN void bake_table(GLOBAL scalar* domain, GLOBAL scalar* exact, int n, int r,
+FN void bake_table(GLOBAL scalar* domain, GLOBAL scalar* exact, uint from, int n, int r,
                    GLOBAL_OUT scalar* out) {
   const real h = K(1) / K(2 * r), step = K(0x1p-12f);
   for (int k = 0; k < n; ++k) {
     for (int j = 0; j <= r; ++j) {
       for (int i = 0; i <= r; ++i) {
         const real u = h * K(i), v = h * K(j);
-        const table_sample at = sample_corner(domain, exact, n, k, u, v);
+        const table_sample at = sample_corner(domain, exact, from, n, k, u, v);
         real3 twist;
         if (j > 0) {
-          twist = mul3(K(0.5f) / step, sub3(sample_corner(domain, exact, n, k, u, v + step).u,
-                                            sample_corner(domain, exact, n, k, u, v - step).u));
-        } else if (i > 0) {
-          twist = mul3(K(0.5f) / step, sub3(sample_corner(domain, exact, n, k, u + step, v).v,
-                                            sample_corner(domain, exact, n, k, u - step, v).v));
-        } else {  // A and B of eq. 2
           twist =
-              mul3(K(0.5f) / step, add3(sub3(sample_corner(domain, exact, n, k, step, v).v, at.v),
-                                        sub3(sample_corner(domain, exact, n, k, u, step).u, at.u)));
+              mul3(K(0.5f) / step, sub3(sample_corner(domain, exact, from, n, k, u, v + step).u,
+                                        sample_corner(domain, exact, from, n, k, u, v - step).u));
+        } else if (i > 0) {
+          twist =
+              mul3(K(0.5f) / step, sub3(sample_corner(domain, exact, from, n, k, u + step, v).v,
+                                        sample_corner(domain, exact, from, n, k, u - step, v).v));
+        } else {  // A and B of eq. 2
+          twist = mul3(K(0.5f) / step,
+                       add3(sub3(sample_corner(domain, exact, from, n, k, step, v).v, at.v),
+                            sub3(sample_corner(domain, exact, from, n, k, u, step).u, at.u)));
         }
         GLOBAL_OUT scalar* node = out + NODE_SAMPLES * ((k * (r + 1) + j) * (r + 1) + i);
         store3(node, 1, at.g);
@@ -266,16 +272,17 @@ FN ulong control_reals(uint form, uint n) {
   return (ulong)n * (kind == FORM_EXACT    ? SIDE_REALS
                      : kind == FORM_RIBBON ? RIBBON_REALS
                      : kind == FORM_BEZIER ? BEZIER_REALS
+                     : kind == FORM_SEXTIC ? SEXTIC_REALS
                                            : TABLE_REALS(r));
 }
 
-// `form`: not exact; FORM_BEZIER of 3 or 4 sides.
-FN void bake(GLOBAL scalar* domain, GLOBAL scalar* corners, GLOBAL scalar* exact, uint form, int n,
-             GLOBAL_OUT scalar* out) {
+// `form`: ribbon, bezier (of 3 or 4 sides) or table; but for a table `from` is exact.
+FN void bake(GLOBAL scalar* domain, GLOBAL scalar* corners, GLOBAL scalar* exact, uint from,
+             uint form, int n, GLOBAL_OUT scalar* out) {
   if ((form & 255u) == FORM_RIBBON) {
     bake_ribbon(corners, exact, n, out);
   } else if ((form & 255u) == FORM_TABLE) {
-    bake_table(domain, exact, n, (int)(form >> 8), out);
+    bake_table(domain, exact, from, n, (int)(form >> 8), out);
   } else if (n == 4) {
     bake_quad(corners, exact, out);
   } else {

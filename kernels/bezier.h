@@ -92,7 +92,12 @@ FN patch_point add_triangle_corner(patch_point p, control_data control, int k, j
   return add_constant(p, f, load3(control, TRIANGLE_DIFFERENCE + k));
 }
 
-FN patch_point gregory_triangle(GLOBAL scalar* domain, control_data control, real xi, real eta) {
+// Barycentric coordinates of a triangle's domain, of corners 0, 1, 2: never negative.
+typedef struct {
+  real a, b, c;
+} barycentric;
+
+FN barycentric barycentric_at(GLOBAL scalar* domain, real xi, real eta) {
   GLOBAL scalar* corner = domain + DOMAIN_HEAD + 4;
   const real third = splat(K(1) / K(3)), two_thirds = splat(K(2) / K(3));
   real at[3];
@@ -100,7 +105,27 @@ FN patch_point gregory_triangle(GLOBAL scalar* domain, control_data control, rea
     GLOBAL scalar* c = corner + DOMAIN_STRIDE * k;
     at[k] = larger(fma(two_thirds, fma(splat(c[0]), xi, splat(c[1]) * eta), third), splat(K(0)));
   }
-  const real a = at[0], b = at[1], c = at[2];
+  const barycentric r = {at[0], at[1], at[2]};
+  return r;
+}
+
+// The derivatives along a and b, given in xi and eta, as those along xi and eta.
+FN patch_point along_domain(GLOBAL scalar* domain, patch_point p) {
+  GLOBAL scalar* corner = domain + DOMAIN_HEAD + 4;
+  const real two_thirds = splat(K(2) / K(3));
+  const real a_xi = two_thirds * corner[0], a_eta = two_thirds * corner[1],
+             b_xi = two_thirds * corner[DOMAIN_STRIDE],
+             b_eta = two_thirds * corner[DOMAIN_STRIDE + 1];
+  patch_point r;
+  r.g = p.g;
+  r.g_xi = fma3(b_xi, p.g_eta, mul3(a_xi, p.g_xi));
+  r.g_eta = fma3(b_eta, p.g_eta, mul3(a_eta, p.g_xi));
+  return r;
+}
+
+FN patch_point gregory_triangle(GLOBAL scalar* domain, control_data control, real xi, real eta) {
+  const barycentric x = barycentric_at(domain, xi, eta);
+  const real a = x.a, b = x.b, c = x.c;
   const curve_point r0 = polynomial(control, 0, 4, a), r1 = polynomial(control, 4, 3, a),
                     r2 = polynomial(control, 7, 2, a);
   const real3 s2 = fma3(b, load3(control, 9), r2.f), s1 = fma3(b, s2, r1.f);
@@ -119,13 +144,5 @@ FN patch_point gregory_triangle(GLOBAL scalar* domain, control_data control, rea
   p = add_triangle_corner(p, control, 0, la, g0.f, -g0.q, g0.p - g0.q);
   p = add_triangle_corner(p, control, 1, lb, g1.f, g1.q - g1.p, -g1.p);
   p = add_triangle_corner(p, control, 2, lc, g2.f, g2.p, g2.q);
-  // a and b along xi and eta.
-  const real a_xi = two_thirds * corner[0], a_eta = two_thirds * corner[1],
-             b_xi = two_thirds * corner[DOMAIN_STRIDE],
-             b_eta = two_thirds * corner[DOMAIN_STRIDE + 1];
-  patch_point r;
-  r.g = p.g;
-  r.g_xi = fma3(b_xi, p.g_eta, mul3(a_xi, p.g_xi));
-  r.g_eta = fma3(b_eta, p.g_eta, mul3(a_eta, p.g_xi));
-  return r;
+  return along_domain(domain, p);
 }

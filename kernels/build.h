@@ -18,31 +18,54 @@ FN real3 end_tangent(real3 s, real3 edge, real length) {
   return pick3(size > splat(K(1e-6f)), mul3(length / size, s), edge);
 }
 
-FN side_data build_side(corner before, corner start, corner end, corner after) {
-  side_data r;
-  const real3 edge = sub3(end.p, start.p);
-  const real length = norm3(edge);
-  const real3 e = unit3(edge);
-  // Eq. 7 to 9; only the direction of n_avg matters.
+// An edge, its tangents of eq. 7 to 9, and its normals' m = n x e of eq. 10, at both ends.
+typedef struct {
+  real3 edge, ts, te, m0, me;
+  real length;
+  real sound;  // as in side_data
+} side_ends;
+
+FN side_ends side_ends_of(corner start, corner end) {
+  side_ends r;
+  r.edge = sub3(end.p, start.p);
+  r.length = norm3(r.edge);
+  const real3 e = unit3(r.edge);
+  // Only the direction of n_avg matters.
   const real3 across = cross3(e, unit3(add3(start.n, end.n)));
   const real3 s = cross3(start.n, across), t = cross3(end.n, across);
-  const real3 m0 = cross3(start.n, e), me = cross3(end.n, e);
-  r.sound = smaller(smaller(norm3(s), norm3(t)), smaller(norm3(m0), norm3(me)));
-  const real3 ts = end_tangent(s, edge, length), te = end_tangent(t, edge, length);
-  // Eq. 6 in powers of t.
+  r.m0 = cross3(start.n, e);
+  r.me = cross3(end.n, e);
+  r.sound = smaller(smaller(norm3(s), norm3(t)), smaller(norm3(r.m0), norm3(r.me)));
+  r.ts = end_tangent(s, r.edge, r.length);
+  r.te = end_tangent(t, r.edge, r.length);
+  return r;
+}
+
+// Eq. 6 in powers of t: the coefficients of t^2 and t^3.
+FN real3 cubic_2(real3 edge, real3 ts, real3 te) {
+  return sub3(sub3(mul3(splat(K(3)), edge), mul3(splat(K(2)), ts)), te);
+}
+FN real3 cubic_3(real3 edge, real3 ts, real3 te) {
+  return sub3(add3(ts, te), mul3(splat(K(2)), edge));
+}
+
+FN side_data build_side(corner before, corner start, corner end, corner after) {
+  side_data r;
+  const side_ends ends = side_ends_of(start, end);
+  r.sound = ends.sound;
   r.curve[0] = start.p;
-  r.curve[1] = ts;
-  r.curve[2] = sub3(sub3(mul3(splat(K(3)), edge), mul3(splat(K(2)), ts)), te);
-  r.curve[3] = sub3(add3(ts, te), mul3(splat(K(2)), edge));
+  r.curve[1] = ends.ts;
+  r.curve[2] = cubic_2(ends.edge, ends.ts, ends.te);
+  r.curve[3] = cubic_3(ends.edge, ends.ts, ends.te);
   // Eq. 10: C'(t) x m(t), m(t) = ((1-t) n_s + t n_e) x e; over |e|, so that it is of the order
   // of 1.
-  const real3 m1 = sub3(me, m0);
-  const real over = K(1) / larger(length, splat(TINY));
+  const real3 m1 = sub3(ends.me, ends.m0);
+  const real over = K(1) / larger(ends.length, splat(TINY));
   const real3 d0 = mul3(over, r.curve[1]), d1 = mul3(K(2) * over, r.curve[2]),
               d2 = mul3(K(3) * over, r.curve[3]);
-  r.normal[0] = cross3(d0, m0);
-  r.normal[1] = cross_add3(d1, m0, cross3(d0, m1));
-  r.normal[2] = cross_add3(d2, m0, cross3(d1, m1));
+  r.normal[0] = cross3(d0, ends.m0);
+  r.normal[1] = cross_add3(d1, ends.m0, cross3(d0, m1));
+  r.normal[2] = cross_add3(d2, ends.m0, cross3(d1, m1));
   r.normal[3] = cross3(d2, m1);
   r.inner[0] = before.n;
   r.inner[1] = sub3(after.n, before.n);

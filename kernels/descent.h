@@ -2,11 +2,6 @@
 // Newton steps, for as long as they are sound, stay inside and shorten the distance. What is not so
 // is left to track.h.
 
-#define SOLVER_NEWTON \
-  0  // Gauss-Newton with a secant estimate of the curvature term (Dennis, Gay, Welsch 1981)
-#define SOLVER_GAUSS_NEWTON 1  // tangent plane only
-#define SOLVER_PAPER 2         // section 4.2 as printed: secants of 0.1, no safeguard
-
 typedef struct {
   int solver, max_iterations;
   scalar tolerance;  // length of the last step, local frame: relative to the size of the patch

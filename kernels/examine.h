@@ -13,26 +13,6 @@
 FN int probe_levels(int n) { return n <= 8 ? 8 : n <= 32 ? 6 : n <= 128 ? 4 : 2; }
 FN int probe_count(int n) { return 1 + n * probe_levels(n) * (probe_levels(n) + 1) / 2; }
 
-// Unit normal and unit tangent of the base polygon, local frame: 2 triples.
-#define FRAME_NORMAL 0
-#define FRAME_TANGENT 1
-#define FRAME_REALS 6
-
-// Numbers of a shape as stored, local frame.
-#define SHAPE_LOW 0         // box of the probes and of the base polygon: 1 triple
-#define SHAPE_HIGH 1        // 1 triple
-#define SHAPE_ALONG_LOW 2   // the same along tangent, normal x tangent, normal: 1 triple
-#define SHAPE_ALONG_HIGH 3  // 1 triple
-#define SHAPE_BEND \
-  4                    // second fundamental form n . (G_xixi, G_xieta, G_etaeta) at the centre:
-                       // 1 triple
-#define SHAPE_TURN 15  // least cosine between the patch's normal and the base polygon's
-#define SHAPE_CURVATURE 16  // largest |principal curvature|
-#define SHAPE_STRETCH2 17   // largest squared length of G_xi and G_eta
-#define SHAPE_SAG2 18       // largest squared distance to the base polygon
-#define SHAPE_FINITE 19     // 1: every probe has a position and a normal; else 0
-#define SHAPE_REALS 20
-
 typedef struct {
   real3 low, high, along_low, along_high, bend;
   real turn, curvature, stretch2, sag2, finite;

@@ -17,7 +17,7 @@ FN patch_point evaluate_valence(GLOBAL scalar* domain, control_data control, uin
 // Which forms there are code for: those that a device's surface has, else all. Bit 8: parts may
 // overlap.
 #ifndef GLISS_FORMS
-#define GLISS_FORMS 271u
+#define GLISS_FORMS 287u
 #endif
 #define IS_FORM(form, which) ((GLISS_FORMS >> (which)&1u) && ((form)&255u) == (which))
 
@@ -25,6 +25,7 @@ FN_LARGE patch_point evaluate_form(GLOBAL scalar* domain, control_data control, 
                                    real xi, real eta) {
   if (IS_FORM(form, FORM_BEZIER))
     return n == 4 ? gregory_quad(control, xi, eta) : gregory_triangle(domain, control, xi, eta);
+  if (IS_FORM(form, FORM_SEXTIC)) return sextic_triangle(domain, control, xi, eta);
 #ifndef GLISS_PACKED
   if (IS_FORM(form, FORM_TABLE))
     return evaluate_table(domain, control, (int)(form >> 8), n, xi, eta);

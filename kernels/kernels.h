@@ -1,6 +1,7 @@
 // All of the mathematics, in order. Included once for each instance: OpenCL C, and in C++ inside a
 // namespace.
 // clang-format off
+#include "kernels/layout.h"
 #include "kernels/real.h"
 #include "kernels/vector.h"
 #include "kernels/domain.h"
@@ -9,6 +10,7 @@
 #include "kernels/patch.h"
 #include "kernels/quad.h"
 #include "kernels/bezier.h"
+#include "kernels/sextic.h"
 #ifndef GLISS_PACKED
 #include "kernels/table.h"
 #endif

@@ -1,13 +1,6 @@
 // The three methods behind one interface: what a HIP touches and which force it feels, by
 // Algorithm 1.
 
-#define METHOD_GREGORY 0  // this library's
-#define METHOD_SHADED 1   // force shading on the base polygons (Morgenbesser and Srinivasan 1996)
-#define METHOD_FLAT 2     // god-object on the base polygons (Zilles and Salisbury 1995)
-
-#define CONTACT_FREE 0
-#define CONTACT_TOUCHING 1
-
 typedef struct {
   int state;  // CONTACT_FREE or CONTACT_TOUCHING
   int method;
@@ -32,22 +25,6 @@ typedef struct {
   int held_count;
   domain_point held[2];
 } contact;
-
-// A contact in memory: CONTACT_REALS rows of numbers and CONTACT_UINTS of whole ones.
-#define CONTACT_XI 0
-#define CONTACT_ETA 1
-#define CONTACT_SCP 2
-#define CONTACT_NORMAL 5
-#define CONTACT_OFFSET 8
-#define CONTACT_PUSH 11
-#define CONTACT_CLEAR 14
-#define CONTACT_REALS 15
-#define CONTACT_STATE 0
-#define CONTACT_PATCH 1
-#define CONTACT_ITERATIONS 2
-#define CONTACT_CROSSINGS 3
-#define CONTACT_FLAGS 4
-#define CONTACT_UINTS 5
 
 FN void store_contact(GLOBAL_OUT scalar* reals, GLOBAL_OUT uint* uints, ulong stride, contact c) {
   reals[CONTACT_XI * stride] = c.xi;

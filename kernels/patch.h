@@ -5,13 +5,6 @@ typedef struct {
   real3 g, g_xi, g_eta;
 } patch_point;
 
-// Forms of control data. Whatever their patches' forms, neighbours have one normal along their
-// edge, that of eq. 10; but for tables, which come near to it.
-#define FORM_EXACT 0u   // the paper's patch
-#define FORM_RIBBON 1u  // the same blend of sides whose cross tangents are polynomials (ribbon.h)
-#define FORM_BEZIER 2u  // a Gregory quad or triangle (bezier.h)
-#define FORM_TABLE 3u   // samples (table.h)
-
 // Numbers of a side, of the forms that blend sides.
 FN int side_reals(uint form) { return form == FORM_RIBBON ? RIBBON_REALS : SIDE_REALS; }
 

@@ -1,22 +1,6 @@
 // One side of a patch: its boundary curve C and cross tangent T (eq. 6 to 14), from control data
 // made by build.h.
 
-// Control data of a side, in the patch's local frame. Polynomials ascend in powers of t. What both
-// forms that blend sides (forms.h) begin with:
-#define SIDE_C 0        // boundary curve, cubic: 4 triples
-#define SIDE_T_0 4      // T(0), the corner's Q'(0): 1 triple (eq. 1)
-#define SIDE_T_1 5      // T(1), the next corner's P'(0): 1 triple
-#define SIDE_TWIST_0 6  // T'(0): 1 triple
-#define SIDE_TWIST_1 7  // T'(1): 1 triple
-// And the paper's T:
-#define SIDE_NORMAL 8   // n_c divided by the square of the edge's length, cubic: 4 triples (eq. 10)
-#define SIDE_INNER 12   // (1-t) n_(s-) + t n_(e+): 2 triples (eq. 13)
-#define SIDE_ACROSS 14  // v_(s-) - v_s, v_(e+) - v_e: 2 triples (eq. 12)
-#define SIDE_LENGTH 48  // size of T: (1-t) L_prev + t L_next: 2 numbers (eq. 14)
-#define SIDE_EASE \
-  50  // 0 for the paper's patch; a tamer one shortens T to (1 - ease) of it at mid-side
-#define SIDE_REALS 51
-
 typedef struct {
   real3 c, dc;  // C(t), C'(t)
   real3 t, dt;  // T(t), T'(t), towards the interior

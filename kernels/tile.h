@@ -3,20 +3,7 @@
 // start.
 //
 // A patch of n sides has n L^2: the triangle from its centre to each side is cut into L rows, row r
-// of 2 r + 1 tiles. Made on the host (host/patch_tiles.h).
-
-// Words of a tile. Lengths are local, directions are along tangent, normal x tangent and normal of
-// the base polygon.
-#define TILE_CENTRE_XY 0        // 16 bits each, from the low to the high corner of the patch's box
-#define TILE_CENTRE_Z_RADIUS 1  // the same, and of the cylinder in 2 / 65535 of the box's length
-#define TILE_AXIS 2  // x and y of the unit axis, (bits - 32768) / 32768; z is not negative
-#define TILE_HALF_CURVES \
-  3  // half the height, as the radius; 8 bits each: least and largest
-     // curvature, ((bits - 128) / 127)^3 of PATCH_CURVATURE
-#define TILE_BEND \
-  4  // mean second fundamental form n . (G_xixi, G_xieta, G_etaeta): (9 bits - 256) each, times
-     // 2^(the highest 5 bits - 24)
-#define TILE_UINTS 5
+// of 2 r + 1 tiles. Made on the host (host/build/patch_tiles.h).
 
 typedef struct {
   GLOBAL uint* word;

@@ -7,12 +7,6 @@ typedef struct {
   real xi, eta;
 } domain_point;
 
-#define FOOT_CONVERGED 1u  // the next step is shorter than the tolerance
-#define FOOT_BORDER 2u     // held by an open border
-#define FOOT_CREASE 4u     // held by an edge that is not smooth, or by a corner
-// The budget of the search was spent: a point may be nearer, but none is nearer than clear2.
-#define FOOT_UNFINISHED 16u
-
 typedef struct {
   uint patch;
   real xi, eta;

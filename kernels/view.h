@@ -3,38 +3,7 @@
 // two into [-1, 1]); and each patch's local frame (its own origin, a number of the mesh frame; its
 // own power of two).
 
-#define NONE 0xFFFFFFFFu
-
-// Numbers of a patch besides its sides.
-#define PATCH_ORIGIN 0   // origin in the mesh frame: 1 triple
-#define PATCH_NORMAL 1   // unit normal of the base polygon: 1 triple
-#define PATCH_SCALE 6    // local length of a mesh-frame length of 1, a power of two
-#define PATCH_UNSCALE 7  // its inverse
-#define PATCH_SAG \
-  8  // no point of the patch is farther than this from the base polygon, local frame
-#define PATCH_TANGENT 3  // unit tangent of the base polygon: triple 3
-#define PATCH_LOW \
-  4  // oriented box of the patch along tangent, normal x tangent, normal, local frame: triple 4
-#define PATCH_HIGH 5  // triple 5
-#define PATCH_BEND \
-  18  // second fundamental form n . (G_xixi, G_xieta, G_etaeta) at the centre, local frame
-#define PATCH_CURVATURE 21  // largest |principal curvature|, local frame
-#define PATCH_REALS 22
-
-// Numbers of a hierarchy node: the boxes of its two children, mesh frame, low and high corner each.
-#define NODE_REALS 12
-#define NODE_LEAF 0x80000000u  // a child with this bit is a patch
 #define HIERARCHY_DEPTH 64
-
-// A patch lies in a solid part other than its own, or may do so in places; else nowhere.
-#define PATCH_BURIED 0x40000000u
-#define PATCH_MIXED 0x80000000u
-#define PART_MASK 0x3FFFFFFFu
-// Numbers of a part: where its partners begin and end, its first patch.
-#define PART_PARTNERS 0
-#define PART_PARTNERS_END 1
-#define PART_FIRST 2
-#define PART_UINTS 3
 
 typedef struct {
   GLOBAL scalar* domain;       // tables of the valences in use (domain.h)

@@ -1,11 +1,14 @@
 #!/bin/sh
 # Installs the build tree given as $1, builds the consumer project $2 against it in $3, and runs it: as it
-# is, and built for the instruction sets that this machine has besides. All must print the same.
+# is, as C++23, and built for the instruction sets that this machine has besides. All must print the same. Then builds
+# the source $4 with a loop's libraries alone, and runs it as it is and under sanitizers.
 set -eu
 rm -rf "$3"
 cmake --install "$1" --prefix "$3/prefix" >/dev/null
 cmake -S "$2" -B "$3/build" -DCMAKE_PREFIX_PATH="$3/prefix" -DCMAKE_BUILD_TYPE=Release >/dev/null
 cmake --build "$3/build" --parallel 2
+cmake -S "$2/loop" -B "$3/loop" -DCMAKE_PREFIX_PATH="$3/prefix" -DCMAKE_BUILD_TYPE=Release -DLOOP_SOURCE="$4" >/dev/null
+cmake --build "$3/loop" --parallel 2
 cd "$3/build"
 
 has_v3() {
@@ -22,6 +25,9 @@ run() {
 
 run consumer
 cat consumer.txt
+run consumer_cxx23
+cmp consumer.txt consumer_cxx23.txt
+echo "C++23: the same forces"
 for arch in x86-64-v3 native; do
   if [ ! -x consumer_$arch ] || { [ $arch = x86-64-v3 ] && ! has_v3; }; then
     echo "-march=$arch: skipped on this machine"
@@ -31,4 +37,19 @@ for arch in x86-64-v3 native; do
   cmp consumer.txt consumer_$arch.txt
   echo "-march=$arch: the same forces"
 done
+
+cd ../loop
+./loop
+# Some kernels lay memory out as a sanitizer cannot take it, unless they are asked not to.
+straight=
+command -v setarch >/dev/null && setarch -R true 2>/dev/null && straight="setarch -R"
+if $straight ./loop_sanitized >sanitized.txt 2>&1; then
+  cat sanitized.txt
+  echo "under sanitizers: sound"
+elif grep -qE "unexpected memory mapping|Shadow memory range interleaves" sanitized.txt; then
+  echo "under sanitizers: skipped on this machine"
+else
+  cat sanitized.txt
+  exit 1
+fi
 "$3/prefix/bin/gliss" --version

@@ -34,7 +34,7 @@ for entry in entries:
     if source.is_relative_to(root) and source.relative_to(root).parts[0] in ("host", "runtime", "tools", "bench"):
         sources.append((source, entry))
 found = {source for source, _ in sources}
-missing = [s for folder in ("host", "runtime", "tools") for s in sorted((root / folder).glob("*.cpp")) if s not in found]
+missing = [s for folder in ("host", "runtime", "tools") for s in sorted((root / folder).rglob("*.cpp")) if s not in found]
 if missing:
     sys.exit(f"not compiled here: {', '.join(str(s) for s in missing)}")
 if not is_gcc(sources[0][1]):

@@ -1,14 +1,16 @@
 # What runs under sanitizers (GLISS_SANITIZE): tests of what reads foreign bytes, walks arrays or is shared by threads.
 # Not what runs programs, measures, or would take minutes: CI has few for this.
 if(GLISS_SANITIZE STREQUAL "thread")
-  set(parts haply_device loop parallel periodic udp_device udp_server)
+  set(parts haply/haply_device loop/loop engine/parallel thread/periodic device/udp_device device/udp_server)
 else()
-  set(parts atomic_file cache_file csv_file csv_reader guard haply_device hostile_files hostile_numbers hostile_parts loop mesh parallel
-    result_file scene_error scene_file sim_device sweep udp_device udp_protocol udp_server units validate vtp_file)
+  set(parts files/atomic_file files/cache_file tables/csv_file tables/csv_reader device/guard haply/haply_device
+    files/hostile_files files/hostile_numbers study/hostile_parts loop/loop files/mesh engine/parallel
+    tables/result_file scene/scene_error scene/scene_file device/sim_device study/sweep device/udp_device
+    device/udp_protocol device/udp_server base/units validate/validate tables/vtp_file)
 endif()
 list(TRANSFORM parts APPEND _test.cpp OUTPUT_VARIABLE sources)
-add_gliss_tests(sanitized_tests ${sources})
-set_source_files_properties(places.cpp PROPERTIES COMPILE_DEFINITIONS
+add_gliss_tests(sanitized_tests ${sources} ${PROJECT_SOURCE_DIR}/tools/cli/progress_text.cpp)
+set_source_files_properties(support/places.cpp PROPERTIES COMPILE_DEFINITIONS
   "GLISS_TESTS_DIR=\"${CMAKE_CURRENT_SOURCE_DIR}\";GLISS_SHARED_DIR=\"\";GLISS_PROGRAM=\"\";GLISS_OPENCL_FAULT=\"\"")
 # These headers take most of the time, and optimising under sanitizers as much again.
 target_compile_options(sanitized_tests PRIVATE -O0)
@@ -21,9 +23,10 @@ foreach(shard RANGE 1)
   list(APPEND environment_${test} GTEST_TOTAL_SHARDS=2 GTEST_SHARD_INDEX=${shard})
 endforeach()
 if(GLISS_SANITIZE STREQUAL "thread")
-  foreach(test seqlock_tsan lazy_tsan)
-    add_executable(${test} ${test}.cpp)
-    target_link_libraries(${test} PRIVATE gliss_runtime gliss_options)
+  foreach(source thread/seqlock_tsan contact/lazy_tsan)
+    get_filename_component(test ${source} NAME)
+    add_executable(${test} ${source}.cpp)
+    target_link_libraries(${test} PRIVATE gliss_whole gliss_options)
     add_dependencies(sanitized ${test})
     add_test(NAME ${test} COMMAND ${test})
     list(APPEND tests ${test})

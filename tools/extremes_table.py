@@ -1,4 +1,4 @@
-"""Rewrites EXTREMES.md with the rows that tests/extremes.h adds: group, what, samples, goal, worst, limited by.
+"""Rewrites EXTREMES.md with the rows that tests/extremes/extremes.h adds: group, what, samples, goal, worst, limited by.
 
 Usage: extremes_table.py ROWS EXTREMES.md [--whole]: rows that were not measured again stay, but with --whole.
 """

@@ -7,9 +7,11 @@
 #include <random>
 #include <stdexcept>
 
-#include "host/generate.h"
-#include "host/mesh.h"
-#include "host/query.h"
+#include "gliss/build/build_cache.h"
+#include "gliss/files/mesh_file.h"
+#include "gliss/generate/generate.h"
+#include "gliss/mesh/mesh.h"
+#include "gliss/query/query.h"
 
 namespace {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "bench/work.h"
-#include "host/mesh.h"
+#include "gliss/mesh/mesh.h"
 
 namespace gliss::bench {
 

@@ -1,21 +1,10 @@
-// What a program that uses an installed Gliss looks like: a sphere's force 1 mm beneath its
-// surface, as a question and in a loop; two spheres under one hand; and a scene file. Prints the
-// forces to the last bit.
+// A program that uses an installed Gliss: a sphere's force 1 mm beneath its surface, as a question
+// and in a loop; two spheres under one hand; and a scene file. Prints the forces to the last bit.
 #include <cmath>
 #include <cstdio>
 #include <fstream>
 
-#include "host/engine.h"
-#include "host/generate.h"
-#include "host/lazy_tracker.h"
-#include "host/sweep.h"
-#include "host/trace.h"
-#include "runtime/haply_device.h"
-#include "runtime/loop.h"
-#include "runtime/recorder.h"
-#include "runtime/replay_device.h"
-#include "runtime/scene.h"
-#include "runtime/udp_server.h"
+#include <gliss/gliss.h>
 
 namespace {
 
@@ -36,7 +25,7 @@ void print_sizes() {
 // True if a loop renders the force that a question gives.
 bool feels_one_ball(const Ball& cache) {
   const gliss::Contact contact = gliss::nearest(*cache, gliss::Vec3(9, 0, 0));
-  const gliss::Vec3 force = gliss::force(*cache, contact, 500);
+  const gliss::Vec3 force = gliss::contact_force(*cache, contact, 500);
   print("one ball, N", force);
 
   gliss::ReplayDevice device(std::vector<gliss::Vec3>(20, {0.009, 0, 0}));

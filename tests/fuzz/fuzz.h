@@ -1,5 +1,5 @@
-// What the fuzz targets share. A target is a function over raw bytes: libFuzzer (tools/fuzz.sh)
-// looks for bytes that break it, replay.cpp runs it over the files of a corpus.
+// Tools that the fuzz targets share. A target is a function over raw bytes: libFuzzer
+// (tools/fuzz.sh) looks for bytes that break it, replay.cpp runs it over the files of a corpus.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 #include <string>
 #include <string_view>
 
-#include "tests/scratch_folder.h"
+#include "tests/support/scratch_folder.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 

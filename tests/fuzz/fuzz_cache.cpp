@@ -1,7 +1,8 @@
 // Whatever a cache file holds, under checksums that are right or wrong: a cache that queries can
 // walk, whatever they find, or a CacheError.
-#include "host/cache_format.h"
-#include "host/contact_tracker.h"
+#include "gliss/files/cache_file.h"
+#include "gliss/files/cache_format.h"
+#include "gliss/query/contact_tracker.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/fuzz/small_caches.h"
 

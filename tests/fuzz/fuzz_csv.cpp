@@ -1,6 +1,6 @@
 // Whatever the text of a table: finite points, or an error that names the file.
-#include "host/line_reader.h"
-#include "host/point_table.h"
+#include "gliss/files/line_reader.h"
+#include "gliss/tables/point_table.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace gliss::fuzz {

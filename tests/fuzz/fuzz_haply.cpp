@@ -1,6 +1,6 @@
 // Whatever a service answers, after a line with the id that is asked for: a finite state, to which
 // a command can be written, or a HaplyProtocolError.
-#include "runtime/haply_protocol.h"
+#include "gliss/haply/haply_protocol.h"
 #include "tests/fuzz/fuzz.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

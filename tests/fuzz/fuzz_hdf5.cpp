@@ -4,8 +4,8 @@
 
 #include <optional>
 
-#include "host/hdf5_reader.h"
-#include "host/point_table.h"
+#include "gliss/tables/hdf5_reader.h"
+#include "gliss/tables/point_table.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace gliss::fuzz {

@@ -1,5 +1,5 @@
 #include "tests/fuzz/mesh_target.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  return gliss::fuzz::read_mesh(gliss::read_off, gliss::fuzz::text_of(data, size));
+  return gliss::fuzz::read_mesh(gliss::detail::read_off, gliss::fuzz::text_of(data, size));
 }

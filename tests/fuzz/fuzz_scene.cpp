@@ -1,7 +1,7 @@
 // Whatever the text of a scene, beside a mesh and a path: numbers that a loop can use, or an error
 // of one line that names the file.
-#include "host/csv_reader.h"
-#include "runtime/scene.h"
+#include "gliss/scene/scene.h"
+#include "gliss/tables/csv_reader.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace gliss::fuzz {

@@ -2,16 +2,17 @@
 // whose points and contacts are finite.
 #include <fmt/format.h>
 
-#include "host/cache_check.h"
-#include "host/contact_tracker.h"
+#include "gliss/build/build_cache.h"
+#include "gliss/files/cache_check.h"
+#include "gliss/query/contact_tracker.h"
 #include "tests/fuzz/mesh_target.h"
 
 namespace gliss::fuzz {
 namespace {
 
 constexpr double kFarthest = 1e6;  // HIP from the mesh, in sizes of it
-// Of patches and of their mesh. As they come, patches may go anywhere, up to 1e35 times its size,
-// and what queries find of them is not finite.
+// The reach of patches and of their mesh, at most. As they come, patches may go anywhere, up to
+// 1e35 times its size, and what queries find of them is not finite.
 constexpr double kReach = 16;
 
 Vec3 vector(Input& input) {
@@ -41,6 +42,7 @@ Mesh any_mesh(Input& input) {
 BuildOptions any_options(Input& input) {
   BuildOptions options;
   options.level.kind = static_cast<Level::Kind>(input.choice(4));
+  options.level.construction = static_cast<Construction>(input.choice(2));
   if (options.level.kind == Level::kTable) options.level.cells = 1 + input.choice(4);
   options.precision = input.flag() ? Precision::kFloat : Precision::kDouble;
   options.tame = input.choice(4) != 3;
@@ -88,7 +90,7 @@ void evaluate_all(const PatchCache& cache) {
 
 double size_of(const Box& box) { return (box.high - box.low).norm(); }
 
-// Of what faces use.
+// The box of the vertices that faces use.
 Box box_of(const Mesh& mesh) {
   const Vec3& any = mesh.positions[mesh.corner_vertex[0]];
   Box box{any, any};

@@ -1,6 +1,6 @@
 // Whatever comes in a datagram: nothing, or one that is valid, with finite numbers, and leaves as
 // the bytes it came as.
-#include "runtime/udp_protocol.h"
+#include "gliss/device/udp_protocol.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace gliss::fuzz {

@@ -1,9 +1,10 @@
-// Whatever the text of a mesh file: a mesh that keeps the promises of host/mesh.h, or a MeshError
-// with a finding that says why.
+// Whatever the text of a mesh file: a mesh that keeps the promises of host/mesh/mesh.h, or a
+// MeshError with a finding that says why.
 #pragma once
 
-#include "host/mesh_readers.h"
-#include "host/validate_steps.h"
+#include "gliss/files/mesh_readers.h"
+#include "gliss/validate/validate.h"
+#include "gliss/validate/validate_steps.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace gliss::fuzz {

@@ -1,8 +1,9 @@
 // Caches of few patches, in each precision and form.
 #pragma once
 
-#include "host/generate.h"
-#include "host/patch_cache.h"
+#include "gliss/build/build_cache.h"
+#include "gliss/generate/generate.h"
+#include "gliss/surface/patch_cache.h"
 
 namespace gliss::fuzz {
 

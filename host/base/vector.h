@@ -1,0 +1,21 @@
+// Vectors, boxes, and the index of nothing.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstdint>
+
+namespace gliss {
+
+using Vec3 = Eigen::Vector3d;
+// Eigen never aligns it, whatever the flags of a library and its user.
+static_assert(sizeof(Vec3) == 3 * sizeof(double) && alignof(Vec3) == alignof(double));
+
+// Axis-aligned box.
+struct Box {
+  Vec3 low, high;
+};
+
+inline constexpr std::uint32_t kNone = 0xFFFFFFFFu;
+
+}  // namespace gliss

@@ -1,0 +1,54 @@
+// From a mesh to its patch cache.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "gliss/base/export.h"
+#include "gliss/build/patch_batch.h"
+#include "gliss/mesh/mesh.h"
+#include "gliss/mesh/topology.h"
+#include "gliss/surface/patch_cache.h"
+
+namespace gliss {
+
+// The weights of the vertex normals that a construction makes for meshes without.
+constexpr NormalWeights normal_weights(Construction construction) {
+  return construction == Construction::kFair ? NormalWeights::kSmooth : NormalWeights::kAngle;
+}
+
+struct BuildOptions {
+  Precision precision = Precision::kDouble;
+  Level level{};
+  bool tame = true;  // false: folded patches are found and flagged, and kept as they are
+  std::vector<std::uint32_t> faces{};  // only these, each once, ascending; empty: all
+  // A cache of the same mesh, or none: what it says of the whole mesh (frame, hash, valences) is
+  // taken from there, so that a few faces are built without a walk through all of them.
+  const PatchCache* like = nullptr;
+};
+
+// Findings of a build, by face.
+struct BuildReport {
+  std::uint32_t folded = 0;  // the exact patch's normal turns against its face somewhere
+  std::uint32_t degenerate =
+      0;  // a ribbon vanishes: an edge parallel to a normal, or opposed end normals
+  std::uint32_t eased = 0, split = 0, bent = 0;
+  std::vector<std::uint32_t> flagged_faces;  // folded or degenerate, ascending
+};
+
+// Builds all patches, or those of options.faces. The mesh must be validated; vertex normals are
+// made where it has none. Throws MeshError.
+GLISS_EXPORT PatchCache build_cache(const Mesh& mesh, const BuildOptions& options = {},
+                                    BuildReport* report = nullptr,
+                                    const BuildBackend& backend = {});
+
+// The same with a topology made before and vertex normals in the mesh, for builds of many regions.
+GLISS_EXPORT PatchCache build_cache(const Mesh& mesh, const Topology& topology,
+                                    const BuildOptions& options, BuildReport* report = nullptr,
+                                    const BuildBackend& backend = {});
+
+// Base polygons alone, for searches with the flat and shaded methods: no patch is built and none
+// may be evaluated.
+GLISS_EXPORT PatchCache build_base(const Mesh& mesh, const Topology& topology, Precision precision);
+
+}  // namespace gliss

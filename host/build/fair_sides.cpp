@@ -1,0 +1,120 @@
+#include "gliss/build/fair_sides.h"
+
+#include "gliss/surface/layout.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gliss {
+namespace {
+
+constexpr std::size_t kGrain = 64;
+
+bool is_finite(const FairVertex<double>& v) {
+  return std::all_of(std::begin(v.shape), std::end(v.shape),
+                     [](double x) { return std::isfinite(x); });
+}
+
+}  // namespace
+
+FairSides::FairSides(const Mesh& mesh, const Topology& topology,
+                     std::span<const std::uint32_t> faces, const Vec3& origin, double scale,
+                     const ParallelFor& parallel)
+    : mesh_(mesh), topology_(topology), origin_(origin), scale_(scale) {
+  for (const std::uint32_t f : faces) {
+    if (mesh.valence(f) > 4) continue;
+    for (std::uint32_t s = mesh.face_begin[f]; s < mesh.face_begin[f + 1]; ++s)
+      vertices_.push_back(mesh.corner_vertex[s]);
+  }
+  std::sort(vertices_.begin(), vertices_.end());
+  vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
+  shapes_.resize(vertices_.size());
+  has_shape_.resize(vertices_.size());
+  parallel(vertices_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) find_shape(i);
+  });
+}
+
+FairSides::End FairSides::corner(std::uint32_t side) const {
+  const Vec3 p = (mesh_.positions[mesh_.corner_vertex[side]] - origin_) * scale_,
+             n = mesh_.normals[mesh_.corner_normal[side]].normalized();
+  return {{p.x(), p.y(), p.z(), n.x(), n.y(), n.z()}};
+}
+
+// 3 or 4 if both of its faces are triangles, or quads, that have the same normals at its ends, or
+// if it is a triangle's at a border; else 0.
+std::uint32_t FairSides::joined_valence(std::uint32_t side) const {
+  const std::uint32_t n = mesh_.valence(topology_.side_face[side]),
+                      twin = topology_.side_twin[side];
+  if (twin == kNone) return n == 3 ? 3 : 0;
+  const auto normal = [&](std::uint32_t s) { return mesh_.normals[mesh_.corner_normal[s]]; };
+  const bool is_joined = n <= 4 && mesh_.valence(topology_.side_face[twin]) == n &&
+                         normal(side) == normal(next_side(mesh_, topology_, twin)) &&
+                         normal(next_side(mesh_, topology_, side)) == normal(twin);
+  return is_joined ? n : 0;
+}
+
+FairEdge<double> FairSides::edge(std::uint32_t side) const {
+  const std::uint32_t next = next_side(mesh_, topology_, side), twin = topology_.side_twin[side];
+  FairEdge<double> e;
+  const End start = corner(side), end = corner(next);
+  std::copy_n(end.reals, 6, e.end);
+  e.by_arc = joined_valence(side) == 3;
+  if (!e.by_arc || twin == kNone) return e;
+  const End beyond[2] = {corner(next_side(mesh_, topology_, next)),
+                         corner(prev_side(mesh_, topology_, twin))},
+            ends[2] = {start, end};
+  kernels<double>().fair_turn(ends[0].reals, beyond[0].reals, e.turn);
+  return e;
+}
+
+void FairSides::find_shape(std::size_t i) {
+  const std::uint32_t first = topology_.vertex_side[vertices_[i]];
+  const auto normal = [&](std::uint32_t s) { return mesh_.normals[mesh_.corner_normal[s]]; };
+  std::vector<FairEdge<double>> edges;
+  for (std::uint32_t side = first; side != kNone;) {
+    if (normal(side) != normal(first)) return;
+    edges.push_back(edge(side));
+    const std::uint32_t last = prev_side(mesh_, topology_, side);
+    side = next_around(mesh_, topology_, side);
+    if (side == first) break;
+    if (side != kNone) continue;
+    // The border side that ends here.
+    FairEdge<double> e;
+    std::copy_n(corner(last).reals, 6, e.end);
+    e.by_arc = joined_valence(last) == 3;
+    edges.push_back(e);
+  }
+  kernels<double>().fair_vertex(corner(first).reals, edges.data(), edges.size(), &shapes_[i]);
+  has_shape_[i] = is_finite(shapes_[i]);
+}
+
+const FairVertex<double>* FairSides::shape_of(std::uint32_t vertex) const {
+  const auto at = std::lower_bound(vertices_.begin(), vertices_.end(), vertex);
+  if (at == vertices_.end() || *at != vertex) return nullptr;
+  const auto i = static_cast<std::size_t>(at - vertices_.begin());
+  return has_shape_[i] ? &shapes_[i] : nullptr;
+}
+
+std::vector<double> FairSides::sides_of(std::uint32_t face) const {
+  std::vector<double> sides(mesh_.valence(face) * kFairReals);
+  for (std::uint32_t k = 0; k < mesh_.valence(face); ++k) {
+    const std::uint32_t side = mesh_.face_begin[face] + k;
+    FairEdge<double> e = edge(side);
+    const std::uint32_t joined = joined_valence(side);
+    const FairVertex<double>*start = nullptr, *end = nullptr;
+    if (joined != 0) {
+      start = shape_of(mesh_.corner_vertex[side]);
+      end = shape_of(mesh_.corner_vertex[next_side(mesh_, topology_, side)]);
+    }
+    FairVertex<double> both[2];
+    const bool shaped = start != nullptr && end != nullptr;
+    if (shaped) both[0] = *start, both[1] = *end;
+    if (shaped && joined == 4) kernels<double>().smooth_turn(corner(side).reals, e, both, e.turn);
+    kernels<double>().fair_side(corner(side).reals, e, shaped && joined == 3 ? both : nullptr,
+                                &sides[k * kFairReals]);
+  }
+  return sides;
+}
+
+}  // namespace gliss

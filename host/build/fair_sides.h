@@ -1,0 +1,48 @@
+// The sides of the fair construction (kernels/fair.h), from a mesh and its vertex normals.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "gliss/base/parallel.h"
+#include "gliss/mesh/topology.h"
+#include "gliss/surface/instances.h"
+
+namespace gliss {
+
+// Knows the shape operators of the vertices of some faces. A side between two triangles or two
+// quads, or of a triangle at a border, is a fair one; any other is that of the paper, so that
+// triangles and quads join whatever lies beside them. Any number of threads may ask it. Keeps
+// references to the mesh and its topology.
+class FairSides {
+ public:
+  // `faces`: those whose sides will be asked for. Positions p of the mesh count as
+  // (p - origin) * scale.
+  FairSides(const Mesh& mesh, const Topology& topology, std::span<const std::uint32_t> faces,
+            const Vec3& origin, double scale, const ParallelFor& parallel);
+
+  // The sides of a face: kFairReals numbers each, in the mesh frame.
+  std::vector<double> sides_of(std::uint32_t face) const;
+
+ private:
+  struct End {
+    double reals[6];  // position, unit normal
+  };
+
+  End corner(std::uint32_t side) const;
+  std::uint32_t joined_valence(std::uint32_t side) const;
+  FairEdge<double> edge(std::uint32_t side) const;
+  void find_shape(std::size_t i);
+  const FairVertex<double>* shape_of(std::uint32_t vertex) const;
+
+  const Mesh& mesh_;
+  const Topology& topology_;
+  const Vec3 origin_;
+  const double scale_;
+  std::vector<std::uint32_t> vertices_;     // ascending
+  std::vector<FairVertex<double>> shapes_;  // [vertices_]
+  std::vector<char> has_shape_;             // [vertices_], 0: none that its sides agree on
+};
+
+}  // namespace gliss

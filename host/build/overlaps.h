@@ -1,0 +1,103 @@
+// Which boxes of a hierarchy (host/build/hierarchy.h) overlap each other or hold a point. Private
+// to host/.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "gliss/surface/instances.h"
+#include "gliss/surface/layout.h"
+#include "gliss/surface/patch_cache.h"
+
+namespace gliss {
+
+inline bool overlap(const Box& a, const Box& b) {
+  return (a.low.array() <= b.high.array()).all() && (a.high.array() >= b.low.array()).all();
+}
+
+template <class Real>
+class Overlaps {
+ public:
+  // The arrays must outlive it. `label`: one for each box.
+  Overlaps(const LargeArray<Real>& node, const LargeArray<std::uint32_t>& child,
+           const std::vector<std::uint32_t>& label)
+      : node_(node), child_(child), label_(label), beneath_(child.size() / 2) {
+    // Parents come before their children.
+    for (std::size_t n = beneath_.size(); n-- > 0;) {
+      const std::uint32_t a = label_of(child[2 * n]), b = label_of(child[2 * n + 1]);
+      beneath_[n] = a == b ? a : kSeveral;
+    }
+  }
+
+  // Calls visit(a, b) once for each two boxes of different labels that overlap. What lies beneath
+  // two boxes of one label each is left out where skips(label, label).
+  template <class Skips, class Visit>
+  void for_each(Skips skips, Visit visit) const {
+    if (!beneath_.empty()) within(0, skips, visit);
+  }
+
+  // Calls visit(box) for each box that holds x.
+  template <class Visit>
+  void for_each_at(const Vec3& x, Visit visit) const {
+    std::vector<std::uint32_t> open;
+    if (!beneath_.empty()) open.push_back(0);
+    while (!open.empty()) {
+      const std::size_t at = open.back();
+      open.pop_back();
+      for (std::size_t place = 2 * at; place < 2 * at + 2; ++place) {
+        if (!overlap({x, x}, box_of(place))) continue;
+        if (child_[place] & kNodeLeaf) {
+          visit(child_[place] & ~kNodeLeaf);
+        } else {
+          open.push_back(child_[place]);
+        }
+      }
+    }
+  }
+
+ private:
+  static constexpr std::uint32_t kSeveral = kNone;
+
+  std::uint32_t label_of(std::uint32_t child) const {
+    return child & kNodeLeaf ? label_[child & ~kNodeLeaf] : beneath_[child];
+  }
+  Box box_of(std::size_t place) const {  // of child_[place]
+    const Real* at = &node_[6 * place];
+    return {Vec3(at[0], at[1], at[2]), Vec3(at[3], at[4], at[5])};
+  }
+
+  template <class Skips, class Visit>
+  void within(std::uint32_t child, Skips skips, Visit visit) const {
+    if ((child & kNodeLeaf) || beneath_[child] != kSeveral) return;
+    const std::size_t left = 2 * std::size_t{child};
+    within(child_[left], skips, visit);
+    within(child_[left + 1], skips, visit);
+    between(left, left + 1, skips, visit);
+  }
+  template <class Skips, class Visit>
+  void between(std::size_t a, std::size_t b, Skips skips, Visit visit) const {
+    const std::uint32_t at_a = child_[a], at_b = child_[b];
+    const std::uint32_t label_a = label_of(at_a), label_b = label_of(at_b);
+    if (!overlap(box_of(a), box_of(b))) return;
+    if (label_a != kSeveral && label_b != kSeveral &&
+        (label_a == label_b || skips(label_a, label_b)))
+      return;
+    const bool leaf_a = at_a & kNodeLeaf, leaf_b = at_b & kNodeLeaf;
+    if (leaf_a && leaf_b) {
+      visit(at_a & ~kNodeLeaf, at_b & ~kNodeLeaf);
+    } else if (leaf_b || (!leaf_a && at_a < at_b)) {  // the larger one, mostly
+      between(2 * std::size_t{at_a}, b, skips, visit);
+      between(2 * std::size_t{at_a} + 1, b, skips, visit);
+    } else {
+      between(a, 2 * std::size_t{at_b}, skips, visit);
+      between(a, 2 * std::size_t{at_b} + 1, skips, visit);
+    }
+  }
+
+  const LargeArray<Real>& node_;
+  const LargeArray<std::uint32_t>& child_;
+  const std::vector<std::uint32_t>& label_;
+  std::vector<std::uint32_t> beneath_;  // [node], the label of all boxes beneath it, or kSeveral
+};
+
+}  // namespace gliss

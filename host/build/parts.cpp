@@ -1,0 +1,282 @@
+#include "gliss/build/parts.h"
+
+#include <xxhash.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <unordered_set>
+#include <utility>
+
+#include "gliss/base/hash_index.h"
+#include "gliss/build/hierarchy.h"
+#include "gliss/build/overlaps.h"
+#include "gliss/mesh/solid_angle.h"
+#include "gliss/surface/layout.h"
+
+namespace gliss {
+namespace {
+
+using Triangle = std::array<Vec3, 3>;
+
+template <class Real>
+class PartFinder {
+ public:
+  PartFinder(const std::vector<Box>& boxes, Surface<Real>& s) : boxes_(boxes), s_(s) {}
+
+  void run() {
+    number_parts();
+    if (count_ < 2) return;
+    find_copies();
+    describe_parts();
+    if (std::find(solid_.begin(), solid_.end(), 1) == solid_.end()) return;
+    find_mixed();
+    find_buried();
+    if (!pairs_.empty()) store();
+  }
+
+ private:
+  // Adds to the patches in `front` all beyond sides whose twin `enters`.
+  template <class Enters>
+  void flood(std::vector<std::uint32_t>& front, Enters enters) const {
+    for (std::size_t done = 0; done < front.size(); ++done) {
+      const std::uint32_t p = front[done];
+      for (std::uint32_t side = s_.side_begin[p]; side < s_.side_begin[p + 1]; ++side) {
+        const std::uint32_t twin = s_.side_twin[side];
+        if (enters(twin)) front.push_back(s_.side_patch[twin]);
+      }
+    }
+  }
+
+  // Connected components over sides; closed where every side has a twin.
+  void number_parts() {
+    part_.assign(boxes_.size(), kNone);
+    std::vector<std::uint32_t> front;
+    for (std::uint32_t first = 0; first < boxes_.size(); ++first) {
+      if (part_[first] != kNone) continue;
+      bool closed = true;
+      front.assign(1, first);
+      part_[first] = count_;
+      flood(front, [&](std::uint32_t twin) {
+        closed = closed && twin != kNone;
+        if (twin == kNone || part_[s_.side_patch[twin]] != kNone) return false;
+        part_[s_.side_patch[twin]] = count_;
+        return true;
+      });
+      solid_.push_back(closed);
+      begin_.push_back(static_cast<std::uint32_t>(patches_.size()));
+      patches_.insert(patches_.end(), front.begin(), front.end());
+      ++count_;
+    }
+    begin_.push_back(static_cast<std::uint32_t>(patches_.size()));
+  }
+
+  // Parts that are the same numbers at the same place as one before: a union holds them once.
+  void find_copies() {
+    const auto corners = [&](std::uint32_t p) { return s_.side_begin[p + 1] - s_.side_begin[p]; };
+    HashIndex known(count_);
+    for (std::uint32_t part = 0; part < count_; ++part) {
+      XXH64_hash_t hash = begin_[part + 1] - begin_[part];
+      for_patches(part, [&](std::uint32_t p) {
+        hash = XXH3_64bits_withSeed(&s_.patch[p * kPatchReals], kPatchReals * sizeof(Real), hash);
+      });
+      alike_.push_back(known.find_or_insert(part, hash, [&](std::uint32_t a, std::uint32_t b) {
+        const auto first = patches_.begin();
+        return std::equal(
+            first + begin_[a], first + begin_[a + 1], first + begin_[b], first + begin_[b + 1],
+            [&](std::uint32_t p, std::uint32_t q) {
+              return corners(p) == corners(q) &&
+                     std::equal(&s_.patch[p * kPatchReals],
+                                &s_.patch[p * kPatchReals] + kPatchReals,
+                                &s_.patch[q * kPatchReals]) &&
+                     std::equal(&s_.corner[6 * std::size_t{s_.side_begin[p]}],
+                                &s_.corner[6 * std::size_t{s_.side_begin[p]}] + 6 * corners(p),
+                                &s_.corner[6 * std::size_t{s_.side_begin[q]}]);
+            });
+      }));
+    }
+  }
+
+  // Calls visit(triangle) for the base polygon in the mesh frame, seen from x.
+  template <class Visit>
+  void for_triangles(std::uint32_t patch, const Vec3& x, Visit visit) const {
+    const Real* numbers = &s_.patch[patch * kPatchReals];
+    const Vec3 origin(numbers[kPatchOrigin], numbers[kPatchOrigin + 1], numbers[kPatchOrigin + 2]);
+    const double unscale = static_cast<double>(numbers[kPatchUnscale]);
+    const std::uint32_t first = s_.side_begin[patch];
+    const std::uint32_t* corners = &s_.triangle[3 * (first - 2 * std::size_t{patch})];
+    for (std::uint32_t t = 0; t + 2 < s_.valence(patch); ++t) {
+      Triangle triangle;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Real* c = &s_.corner[6 * (first + std::size_t{corners[3 * t + k]})];
+        triangle[k] = origin + unscale * Vec3(c[0], c[1], c[2]) - x;
+      }
+      visit(triangle);
+    }
+  }
+  template <class Visit>
+  void for_patches(std::uint32_t part, Visit visit) const {
+    for (std::uint32_t i = begin_[part]; i < begin_[part + 1]; ++i) visit(patches_[i]);
+  }
+
+  // Boxes; solid are the closed parts that enclose something.
+  void describe_parts() {
+    constexpr double kRounding = 1e-9, kSlack = 8 * std::numeric_limits<Real>::epsilon();
+    for (std::uint32_t part = 0; part < count_; ++part) {
+      Box box = boxes_[patches_[begin_[part]]];
+      double volume = 0, size = 0;
+      const Vec3 apex = box.low;
+      for_patches(part, [&](std::uint32_t p) {
+        box.low = box.low.cwiseMin(boxes_[p].low);
+        box.high = box.high.cwiseMax(boxes_[p].high);
+        for_triangles(p, apex, [&](const Triangle& t) {
+          const double cone = t[0].dot(t[1].cross(t[2]));
+          volume += cone;
+          size += std::abs(cone);
+        });
+      });
+      part_box_.push_back({box.low - Vec3::Constant(kSlack), box.high + Vec3::Constant(kSlack)});
+      if (!(volume > kRounding * size)) solid_[part] = 0;
+    }
+  }
+
+  struct OrientedBox {
+    Eigen::Matrix3d axes;  // columns, unit
+    Vec3 centre, half;
+  };
+  // Bounds a patch and its base polygon, mesh frame.
+  OrientedBox oriented_box(std::uint32_t patch) const {
+    const Real* numbers = &s_.patch[patch * kPatchReals];
+    const auto triple = [&](std::size_t at) {
+      return Vec3(numbers[at], numbers[at + 1], numbers[at + 2]);
+    };
+    const double unscale = static_cast<double>(numbers[kPatchUnscale]),
+                 slack = 8 * std::numeric_limits<Real>::epsilon();
+    const Vec3 normal = triple(kPatchNormal), tangent = triple(kPatchTangent),
+               low = triple(kPatchLow), high = triple(kPatchHigh);
+    OrientedBox box;
+    box.axes << tangent, normal.cross(tangent), normal;
+    box.centre = triple(kPatchOrigin) + unscale * (box.axes * (0.5 * (low + high)));
+    box.half = 0.5 * unscale * (high - low) + Vec3::Constant(slack);
+    return box;
+  }
+  // True unless a plane along faces of one of them, or along an edge of each, parts them.
+  static bool overlap_oriented(const OrientedBox& a, const OrientedBox& b) {
+    const Vec3 apart = b.centre - a.centre;
+    const auto parts = [&](const Vec3& axis) {
+      return std::abs(axis.dot(apart)) > (a.axes.transpose() * axis).cwiseAbs().dot(a.half) +
+                                             (b.axes.transpose() * axis).cwiseAbs().dot(b.half);
+    };
+    for (int i = 0; i < 3; ++i) {
+      if (parts(a.axes.col(i)) || parts(b.axes.col(i))) return false;
+      for (int k = 0; k < 3; ++k) {
+        if (parts(a.axes.col(i).cross(b.axes.col(k)))) return false;
+      }
+    }
+    return true;
+  }
+
+  // The patches whose boxes overlap those of a solid part.
+  void find_mixed() {
+    mixed_.assign(boxes_.size(), 0);
+    std::unordered_set<std::uint64_t> known;  // pairs of parts
+    const auto mix = [&](std::uint32_t a, std::uint32_t b) {
+      const std::uint32_t p = part_[a], q = part_[b];
+      const std::uint64_t pair = std::uint64_t{std::min(p, q)} << 32 | std::max(p, q);
+      const bool is_known = known.contains(pair);
+      if (is_known && (mixed_[a] || !solid_[q]) && (mixed_[b] || !solid_[p])) return;
+      if (!overlap_oriented(oriented_box(a), oriented_box(b))) return;
+      if (!is_known) known.insert(pair);
+      const auto enter = [&](std::uint32_t patch, std::uint32_t part, std::uint32_t partner) {
+        if (!solid_[partner]) return;
+        mixed_[patch] = 1;
+        if (!is_known) pairs_.emplace_back(part, partner);
+      };
+      enter(a, p, q);
+      enter(b, q, p);
+    };
+    std::vector<std::uint32_t> label;
+    for (const std::uint32_t part : part_) label.push_back(alike_[part]);
+    Overlaps<Real>(s_.node, s_.child, label)
+        .for_each([&](std::uint32_t a, std::uint32_t b) { return !solid_[a] && !solid_[b]; }, mix);
+  }
+
+  // The others, in connected groups: all of a group lie within another part or none does.
+  void find_buried() {
+    buried_.assign(boxes_.size(), 0);
+    LargeArray<double> node;
+    LargeArray<std::uint32_t> child;
+    build_hierarchy(part_box_, node, child, serial_for);
+    const std::vector<std::uint32_t> all_alike(count_, 0);
+    const Overlaps<double> part_boxes(node, child, all_alike);
+    std::vector<char> seen(mixed_);
+    std::vector<std::uint32_t> group;
+    for (std::uint32_t first = 0; first < boxes_.size(); ++first) {
+      if (std::exchange(seen[first], 1)) continue;
+      group.assign(1, first);
+      flood(group, [&](std::uint32_t twin) {
+        return twin != kNone && !std::exchange(seen[s_.side_patch[twin]], 1);
+      });
+      Vec3 x;
+      for_triangles(first, Vec3::Zero(), [&](const Triangle& t) { x = t[0]; });
+      bool within = false;
+      part_boxes.for_each_at(x, [&](std::uint32_t part) {
+        if (alike_[part] == alike_[part_[first]] || !solid_[part] || !winds_round(part, x)) return;
+        pairs_.emplace_back(part_[first], part);
+        within = true;
+      });
+      for (const std::uint32_t p : group) buried_[p] = within;
+    }
+  }
+  bool winds_round(std::uint32_t part, const Vec3& x) const {
+    double angle = 0;
+    for_patches(part, [&](std::uint32_t p) {
+      for_triangles(p, x, [&](const Triangle& t) { angle += solid_angle(t[0], t[1], t[2]); });
+    });
+    return std::abs(angle) > 2 * std::numbers::pi;
+  }
+
+  void store() {
+    std::sort(pairs_.begin(), pairs_.end());
+    pairs_.erase(std::unique(pairs_.begin(), pairs_.end()), pairs_.end());
+    s_.part.resize(boxes_.size());
+    for (std::size_t p = 0; p < boxes_.size(); ++p)
+      s_.part[p] = part_[p] | (mixed_[p] ? kPatchMixed : buried_[p] ? kPatchBuried : 0);
+    std::size_t next = 0;
+    for (std::uint32_t part = 0; part < count_; ++part) {
+      const std::size_t begin = next;
+      for (; next < pairs_.size() && pairs_[next].first == part; ++next)
+        s_.partner.push_back(pairs_[next].second);
+      for (const std::size_t number : {begin, next, std::size_t{patches_[begin_[part]]}})
+        s_.part_table.push_back(static_cast<std::uint32_t>(number));
+      for (const double x : part_box_[part].low) s_.part_box.push_back(static_cast<Real>(x));
+      for (const double x : part_box_[part].high) s_.part_box.push_back(static_cast<Real>(x));
+    }
+  }
+
+  const std::vector<Box>& boxes_;
+  Surface<Real>& s_;
+  std::uint32_t count_ = 0;
+  std::vector<std::uint32_t> part_;     // [patch]
+  std::vector<std::uint32_t> begin_;    // [part + 1], where its patches begin
+  std::vector<std::uint32_t> patches_;  // those of the first part, of the second, ...
+  std::vector<std::uint32_t> alike_;    // [part], the first that it is a copy of: itself, mostly
+  std::vector<char> solid_;             // [part]
+  std::vector<Box> part_box_;           // [part]
+  std::vector<char> mixed_, buried_;    // [patch]
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs_;  // of a part and one it lies in
+};
+
+}  // namespace
+
+template <class Real>
+void find_parts(const std::vector<Box>& boxes, Surface<Real>& s) {
+  PartFinder<Real>(boxes, s).run();
+}
+
+template void find_parts(const std::vector<Box>&, Surface<float>&);
+template void find_parts(const std::vector<Box>&, Surface<double>&);
+
+}  // namespace gliss

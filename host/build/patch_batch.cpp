@@ -1,0 +1,71 @@
+#include "gliss/build/patch_batch.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "gliss/surface/instances.h"
+#include "gliss/surface/layout.h"
+
+namespace gliss {
+namespace {
+
+constexpr std::size_t kGrain = 64;
+
+}  // namespace
+
+ValenceTables make_valence_tables(std::span<const char> used) {
+  const Kernels<double>& k = kernels<double>();
+  ValenceTables t;
+  t.domain_begin.assign(used.size(), 0);
+  t.probe_begin.assign(used.size(), 0);
+  t.probe_count.assign(used.size(), 0);
+  for (std::uint32_t n = 3; n < used.size(); ++n) {
+    if (!used[n]) continue;
+    append_domain(n, t.domain, t.domain_begin);
+    t.probe_count[n] = k.probe_count(n);
+    t.probe_begin[n] = static_cast<std::uint32_t>(t.probe.size());
+    t.probe.resize(t.probe.size() + k.probe_reals(n));
+    k.fill_probes(n, t.domain_of(n), &t.probe[t.probe_begin[n]]);
+  }
+  return t;
+}
+
+DomainVec on_side(std::uint32_t n, std::uint32_t k, double t) {
+  const double a = 2 * std::numbers::pi * k / n, b = 2 * std::numbers::pi * ((k + 1) % n) / n;
+  return {(1 - t) * std::cos(a) + t * std::cos(b), (1 - t) * std::sin(a) + t * std::sin(b)};
+}
+
+void PatchBatch::resize(std::span<const std::uint32_t> valences) {
+  side_begin.assign(1, 0);
+  for (const std::uint32_t n : valences) side_begin.push_back(side_begin.back() + n);
+  const std::size_t sides = side_begin.back(), patches = size();
+  corner.resize(sides * 6);
+  triangle.resize(3 * (sides - 2 * patches));
+  frame.resize(patches * kFrameReals);
+  control.resize(sides * kSideReals);
+  soundness.resize(patches);
+  shape.resize(patches * kShapeReals);
+}
+
+void build_patches(PatchBatch& b, BatchStep step, const ParallelFor& parallel) {
+  const Kernels<double>& k = kernels<double>();
+  parallel(b.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t first = begin, last; first < end; first = last) {  // of one valence
+      const std::uint32_t n = b.valence(first);
+      for (last = first + 1; last < end && b.valence(last) == n;) ++last;
+      const std::size_t side = b.side_begin[first];
+      k.build_patches(&b.corner[side * 6], n, last - first, &b.control[side * kSideReals],
+                      &b.soundness[first]);
+    }
+    if (step == BatchStep::kControl) return;
+    for (std::size_t p = begin; p < end; ++p) {
+      const std::uint32_t n = b.valence(p);
+      k.examine(b.tables->domain_of(n), b.tables->probes_of(n), b.tables->probe_count[n],
+                &b.control[b.side_begin[p] * kSideReals], kFormExact,
+                &b.corner[b.side_begin[p] * 6], &b.triangle[3 * b.first_triangle(p)],
+                &b.frame[p * kFrameReals], n, &b.shape[p * kShapeReals]);
+    }
+  });
+}
+
+}  // namespace gliss

@@ -1,0 +1,74 @@
+// The exact patches of many faces as flat arrays, for a backend to build and examine at once.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "gliss/base/export.h"
+#include "gliss/base/parallel.h"
+
+namespace gliss {
+
+// Tables that patches of one valence share; made once a build.
+struct ValenceTables {
+  std::vector<double> domain;               // tables of the valences in use
+  std::vector<double> probe;                // points where patches are examined
+  std::vector<std::uint32_t> domain_begin;  // [valence]
+  std::vector<std::uint32_t> probe_begin;   // [valence], xi of all and then eta of all
+  std::vector<std::uint32_t> probe_count;  // [valence], points; rows are longer (kernels/examine.h)
+
+  const double* domain_of(std::uint32_t n) const { return &domain[domain_begin[n]]; }
+  const double* probes_of(std::uint32_t n) const { return &probe[probe_begin[n]]; }
+};
+
+// `used`: [valence], 1 where tables are wanted.
+GLISS_EXPORT ValenceTables make_valence_tables(std::span<const char> used);
+
+// A point of a patch's domain. Vector2d's alignment follows the flags of who includes it.
+using DomainVec = Eigen::Matrix<double, 2, 1, Eigen::DontAlign>;
+
+// The point at t of side k of the domain of n sides.
+GLISS_EXPORT DomainVec on_side(std::uint32_t n, std::uint32_t k, double t);
+
+struct GLISS_EXPORT PatchBatch {
+  const ValenceTables* tables = nullptr;
+  std::vector<std::uint32_t> side_begin{0};  // [patch + 1]
+  std::vector<double> corner;                // [side][2][3]: position (local frame), unit normal
+  std::vector<std::uint32_t> triangle;       // [side_begin[p] - 2 p][3]
+  std::vector<double> frame;  // [patch][kFrameReals]: unit normal, tangent of the base polygon
+  // Computed by a backend, as it is asked to:
+  std::vector<double> control;    // [side][kSideReals]
+  std::vector<double> soundness;  // [patch], of its weakest ribbon
+  std::vector<double> shape;      // [patch][kShapeReals]
+
+  std::size_t size() const { return side_begin.size() - 1; }
+  std::uint32_t valence(std::size_t patch) const {
+    return side_begin[patch + 1] - side_begin[patch];
+  }
+  std::size_t first_triangle(std::size_t patch) const { return side_begin[patch] - 2 * patch; }
+  // Room for patches of these valences in all arrays; their content is what it was.
+  void resize(std::span<const std::uint32_t> valences);
+};
+
+// A step of a batch: its control data, or its soundness and shapes.
+enum class BatchStep { kControl, kExamine };
+
+using BatchBuilder = std::function<void(PatchBatch&, BatchStep, const ParallelFor&)>;
+
+// With the machine's best lanes.
+GLISS_EXPORT void build_patches(PatchBatch& batch, BatchStep step, const ParallelFor& parallel);
+
+// The backend that a build runs on.
+struct BuildBackend {
+  ParallelFor parallel = serial_for;
+  BatchBuilder build = build_patches;
+  std::size_t chunk = 8192;  // faces in a batch: bounds what is held besides the cache
+  // Told now and then how many of the faces are examined, from the thread that builds.
+  std::function<void(std::size_t faces)> progress = [](std::size_t) {};
+};
+
+}  // namespace gliss

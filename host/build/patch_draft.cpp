@@ -1,0 +1,205 @@
+#include "gliss/build/patch_draft.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+
+#include "gliss/mesh/triangulate.h"
+#include "gliss/surface/instances.h"
+
+namespace gliss {
+namespace {
+
+constexpr double kFarthestReach = 4;
+constexpr std::uint32_t kCloser = 3;  // times as many samples along a line
+
+}  // namespace
+
+bool may_fold_unseen(const PatchShape& s) {
+  return !is_folded(s) && std::acos(s.turn) + s.unseen / 2 > std::numbers::pi / 2;
+}
+
+std::vector<std::uint32_t> all_corners(std::uint32_t n) {
+  std::vector<std::uint32_t> all(n);
+  std::iota(all.begin(), all.end(), 0u);
+  return all;
+}
+
+void PatchFrame::store(double* reals) const {
+  std::copy_n(normal.data(), 3, reals);
+  std::copy_n(tangent.data(), 3, reals + 3);
+}
+
+PatchFrame place_polygon(const FaceCorners& face, std::span<const std::uint32_t> face_corner,
+                         double* corner, std::uint32_t* triangle) {
+  PatchFrame frame;
+  const std::size_t n = face_corner.size();
+  std::vector<Vec3> position;
+  position.reserve(n);
+  Box box{face.position[face_corner[0]], face.position[face_corner[0]]};
+  for (const std::uint32_t c : face_corner) {
+    position.push_back(face.position[c]);
+    box.low = box.low.cwiseMin(position.back());
+    box.high = box.high.cwiseMax(position.back());
+  }
+  frame.origin = (0.5 * (box.low + box.high)).cast<float>().cast<double>();
+  int exponent = 0;
+  std::frexp((box.high - box.low).maxCoeff(), &exponent);
+  frame.scale = std::ldexp(1.0, 1 - exponent);
+  frame.normal = Vec3::Zero();
+  for (std::size_t k = 0; k < n; ++k) {
+    position[k] = (position[k] - frame.origin) * frame.scale;
+    std::copy_n(position[k].data(), 3, corner + 6 * k);
+    std::copy_n(face.normal[face_corner[k]].data(), 3, corner + 6 * k + 3);
+  }
+  for (std::size_t k = 0; k < n; ++k) frame.normal += position[k].cross(position[(k + 1) % n]);
+  std::vector<std::uint32_t> triangles;
+  triangulate(position, frame.normal, triangles);
+  std::copy(triangles.begin(), triangles.end(), triangle);
+  // The polygon's area vanishes: any direction that its vertex normals agree on.
+  if (!(frame.normal.norm() > 0)) frame.normal = face.normal[face_corner[0]];
+  frame.normal.normalize();
+  frame.tangent = (position[1] - position[0]).cross(frame.normal);
+  if (!(frame.tangent.norm() > 0)) frame.tangent = frame.normal.unitOrthogonal();
+  frame.tangent.normalize();
+  return frame;
+}
+
+PatchShape shape_from(const double* reals, std::uint32_t n) {
+  const auto triple = [&](std::size_t at) { return Vec3(Eigen::Map<const Vec3>(reals + at)); };
+  const double curvature = reals[kShapeCurvature], stretch2 = reals[kShapeStretch2];
+  const std::uint32_t levels = kernels<double>().probe_levels(n);
+  // Between samples the patch leaves their triangles by at most (spacing)^2 curvature / 8; half as
+  // much again for curvature between samples.
+  const double spacing2 = stretch2 / (levels * levels);
+  const double slack =
+      std::min(std::sqrt(spacing2), spacing2 * curvature * (1.5 / 8)) + 1e-4 * std::sqrt(stretch2);
+  const Vec3 margin = Vec3::Constant(slack);
+  PatchShape shape;
+  shape.box = {triple(kShapeLow) - margin, triple(kShapeHigh) + margin};
+  shape.low = triple(kShapeAlongLow) - margin;
+  shape.high = triple(kShapeAlongHigh) + margin;
+  shape.bend = triple(kShapeBend);
+  if (!shape.bend.allFinite()) shape.bend.setZero();
+  shape.sag = std::sqrt(reals[kShapeSag2]) + slack;
+  shape.unseen = std::sqrt(spacing2) * curvature;
+  shape.rho_min = curvature > 0 ? 1 / curvature : std::numeric_limits<double>::infinity();
+  // Polygons lie in [-1, 1]^3 of their frame: where cross tangents have hardly a direction, patches
+  // shoot out of it.
+  const double reach =
+      triple(kShapeLow).cwiseAbs().cwiseMax(triple(kShapeHigh).cwiseAbs()).maxCoeff();
+  shape.turn = reals[kShapeFinite] > 0 && reach <= kFarthestReach ? reals[kShapeTurn] : -1;
+  return shape;
+}
+
+namespace {
+
+// The side of a face from one of its corners to another, mesh frame: its own, or one that cuts
+// through it.
+std::array<double, kFairReals> fair_side(const FaceCorners& face, std::uint32_t start,
+                                         std::uint32_t end) {
+  std::array<double, kFairReals> side;
+  const auto n = static_cast<std::uint32_t>(face.side.size() / kFairReals);
+  if (start < n && end == (start + 1) % n) {
+    std::copy_n(&face.side[start * kFairReals], kFairReals, side.data());
+    return side;
+  }
+  double from[6];
+  FairEdge<double> edge;
+  const auto put = [&](std::uint32_t corner, double* to) {
+    std::copy_n(face.position[corner].data(), 3, to);
+    std::copy_n(face.normal[corner].data(), 3, to + 3);
+  };
+  put(start, from);
+  put(end, edge.end);
+  kernels<double>().fair_side(from, edge, nullptr, side.data());
+  return side;
+}
+
+// Its control data, from sides that both patches at an edge have in common.
+void draft_fair(const FaceCorners& face, PatchDraft& d) {
+  const std::uint32_t n = d.valence();
+  d.form = n == 3 ? kFormSextic : kFormBezier;
+  d.side.resize(n * kFairReals);
+  for (std::uint32_t k = 0; k < n; ++k) {
+    std::array<double, kFairReals> side =
+        fair_side(face, d.face_corner[k], d.face_corner[(k + 1) % n]);
+    for (std::size_t i = 0; i < 3 * kFairCurve; ++i)
+      side[i] = (i < 3 ? side[i] - d.frame.origin[static_cast<int>(i)] : side[i]) * d.frame.scale;
+    std::copy_n(side.data(), kFairReals, &d.side[k * kFairReals]);
+    d.soundness = std::min(d.soundness, side[kFairSound]);
+  }
+  d.control.resize(kernels<double>().control_reals(d.form, n));
+  d.turned = kernels<double>().bake_fair(d.side.data(), n, nullptr, 1, d.control.data());
+}
+
+}  // namespace
+
+PatchDraft draft_patch(const FaceCorners& face, std::vector<std::uint32_t> face_corner) {
+  PatchDraft d;
+  d.face_corner = std::move(face_corner);
+  const std::size_t n = d.face_corner.size();
+  d.corner.resize(n * 6);
+  d.triangle.resize(3 * (n - 2));
+  d.frame = place_polygon(face, d.face_corner, d.corner.data(), d.triangle.data());
+  if (face.is_fair() && n <= 4) {
+    draft_fair(face, d);
+    return d;
+  }
+  d.control.resize(n * kSideReals);
+  kernels<double>().build_patches(d.corner.data(), d.valence(), 1, d.control.data(), &d.soundness);
+  return d;
+}
+
+PatchShape examine(const PatchFrame& frame, const double* corner, const std::uint32_t* triangle,
+                   const double* control, std::uint32_t form, std::uint32_t n,
+                   const ValenceTables& tables) {
+  double axes[kFrameReals], reals[kShapeReals];
+  frame.store(axes);
+  kernels<double>().examine(tables.domain_of(n), tables.probes_of(n), tables.probe_count[n],
+                            control, form, corner, triangle, axes, n, reals);
+  return shape_from(reals, n);
+}
+
+std::vector<Vec3> normals_of(const PatchDraft& d, const ValenceTables& tables,
+                             std::span<const Eigen::Vector2d> at) {
+  const std::size_t count = at.size();
+  std::vector<double> xi, eta, rows(9 * count);
+  for (const Eigen::Vector2d& X : at) xi.push_back(X.x()), eta.push_back(X.y());
+  kernels<double>().evaluate(tables.domain_of(d.valence()), d.control.data(), d.form, d.valence(),
+                             xi.data(), eta.data(), count, count, rows.data());
+  std::vector<Vec3> normals;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto row = [&](std::size_t r) {
+      return Vec3(rows[r * count + i], rows[(r + 1) * count + i], rows[(r + 2) * count + i]);
+    };
+    normals.push_back(row(3).cross(row(6)));
+  }
+  return normals;
+}
+
+PatchShape examine(const PatchDraft& d, const ValenceTables& tables) {
+  PatchShape shape = examine(d.frame, d.corner.data(), d.triangle.data(), d.control.data(), d.form,
+                             d.valence(), tables);
+  if (!(d.turned > 0)) shape.turn = -1;
+  return shape;
+}
+
+double closer_turn(const PatchDraft& d, const ValenceTables& tables) {
+  const std::uint32_t n = d.valence(), levels = kCloser * kernels<double>().probe_levels(n);
+  std::vector<Eigen::Vector2d> at;
+  for (std::uint32_t side = 0; side < n; ++side) {
+    for (double ring = 1; ring <= levels; ++ring) {
+      for (double i = 0; i < ring; ++i) at.emplace_back(ring / levels * on_side(n, side, i / ring));
+    }
+  }
+  double turn = 1;
+  for (const Vec3& normal : normals_of(d, tables, at))
+    turn = std::min(turn, normal.normalized().dot(d.frame.normal));
+  return turn;
+}
+
+}  // namespace gliss

@@ -1,0 +1,96 @@
+// One patch on its way into the cache: its frame and base polygon, what sampling finds of it, and
+// all of it in double.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "gliss/build/patch_batch.h"
+#include "gliss/surface/instances.h"
+#include "gliss/surface/layout.h"
+#include "gliss/surface/patch_cache.h"
+
+namespace gliss {
+
+// Corners of one face in the mesh frame, with unit normals; in the fair construction its sides too
+// ([side][kFairReals], mesh frame), which are fewer than corners where a centre was added.
+struct FaceCorners {
+  std::vector<Vec3> position, normal;
+  std::vector<double> side{};
+
+  bool is_fair() const { return !side.empty(); }
+};
+
+// The corners of a face of n sides: 0 to n - 1.
+std::vector<std::uint32_t> all_corners(std::uint32_t n);
+
+// A patch's local frame.
+struct PatchFrame {
+  Vec3 origin;           // in the mesh frame; a float in each coordinate
+  double scale = 1;      // local length of a mesh-frame length of 1: a power of two
+  Vec3 normal, tangent;  // unit normal and a tangent of the base polygon
+
+  void store(double* reals) const;  // normal and tangent: kFrameReals of them
+};
+
+// Frame of the polygon that some corners of a face make, its corners [n][2][3] in that frame, and
+// its triangles [n - 2][3].
+PatchFrame place_polygon(const FaceCorners& face, std::span<const std::uint32_t> face_corner,
+                         double* corner, std::uint32_t* triangle);
+
+// The shape of a patch by samples, in its local frame.
+struct PatchShape {
+  Box box;             // of the patch and its base polygon
+  Vec3 low, high;      // the same along tangent, normal x tangent, normal of its frame
+  Vec3 bend;           // n . (G_xixi, G_xieta, G_etaeta) at the centre
+  double sag = 0;      // distance from the base polygon that no point of the patch exceeds
+  double rho_min = 0;  // least radius of curvature
+  double turn = 1;     // least cosine between the patch's normal and the base polygon's
+  double unseen = 0;   // rad, by which the normal may turn between two samples
+};
+
+// From kShapeReals numbers of a patch of n sides: bounds are widened by what lies between samples.
+PatchShape shape_from(const double* reals, std::uint32_t n);
+
+// Below it the slopes of a ribbon lose too many of a float's digits.
+inline constexpr double kDegenerate = 1e-2;
+
+// A patch's normal turns against its face, or its ribbons vanish.
+inline bool is_folded(const PatchShape& shape) { return !(shape.turn > 0); }
+// ... or may between the samples.
+bool may_fold_unseen(const PatchShape& shape);
+inline bool is_degenerate(double soundness) { return !(soundness > kDegenerate); }
+
+// One patch by itself.
+struct PatchDraft {
+  PatchKind kind = PatchKind::kExact;
+  std::vector<std::uint32_t> face_corner;  // [corner], which corner of the face it is
+  PatchFrame frame;
+  std::vector<double> corner;           // [corner][2][3], local frame
+  std::vector<std::uint32_t> triangle;  // [n - 2][3]
+  std::uint32_t form = kFormExact;
+  std::vector<double> side;     // [corner][kFairReals], local frame; of the fair construction
+  std::vector<double> control;  // in its form
+  double soundness = 1;         // of its weakest ribbon
+  double turned = 1;            // 0 or less: a fair patch that doubles back along a side
+  PatchShape shape;
+
+  std::uint32_t valence() const { return static_cast<std::uint32_t>(face_corner.size()); }
+};
+
+// The patch of some corners of a face, not yet examined: a fair one where the face has fair sides
+// and there are three or four corners, else the paper's.
+PatchDraft draft_patch(const FaceCorners& face, std::vector<std::uint32_t> face_corner);
+// Normals, of any length, at `at`: domain points.
+std::vector<Vec3> normals_of(const PatchDraft& draft, const ValenceTables& tables,
+                             std::span<const Eigen::Vector2d> at);
+PatchShape examine(const PatchDraft& draft, const ValenceTables& tables);
+// The shape of a patch in any form, from its pieces.
+PatchShape examine(const PatchFrame& frame, const double* corner, const std::uint32_t* triangle,
+                   const double* control, std::uint32_t form, std::uint32_t n,
+                   const ValenceTables& tables);
+// PatchShape::turn of more samples.
+double closer_turn(const PatchDraft& draft, const ValenceTables& tables);
+
+}  // namespace gliss

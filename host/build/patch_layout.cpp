@@ -1,0 +1,90 @@
+#include "gliss/build/patch_layout.h"
+
+#include <algorithm>
+
+namespace gliss {
+namespace {
+
+// The sides that the triangles of one face share.
+void join_diagonals(const PatchCache& cache, PatchLayout& l) {
+  for (std::uint32_t p = 0; p < cache.patch_count(); ++p) {
+    for (std::uint32_t q = p + 1;
+         q < cache.patch_count() && cache.patch_face[q] == cache.patch_face[p]; ++q) {
+      for (std::uint32_t a = l.side_begin[p]; a < l.side_begin[p + 1]; ++a) {
+        for (std::uint32_t b = l.side_begin[q]; b < l.side_begin[q + 1]; ++b) {
+          const auto end = [&](std::uint32_t s, std::uint32_t patch) {
+            return cache
+                .corner_of_face[s + 1 == l.side_begin[patch + 1] ? l.side_begin[patch] : s + 1];
+          };
+          if (cache.corner_of_face[a] != end(b, q) || cache.corner_of_face[b] != end(a, p))
+            continue;
+          l.side_twin[a] = b;
+          l.side_twin[b] = a;
+        }
+      }
+    }
+  }
+}
+
+// The side of a patch that is a side of the mesh; kNone: not built. A side of a split face is found
+// among its triangles.
+std::uint32_t patch_side(const Mesh& mesh, const Topology& topology, const PatchCache& cache,
+                         const PatchLayout& l, std::uint32_t mesh_side) {
+  const std::uint32_t face = topology.side_face[mesh_side], n = mesh.valence(face),
+                      k = mesh_side - mesh.face_begin[face];
+  for (std::uint32_t p = cache.face_patch[face];
+       p < cache.patch_count() && cache.patch_face[p] == face; ++p) {
+    const std::uint32_t begin = l.side_begin[p], end = l.side_begin[p + 1];
+    const auto is_it = [&](std::uint32_t s) {
+      const std::uint32_t next = s + 1 == end ? begin : s + 1;
+      return cache.corner_of_face[s] == k && cache.corner_of_face[next] == (k + 1) % n;
+    };
+    if (begin + k < end && is_it(begin + k)) return begin + k;
+    for (std::uint32_t s = begin; s < end; ++s) {
+      if (is_it(s)) return s;
+    }
+  }
+  return kNone;
+}
+
+}  // namespace
+
+PatchLayout lay_out(const Mesh& mesh, const Topology& topology,
+                    const std::vector<std::uint32_t>& faces, const LargeArray<DraftedFace>& drafted,
+                    PatchCache& cache) {
+  PatchLayout l;
+  cache.face_patch.assign(mesh.face_count(), kNone);
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    const std::uint32_t face = faces[i], n = mesh.valence(face);
+    const DraftedFace& d = drafted[i];
+    cache.face_patch[face] = static_cast<std::uint32_t>(cache.patch_face.size());
+    for (std::size_t t = 0; t < std::max<std::size_t>(d.tamer.size(), 1); ++t) {
+      const PatchDraft* draft = d.tamer.empty() ? nullptr : &d.tamer[t];
+      const std::size_t valence = draft == nullptr ? n : draft->face_corner.size();
+      for (std::size_t k = 0; k < valence; ++k) {
+        const auto corner = [&](std::size_t j) {
+          return draft == nullptr ? static_cast<std::uint32_t>(j % n)
+                                  : draft->face_corner[j % valence];
+        };
+        cache.corner_of_face.push_back(corner(k));
+      }
+      l.side_begin.push_back(static_cast<std::uint32_t>(cache.corner_of_face.size()));
+      cache.patch_face.push_back(face);
+      cache.kind.push_back(draft == nullptr ? PatchKind::kExact : draft->kind);
+      cache.folded.push_back(d.flagged());
+    }
+  }
+  l.side_twin.assign(cache.corner_of_face.size(), kNone);
+  for (const std::uint32_t face : faces) {
+    for (std::uint32_t s = mesh.face_begin[face]; s < mesh.face_begin[face + 1]; ++s) {
+      const std::uint32_t side = patch_side(mesh, topology, cache, l, s),
+                          twin = topology.side_twin[s];
+      if (side != kNone && twin != kNone)
+        l.side_twin[side] = patch_side(mesh, topology, cache, l, twin);
+    }
+  }
+  join_diagonals(cache, l);
+  return l;
+}
+
+}  // namespace gliss

@@ -1,0 +1,246 @@
+#include "gliss/build/patch_tame.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "gliss/surface/instances.h"
+#include "gliss/surface/layout.h"
+
+namespace gliss {
+namespace {
+
+// A patch whose normal stays within 84 degrees of its polygon's neither folds nor nearly does.
+constexpr double kSafeTurn = 0.1;
+constexpr double kRounding = 1e-9;     // far above that of a cosine
+constexpr std::uint32_t kMaxFan = 64;  // faces of more sides are not cut from their centre: slivers
+constexpr double kFarthestCentre = 2;  // from the middle of a polygon in [-1, 1]^3
+// Cross tangents of weaker ribbons turn about within less of their side than floats tell apart.
+constexpr double kTurnsAbout = 1e-6;
+constexpr double kInside = 1 - 1e-5;  // how far from the centre to a side counts as just inside
+
+// PatchShape::turn of the outermost probes alone, where most patches that fold do so: examine()
+// finds no more than that. It takes a tenth of the time.
+double turn_at_rim(const PatchDraft& d, const ValenceTables& tables) {
+  const std::uint32_t n = d.valence(), rim = n * kernels<double>().probe_levels(n),
+                      first = tables.probe_count[n] - rim;
+  const double *xi = tables.probes_of(n), *eta = xi + kernels<double>().probe_reals(n) / 2;
+  std::vector<double> rows(9 * rim);
+  kernels<double>().evaluate(tables.domain_of(n), d.control.data(), d.form, n, xi + first,
+                             eta + first, rim, rim, rows.data());
+  double turn = 1;
+  for (std::uint32_t i = 0; i < rim; ++i) {
+    const auto row = [&](std::size_t r) {
+      return Vec3(rows[r * rim + i], rows[(r + 1) * rim + i], rows[(r + 2) * rim + i]);
+    };
+    turn = std::min(turn, row(3).cross(row(6)).normalized().dot(d.frame.normal));
+  }
+  return turn + kRounding;
+}
+
+// True if the patch lies on the outer side of n_c all along its boundary, which is that of `exact`:
+// where a vertex normal points against the face, the ribbon may turn over, and the surface would
+// double back along the edge.
+bool keeps_normals(const PatchDraft& d, const PatchDraft& exact, const ValenceTables& tables) {
+  if (!d.side.empty()) return d.turned > 0;
+  const std::uint32_t n = d.valence();
+  const std::uint32_t steps = n > 32 ? 2 : 8;
+  std::vector<Eigen::Vector2d> at;
+  for (std::uint32_t side = 0; side < n; ++side) {
+    for (std::uint32_t i = 0; i < steps; ++i)
+      at.emplace_back(kInside * on_side(n, side, (i + 0.5) / steps));
+  }
+  const std::vector<Vec3> normals = normals_of(d, tables, at);
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    double normal[3];
+    kernels<double>().side_normal(&exact.control[i / steps * kSideReals],
+                                  (static_cast<double>(i % steps) + 0.5) / steps, normal);
+    if (!(normals[i].dot(Vec3(normal[0], normal[1], normal[2])) > 0)) return false;
+  }
+  return true;
+}
+
+// The same boundary, with cross tangents shortened until the patch is safe; none where it never is.
+// Cross tangents stay as they were where they have no direction to speak of.
+std::optional<PatchDraft> ease(const PatchDraft& draft, const ValenceTables& tables) {
+  if (draft.shape.turn > kSafeTurn) return draft;
+  if (draft.soundness < kTurnsAbout || draft.form != kFormExact) return std::nullopt;
+  for (const double amount : {0.25, 0.5, 0.75, 0.9}) {
+    PatchDraft d = draft;
+    if (d.kind == PatchKind::kExact) d.kind = PatchKind::kEased;
+    kernels<double>().ease_patch(d.control.data(), d.valence(), amount);
+    if (!(turn_at_rim(d, tables) > kSafeTurn)) continue;
+    d.shape = examine(d, tables);
+    if (d.shape.turn > kSafeTurn) return d;
+  }
+  return std::nullopt;
+}
+
+// The paper's patch with cross tangents that are polynomials; empty where that is not safe either.
+std::vector<PatchDraft> relaxed(const PatchDraft& exact, const ValenceTables& tables) {
+  const std::uint32_t n = exact.valence();
+  if (is_degenerate(exact.soundness)) return {};
+  PatchDraft d = exact;
+  d.kind = PatchKind::kEased;
+  d.form = kFormRibbon;
+  d.control.resize(kernels<double>().control_reals(d.form, n));
+  kernels<double>().bake(tables.domain_of(n), d.corner.data(), exact.control.data(), kFormExact,
+                         d.form, n, d.control.data());
+  d.shape = examine(d, tables);
+  if (!(d.shape.turn > kSafeTurn) || !keeps_normals(d, exact, tables)) return {};
+  return {std::move(d)};
+}
+
+// The same boundary curves, with cross tangents in the plane of the polygon, shorter and shorter:
+// without any, a corner interpolator is the sum of its two curves. The best, if its turn is better
+// than `worst`.
+std::optional<PatchDraft> bend(const PatchDraft& draft, double worst, const ValenceTables& tables) {
+  std::optional<PatchDraft> best;
+  for (const double length : {1.0, 0.5, 0.0}) {
+    PatchDraft d = draft;
+    d.kind = PatchKind::kBent;
+    d.soundness = 1;
+    const std::uint32_t n = d.valence();
+    if (!d.side.empty()) {
+      d.turned = kernels<double>().bake_fair(d.side.data(), n, d.frame.normal.data(), length,
+                                             d.control.data());
+    } else {
+      for (std::size_t k = 0; k < n; ++k) {
+        for (const std::size_t at : {kSideLength, kSideLength + 1})
+          d.control[k * kSideReals + at] *= length;
+      }
+      kernels<double>().bend_patch(d.control.data(), n, d.frame.normal.data());
+    }
+    if (turn_at_rim(d, tables) < worst) continue;
+    d.shape = examine(d, tables);
+    // Of two that are as bad, the one that moves less.
+    if (best ? d.shape.turn < worst : !(d.shape.turn > worst)) continue;
+    worst = d.shape.turn;
+    best = std::move(d);
+    if (worst > kSafeTurn) break;
+  }
+  return best;
+}
+
+// The cuts inside a face as straight lines, which both of their triangles can share when normals
+// are given up.
+void straighten_cuts(PatchDraft& d, std::uint32_t face_valence) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::uint32_t start = d.face_corner[k], end = d.face_corner[(k + 1) % 3];
+    if (start < face_valence && end == (start + 1) % face_valence) continue;
+    const bool is_fair = !d.side.empty();
+    double* curve = is_fair ? &d.side[k * kFairReals] : &d.control[k * kSideReals];
+    std::fill_n(curve + 3, 3 * ((is_fair ? kFairCurve : 4) - 1), 0.0);
+    for (std::size_t i = 0; i < 3; ++i)
+      curve[3 + i] = d.corner[6 * ((k + 1) % 3) + i] - d.corner[6 * k + i];
+  }
+}
+
+// The face with a centre as its last corner: places and normals to try. Where ribbons degenerate,
+// the middle of the patch may be anywhere.
+std::vector<FaceCorners> with_centres(const FaceCorners& face, const PatchDraft& exact,
+                                      const ValenceTables& tables) {
+  Vec3 centroid = Vec3::Zero(), normal = Vec3::Zero();
+  for (const Vec3& p : face.position) centroid += p / static_cast<double>(face.position.size());
+  for (const Vec3& m : face.normal) normal += m;
+  double at[9];
+  const double zero = 0;
+  const auto n = static_cast<std::uint32_t>(face.position.size());
+  kernels<double>().evaluate(tables.domain_of(n), exact.control.data(), exact.form, n, &zero, &zero,
+                             1, 1, at);
+  const Vec3 middle = exact.frame.origin + Vec3(at[0], at[1], at[2]) / exact.frame.scale;
+  std::vector<FaceCorners> all;
+  for (const Vec3& p : {middle, Vec3(0.5 * (middle + centroid)), centroid}) {
+    if (!(((p - exact.frame.origin) * exact.frame.scale).norm() < kFarthestCentre)) continue;
+    for (const Vec3& m : {normal, exact.frame.normal}) {
+      if (!(m.norm() > 0.1)) continue;
+      all.push_back(face);
+      all.back().position.push_back(p);
+      all.back().normal.push_back(m.normalized());
+    }
+  }
+  return all;
+}
+
+using Cuts = std::vector<std::array<std::uint32_t, 3>>;  // triangles of corners of a face
+
+// The face cut into triangles that share its corners and perhaps a centre, each with the normals of
+// its corners: they join each other and the neighbours with G1 continuity as any two patches do.
+// None where one of them is not safe.
+std::vector<PatchDraft> split(const FaceCorners& face, const Cuts& cuts,
+                              const ValenceTables& tables) {
+  std::vector<PatchDraft> parts;
+  for (const auto& t : cuts) {
+    PatchDraft d = draft_patch(face, {t[0], t[1], t[2]});
+    d.kind = PatchKind::kSplit;
+    d.shape.turn = -1;
+    if (!is_degenerate(d.soundness) && turn_at_rim(d, tables) > kSafeTurn)
+      d.shape = examine(d, tables);
+    std::optional<PatchDraft> eased = ease(d, tables);
+    if (!eased || !keeps_normals(*eased, *eased, tables)) return {};
+    parts.push_back(*std::move(eased));
+  }
+  return parts;
+}
+
+// The same with continuity of position only. None where a triangle's turn is no better than
+// `worst`.
+std::vector<PatchDraft> split_bent(const FaceCorners& face, const Cuts& cuts,
+                                   std::uint32_t face_valence, double worst,
+                                   const ValenceTables& tables) {
+  std::vector<PatchDraft> parts;
+  for (const auto& t : cuts) {
+    PatchDraft d = draft_patch(face, {t[0], t[1], t[2]});
+    straighten_cuts(d, face_valence);
+    std::optional<PatchDraft> bent = bend(d, worst, tables);
+    if (!bent) return {};
+    parts.push_back(*std::move(bent));
+  }
+  return parts;
+}
+
+double worst_turn(const std::vector<PatchDraft>& drafts) {
+  double turn = 1;
+  for (const PatchDraft& d : drafts) turn = std::min(turn, d.shape.turn);
+  return turn;
+}
+
+}  // namespace
+
+std::vector<PatchDraft> draft_tamer(const FaceCorners& face, PatchDraft exact,
+                                    const ValenceTables& tables) {
+  if (is_degenerate(exact.soundness)) exact.shape.turn = -1;
+  const std::uint32_t n = exact.valence();
+  std::vector<FaceCorners> fans;
+  if (n <= kMaxFan) fans = with_centres(face, exact, tables);
+  Cuts fan, ears;
+  for (std::uint32_t k = 0; k < n; ++k) fan.push_back({k, (k + 1) % n, n});
+  for (std::size_t t = 0; t < exact.triangle.size(); t += 3) {
+    ears.push_back({exact.triangle[t], exact.triangle[t + 1], exact.triangle[t + 2]});
+  }
+  // It keeps the boundary normals as they are if that gives a safe surface.
+  std::vector<PatchDraft> parts;
+  if (face.is_fair() && n > 4) parts = relaxed(exact, tables);
+  if (std::optional<PatchDraft> eased = ease(exact, tables);
+      parts.empty() && eased && keeps_normals(*eased, *eased, tables))
+    parts = {*std::move(eased)};
+  for (std::size_t i = 0; i < fans.size() && parts.empty(); ++i)
+    parts = split(fans[i], fan, tables);
+  if (n > 3 && parts.empty()) parts = split(face, ears, tables);
+  if (!parts.empty()) return parts;
+
+  // Without them otherwise: the best.
+  std::vector<PatchDraft> best{*bend(exact, -2, tables)};
+  const auto offer = [&](const FaceCorners& corners, const Cuts& cuts) {
+    const double worst = worst_turn(best);
+    if (worst > kSafeTurn) return;
+    parts = split_bent(corners, cuts, n, worst, tables);
+    if (!parts.empty()) best = std::move(parts);
+  };
+  for (const FaceCorners& f : fans) offer(f, fan);
+  if (n > 3) offer(face, ears);
+  return best;
+}
+
+}  // namespace gliss

@@ -1,0 +1,40 @@
+// Patch caches as files.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include "gliss/base/export.h"
+#include "gliss/surface/patch_cache.h"
+
+namespace gliss {
+
+// A cache that cannot be read; what() names the file and the section. `stale`: sound, but of
+// another mesh or version.
+struct GLISS_EXPORT CacheError : std::runtime_error {
+  CacheError(const std::string& what, bool stale) : std::runtime_error(what), stale(stale) {}
+  bool stale;
+};
+
+// Written to a temporary beside `path`, synced and renamed: a reader sees a whole cache or none.
+// Throws std::system_error. Reading checks every section's checksum, size, index and number; throws
+// CacheError, or NoFileError (host/files/open_file.h) of what is no regular file. `poll` is asked
+// many times a second, and what it throws ends the reading.
+GLISS_EXPORT void save_cache(const PatchCache& cache, const std::string& path);
+GLISS_EXPORT PatchCache load_cache(const std::string& path,
+                                   const std::function<void()>& poll = nullptr);
+// The properties that a cache has to have, each if it is given.
+struct CacheWanted {
+  std::optional<Precision> precision{};
+  std::optional<Level> level{};  // its construction does not count
+  std::optional<Construction> construction{};
+};
+// The same of a cache that is stale where it is not as wanted.
+GLISS_EXPORT PatchCache load_cache_of(const std::string& path, const CacheWanted& wanted,
+                                      const std::function<void()>& poll = nullptr);
+// True if it begins as caches do.
+GLISS_EXPORT bool is_cache_file(const std::string& path);
+
+}  // namespace gliss

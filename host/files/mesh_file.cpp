@@ -1,0 +1,111 @@
+// Mesh files: the reader by the ending of the name, the checks, and the writer.
+#include "gliss/files/mesh_file.h"
+
+#include <algorithm>
+#include <cctype>
+#include <system_error>
+
+#include "gliss/files/atomic_file.h"
+#include "gliss/files/line_reader.h"
+#include "gliss/files/mesh_readers.h"
+#include "gliss/files/open_file.h"
+#include "gliss/validate/validate_steps.h"
+
+namespace gliss {
+namespace {
+
+using Reader = void (*)(std::string_view, Mesh&, Report&);
+
+Reader reader_of(const std::string& path, Report& report) {
+  const std::size_t dot = path.find_last_of("./");
+  std::string ending = dot == std::string::npos ? "" : path.substr(dot);
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  if (ending == ".obj") return detail::read_obj;
+  if (ending == ".off") return detail::read_off;
+  if (ending == ".ply") return detail::read_ply;
+  report.fail("unsupported", {}, "the file must end in .obj, .off or .ply");
+}
+
+bool is_binary_ply(std::string_view text) {
+  return text.starts_with("ply") &&
+         text.substr(0, text.find("end_header")).find("format binary") != text.npos;
+}
+
+// Asked block by block, so that a file without lines, such as a large hole, is not read to its end.
+std::string read_file(OpenFile& file, const std::function<void()>& poll, Report& report) {
+  std::size_t line = 0, searched = 0;  // where the last line begins; where the next block does
+  const auto check_lines = [&](std::string_view text) {
+    if (poll) poll();
+    const std::size_t end = text.substr(searched).find_last_of("\r\n");
+    if (end != text.npos) line = searched + end + 1;
+    searched = text.size();
+    if (searched - line <= kLongestLine || is_binary_ply(text)) return;
+    const auto lines = std::count(text.begin(), text.end(), '\n');
+    report.fail("unsupported", {.line = static_cast<std::size_t>(lines) + 1},
+                "a line of over {} bytes, not a text file?", kLongestLine);
+  };
+  try {
+    return file.read_all(check_lines);
+  } catch (const std::system_error&) {
+    report.fail("unreadable", {}, "cannot be read: {}", file.why());
+  }
+}
+
+}  // namespace
+
+Mesh load_mesh(const std::string& path, const LoadOptions& options,
+               std::vector<Finding>* findings) {
+  Mesh mesh;
+  mesh.source = path;
+  mesh.unit = options.unit;
+  Report report(mesh, findings, options.poll);
+  OpenFile file(path);
+  if (file.descriptor() < 0) report.fail("unreadable", {}, "cannot be read: {}", file.why());
+  const Reader read = reader_of(path, report);
+  const std::string text = read_file(file, options.poll, report);
+  if (text.starts_with("\x1f\x8b")) {
+    report.fail("unsupported", {}, "is compressed by gzip; unpack it first");
+  }
+  read(text, mesh, report);
+  validate(mesh, options, report);
+  return mesh;
+}
+
+void save_obj(const Mesh& mesh, const std::string& path, const std::string& comment) {
+  AtomicFile file(path);
+  fmt::memory_buffer line;
+  const fmt::appender out(line);
+  const auto end_line = [&] {
+    line.push_back('\n');
+    file.write(line.data(), line.size());
+    line.clear();
+  };
+
+  for (std::size_t begin = 0; begin < comment.size();) {
+    const std::size_t end = std::min(comment.find_first_of("\r\n", begin), comment.size());
+    fmt::format_to(out, "# {}", std::string_view(comment).substr(begin, end - begin));
+    end_line();
+    begin = end + 1;
+  }
+  fmt::format_to(out, "# unit: {:.17g} m", mesh.unit);
+  end_line();
+  for (const Vec3& p : mesh.positions) {
+    fmt::format_to(out, "v {:.17g} {:.17g} {:.17g}", p.x(), p.y(), p.z());
+    end_line();
+  }
+  for (const Vec3& n : mesh.normals) {
+    fmt::format_to(out, "vn {:.17g} {:.17g} {:.17g}", n.x(), n.y(), n.z());
+    end_line();
+  }
+  for (std::size_t face = 0; face < mesh.face_count(); ++face) {
+    line.push_back('f');
+    for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c) {
+      fmt::format_to(out, " {}", mesh.corner_vertex[c] + 1);
+      if (!mesh.normals.empty()) fmt::format_to(out, "//{}", mesh.corner_normal[c] + 1);
+    }
+    end_line();
+  }
+  file.commit();
+}
+
+}  // namespace gliss

@@ -1,0 +1,24 @@
+// Mesh files: OBJ, OFF and PLY.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "gliss/base/export.h"
+#include "gliss/validate/validate.h"
+
+namespace gliss {
+
+// Reads OBJ, OFF or PLY (by extension), validates and repairs. Pipes and devices are refused, and
+// lines of over 16 MiB. No face is dropped in silence: counts are checked against the file. Appends
+// what was found to *findings (may be null). Throws MeshError on the first finding of severity
+// kError, after all findings are appended.
+GLISS_EXPORT Mesh load_mesh(const std::string& path, const LoadOptions& options = {},
+                            std::vector<Finding>* findings = nullptr);
+
+// Writes OBJ (positions, normals as v//vn, n-gons) with 17 digits, atomically. Throws
+// std::system_error.
+GLISS_EXPORT void save_obj(const Mesh& mesh, const std::string& path,
+                           const std::string& comment = "");
+
+}  // namespace gliss

@@ -1,0 +1,195 @@
+// Wavefront OBJ: v, vn and f; everything that is no geometry is skipped, never a face.
+#include <algorithm>
+#include <array>
+
+#include "gliss/files/mesh_readers.h"
+
+namespace gliss::detail {
+namespace {
+
+constexpr std::string_view kBlanks = " \t\v\f";
+
+struct Counts {
+  std::size_t faces = 0;
+  std::size_t corners = 0;
+};
+
+class ObjReader {
+ public:
+  ObjReader(std::string_view text, Mesh& mesh, Report& report)
+      : mesh_(mesh), report_(report), cursor_(text, {.comment = '#', .continued = true}, report) {}
+
+  void read() {
+    while (cursor_.next()) read_statement(cursor_.word());
+    check_indices();
+    drop_unused_normals();
+  }
+
+ private:
+  void read_statement(std::string_view keyword) {
+    if (keyword == "v") return read_vertex();
+    if (keyword == "f" || keyword == "fo") return read_face();  // fo: before version 3
+    if (keyword == "vn") {
+      mesh_.normals.push_back(cursor_.vector("normal"));
+      return cursor_.end();
+    }
+    constexpr std::array kSkipped{"vt", "o", "g", "s", "usemtl", "mtllib"};
+    if (std::find(kSkipped.begin(), kSkipped.end(), keyword) == kSkipped.end()) {
+      report_.add(Severity::kWarning, "unknown-statement", {.line = cursor_.line()},
+                  "statement {} is ignored", quoted(keyword));
+    }
+  }
+
+  void read_vertex() {
+    mesh_.positions.push_back(cursor_.vector("coordinate"));
+    const std::string_view first = cursor_.word();
+    if (first.empty()) return;
+    std::size_t extra = 1;
+    while (!cursor_.word().empty()) ++extra;
+    if (extra == 1 && parse_number(first) != 1.0) {
+      report_.add(Severity::kWarning, "ignored-weight", {.line = cursor_.line()},
+                  "the weight w = {} of a vertex is ignored", quoted(first));
+    } else if (extra == 2 || extra > 4) {  // 3 and 4 are colours
+      report_.add(Severity::kWarning, "extra-columns", {.line = cursor_.line()},
+                  "{} numbers after the coordinates of a vertex are ignored", extra);
+    }
+  }
+
+  void read_face() {
+    for (std::string_view word = cursor_.word(); !word.empty(); word = cursor_.word()) {
+      read_corner(word);
+    }
+    end_face(mesh_, cursor_.line(), report_);
+  }
+
+  // v, v/vt, v//vn or v/vt/vn
+  void read_corner(std::string_view word) {
+    constexpr std::size_t kAbsent = std::string_view::npos;
+    const std::size_t slash = word.find('/');
+    const std::size_t second = slash == kAbsent ? kAbsent : word.find('/', slash + 1);
+    const std::string_view texture =
+        slash == kAbsent ? "0" : word.substr(slash + 1, second - slash - 1);
+    const bool no_texture = texture.empty() && second != kAbsent;
+    if (!no_texture && !parse_integer(texture)) fail_corner(word);
+    mesh_.corner_vertex.push_back(
+        index(word.substr(0, slash), word, "vertex", "vertices", mesh_.positions.size()));
+    mesh_.corner_normal.push_back(second == kAbsent ? kNone
+                                                    : index(word.substr(second + 1), word, "normal",
+                                                            "normals", mesh_.normals.size()));
+  }
+
+  // From 1 upwards, or from -1 (the latest one) downwards, to 0 upwards.
+  std::uint32_t index(std::string_view text, std::string_view word, std::string_view name,
+                      std::string_view plural, std::size_t count) {
+    const std::optional<std::int64_t> value = parse_integer(text);
+    if (!value) fail_corner(word);
+    const std::int64_t index = *value < 0 ? static_cast<std::int64_t>(count) + *value : *value - 1;
+    if (index < 0 || index >= static_cast<std::int64_t>(kNone)) {
+      report_.fail(fmt::format("{}-index", name), place(), "{} index {} is out of range ({} {})",
+                   name, printable(text), count, plural);
+    }
+    return static_cast<std::uint32_t>(index);
+  }
+
+  [[noreturn]] void fail_corner(std::string_view word) {
+    report_.fail("syntax", place(), "{} is no corner (v, v/vt, v//vn or v/vt/vn)", quoted(word));
+  }
+
+  Report::Place place() const {
+    return {.face = static_cast<std::uint32_t>(mesh_.face_count()), .line = cursor_.line()};
+  }
+
+  // A face may come before its vertices, so positive indices are looked up at the end; the message
+  // names them as the file does, from 1.
+  void check_indices() {
+    for (std::uint32_t face = 0; face < mesh_.face_count(); ++face) {
+      for (std::uint32_t c = mesh_.face_begin[face]; c < mesh_.face_begin[face + 1]; ++c) {
+        const std::size_t vertex = mesh_.corner_vertex[c];
+        if (vertex >= mesh_.positions.size()) {
+          report_.add(Severity::kError, "vertex-index", {.face = face},
+                      "vertex index {} is out of range ({} vertices)", vertex + 1,
+                      mesh_.positions.size());
+        }
+        const std::size_t normal = mesh_.corner_normal[c];
+        if (normal != kNone && normal >= mesh_.normals.size()) {
+          report_.add(Severity::kError, "normal-index", {.face = face},
+                      "normal index {} is out of range ({} normals)", normal + 1,
+                      mesh_.normals.size());
+        }
+      }
+    }
+    report_.stop_on_error();
+  }
+
+  void drop_unused_normals() {
+    const auto is_none = [](std::uint32_t normal) { return normal == kNone; };
+    if (!std::all_of(mesh_.corner_normal.begin(), mesh_.corner_normal.end(), is_none)) return;
+    if (!mesh_.normals.empty()) {
+      report_
+          .add(Severity::kWarning, "unused-normals", {}, "no face uses the {} normals",
+               mesh_.normals.size())
+          .count = mesh_.normals.size();
+    }
+    mesh_.normals.clear();
+    mesh_.corner_normal.clear();
+  }
+
+  Mesh& mesh_;
+  Report& report_;
+  TextCursor cursor_;
+};
+
+// Cuts the first line off the text, with its line ending.
+std::string_view take_line(std::string_view& text) {
+  const std::size_t size = std::min(text.find_first_of("\r\n"), text.size());
+  const std::string_view line = text.substr(0, size);
+  text.remove_prefix(size);
+  text.remove_prefix(text.starts_with("\r\n") ? 2 : text.empty() ? 0 : 1);
+  return line;
+}
+
+// Counts again in another way, so that a slip of the reader shows. An "f" that starts a joined line
+// counts as well: whatever the statement before says, it must not vanish in silence.
+Counts count_faces(std::string_view text, Report& report) {
+  Counts counts;
+  bool in_face = false;
+  bool joined = false;  // the line before ended in a backslash
+  while (!text.empty()) {
+    report.poll();
+    std::string_view line = take_line(text);
+    const std::size_t comment = line.find('#');
+    const bool joins = comment == std::string_view::npos && line.ends_with('\\');
+    line = line.substr(0, comment);
+    if (joins) line.remove_suffix(1);
+
+    std::string_view first;
+    std::size_t words = 0;
+    for (std::size_t i = 0, end = 0; i < line.size(); i = end, ++words) {
+      i = line.find_first_not_of(kBlanks, i);
+      if (i == std::string_view::npos) break;
+      end = std::min(line.find_first_of(kBlanks, i), line.size());
+      if (words == 0) first = line.substr(i, end - i);
+    }
+    const bool starts = first == "f" || first == "fo";
+    in_face = starts || (joined && in_face);
+    joined = joins;
+    if (in_face) counts.corners += words;
+    if (starts) ++counts.faces, --counts.corners;  // the keyword is no corner
+  }
+  return counts;
+}
+
+}  // namespace
+
+void read_obj(std::string_view text, Mesh& mesh, Report& report) {
+  ObjReader(text, mesh, report).read();
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  const Counts counts = count_faces(text, report);
+  if (counts.faces != mesh.face_count() || counts.corners != mesh.corner_vertex.size()) {
+    report.fail("count-mismatch", {},
+                "the file has {} faces with {} corners, but {} with {} were read", counts.faces,
+                counts.corners, mesh.face_count(), mesh.corner_vertex.size());
+  }
+}
+
+}  // namespace gliss::detail

@@ -1,0 +1,75 @@
+// Tools that the mesh readers share: a cursor over the words of a text that knows its line, numbers
+// without the locale, and the entry point of each format. Private to host/.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "gliss/mesh/mesh.h"
+#include "gliss/validate/mesh_report.h"
+
+namespace gliss::detail {
+
+// Each fills an empty mesh whose `source` is set. Reports only what the text alone shows;
+// `validate` does the rest. A corner without a normal among others that have one gets kNone.
+void read_obj(std::string_view text, Mesh& mesh, Report& report);
+void read_off(std::string_view text, Mesh& mesh, Report& report);
+void read_ply(std::string_view text, Mesh& mesh, Report& report);
+
+// The whole word as a number in the C notation, whatever the locale; an optional sign is read. What
+// is beyond the type becomes its nearest value: an infinity, 0, or the last integer.
+std::optional<double> parse_number(std::string_view word);
+std::optional<std::int64_t> parse_integer(std::string_view word);
+
+// A word of the file as messages show it: without control characters, and short.
+std::string printable(std::string_view word);
+std::string quoted(std::string_view word);
+
+// Checks an index that cannot be looked up yet: at least 0, and small enough to be stored.
+std::uint32_t checked_index(std::int64_t value, const Mesh& mesh, std::size_t line, Report& report);
+
+// Ends the face whose corners have been appended; line = 0: the file has no lines.
+void end_face(Mesh& mesh, std::size_t line, Report& report);
+
+// Walks statement by statement (a line with words on it, of any line ending), word by word.
+class TextCursor {
+ public:
+  struct Syntax {
+    char comment = '\0';     // from here to the end of the line; '\0': there are none
+    bool continued = false;  // a backslash before the line ending joins two lines
+  };
+
+  TextCursor(std::string_view text, Syntax syntax, Report& report);
+
+  bool next();              // to the first word of the next statement; false: there is none
+  std::string_view word();  // the next word of this statement; empty: there is none
+  std::size_t line() const { return statement_line_; }  // where the statement starts, 1-based
+  std::string_view after_line();                        // what follows the line of this statement
+
+  // The next word as what it has to be; a bad or missing one fails with `what` in the message.
+  double number(std::string_view what);
+  std::int64_t integer(std::string_view what);
+  Vec3 vector(std::string_view what);  // three finite numbers
+  void end();                          // no word may be left
+
+ private:
+  bool at_word();  // skips blanks, comments and joined lines; false: at the end of the statement
+  bool at_line_end(const char* at) const { return at != end_ && (*at == '\n' || *at == '\r'); }
+  bool at_join(const char* at) const;
+  void skip_line_end();
+  std::string_view required(std::string_view what);
+
+  const char* at_;
+  const char* end_;
+  Syntax syntax_;
+  Report& report_;
+  std::size_t line_ = 1;
+  std::size_t statement_line_ = 0;
+  bool in_statement_ = false;
+  bool lone_returns_ = false;  // end the lines, without line feeds
+};
+
+}  // namespace gliss::detail

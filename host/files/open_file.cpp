@@ -1,0 +1,98 @@
+#include "gliss/files/open_file.h"
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+
+namespace gliss {
+namespace {
+
+constexpr std::size_t kBlock = 1 << 20;
+
+// Null for regular files, and for folders, which have an error of their own.
+const char* kind_of(mode_t mode) {
+  if (S_ISREG(mode) || S_ISDIR(mode)) return nullptr;
+  return S_ISFIFO(mode) ? "a pipe" : S_ISSOCK(mode) ? "a socket" : "a device";
+}
+
+}  // namespace
+
+// Looks first, since opening a device may do something, and again at what was opened.
+OpenFile::OpenFile(const std::string& path, int flags) : path_(path) {
+  struct stat status {};
+  if (stat(path.c_str(), &status) != 0) {
+    error_ = errno;
+    return;
+  }
+  kind_ = kind_of(status.st_mode);
+  if (kind_ != nullptr) return;
+  descriptor_ = open(path.c_str(), flags | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+  if (descriptor_ < 0 || fstat(descriptor_, &status) != 0) {
+    error_ = errno;
+  } else if (S_ISDIR(status.st_mode)) {
+    error_ = EISDIR;
+  } else {
+    kind_ = kind_of(status.st_mode);
+    size_ = static_cast<std::uint64_t>(status.st_size);
+    if (kind_ == nullptr) return;
+  }
+  if (descriptor_ >= 0) close(descriptor_);
+  descriptor_ = -1;
+}
+
+OpenFile::~OpenFile() {
+  if (descriptor_ >= 0) close(descriptor_);
+}
+
+std::string OpenFile::why() const {
+  constexpr const char* kCure = "write what comes out of it to a file, and name that";
+  if (kind_ != nullptr)
+    return fmt::format("it is {}, and only regular files are read; {}", kind_, kCure);
+  if (error_ == ENOENT && path_ == "-") return fmt::format("standard input is not read; {}", kCure);
+  return std::strerror(error_);
+}
+
+void OpenFile::check() const {
+  if (descriptor_ < 0) fail();
+}
+
+void OpenFile::fail() const {
+  const std::string action = fmt::format("cannot read '{}'", path_);
+  if (kind_ != nullptr) throw NoFileError(fmt::format("{}: {}", action, why()));
+  throw std::system_error(error_, std::generic_category(), action);
+}
+
+std::size_t OpenFile::read(void* to, std::size_t bytes) {
+  std::size_t done = 0;
+  while (done < bytes) {
+    const ssize_t count = ::read(descriptor_, static_cast<char*>(to) + done, bytes - done);
+    if (count == 0) break;
+    if (count > 0) {
+      done += static_cast<std::size_t>(count);
+    } else if (errno != EINTR) {
+      error_ = errno;
+      fail();
+    }
+  }
+  return done;
+}
+
+std::string OpenFile::read_all(const std::function<void(std::string_view)>& each_block) {
+  check();
+  std::string text;
+  for (std::size_t got = kBlock; got == kBlock;) {
+    const std::size_t old = text.size();
+    if (text.capacity() < old + kBlock) text.reserve(2 * old + kBlock);
+    text.resize(old + kBlock);
+    got = read(text.data() + old, kBlock);
+    text.resize(old + got);
+    if (each_block) each_block(text);
+  }
+  return text;
+}
+
+}  // namespace gliss

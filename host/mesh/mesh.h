@@ -1,0 +1,44 @@
+// A polygon mesh as flat arrays.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "gliss/base/export.h"
+#include "gliss/base/vector.h"
+
+namespace gliss {
+
+inline constexpr std::size_t kMaxValence = 1000;
+inline constexpr double kMostCoordinate = 1e60;  // beyond, areas and volumes would overflow
+inline constexpr double kLeastUnit = 1e-15, kMostUnit = 1e15;  // metres
+
+// Faces laid end to end. A corner is one entry of corner_vertex; the side of the same index runs
+// from that corner to the next one of its face. Invariants once `validate` has passed: every face
+// has 3 to kMaxValence corners, every index is in range, every number is finite.
+struct Mesh {
+  std::vector<Vec3> positions;               // [vertex], in `unit`
+  std::vector<Vec3> normals;                 // [normal], unit length; empty: the file had none
+  std::vector<std::uint32_t> face_begin{0};  // [face + 1], first corner of each face
+  std::vector<std::uint32_t> corner_vertex;  // [corner], anticlockwise seen from outside
+  std::vector<std::uint32_t> corner_normal;  // [corner], into normals; empty when normals is
+  std::vector<std::uint32_t> face_line;      // [face], line of the source file; empty: generated
+  double unit = 1.0;                         // metres per unit of length
+  std::string source;                        // file name for messages
+
+  std::size_t face_count() const { return face_begin.size() - 1; }
+  std::uint32_t valence(std::size_t face) const { return face_begin[face + 1] - face_begin[face]; }
+};
+
+// A mesh that cannot be used; what() names file, line, face or edge.
+struct GLISS_EXPORT MeshError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+// XXH3 of the mesh's arrays and unit.
+GLISS_EXPORT std::uint64_t hash_of(const Mesh& mesh);
+
+}  // namespace gliss

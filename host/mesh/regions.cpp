@@ -1,0 +1,76 @@
+#include "gliss/mesh/regions.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace gliss {
+
+std::vector<std::uint32_t> faces_in_box(const Mesh& mesh, const Box& box) {
+  std::vector<std::uint32_t> faces;
+  for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
+    Box face{Vec3::Constant(std::numeric_limits<double>::infinity()),
+             Vec3::Constant(-std::numeric_limits<double>::infinity())};
+    for (std::uint32_t s = mesh.face_begin[f]; s < mesh.face_begin[f + 1]; ++s) {
+      face.low = face.low.cwiseMin(mesh.positions[mesh.corner_vertex[s]]);
+      face.high = face.high.cwiseMax(mesh.positions[mesh.corner_vertex[s]]);
+    }
+    if ((face.low.array() <= box.high.array()).all() &&
+        (face.high.array() >= box.low.array()).all())
+      faces.push_back(f);
+  }
+  return faces;
+}
+
+std::vector<std::uint32_t> faces_around(const Mesh& mesh, const Topology& topology,
+                                        std::uint32_t face, int rings) {
+  return faces_around(mesh, topology, {&face, 1}, rings);
+}
+
+std::vector<std::uint32_t> faces_around(const Mesh& mesh, const Topology& topology,
+                                        std::span<const std::uint32_t> faces, int rings) {
+  std::vector<std::uint32_t> found, front;
+  std::vector<char> seen(mesh.face_count(), 0);
+  for (const std::uint32_t f : faces) {
+    if (!seen[f]) front.push_back(f);
+    seen[f] = 1;
+  }
+  found = front;
+  for (int r = 0; r < rings; ++r) {
+    std::vector<std::uint32_t> next;
+    for (const std::uint32_t f : front) {
+      for (std::uint32_t s = mesh.face_begin[f]; s < mesh.face_begin[f + 1]; ++s) {
+        const std::uint32_t twin = topology.side_twin[s];
+        if (twin == kNone || seen[topology.side_face[twin]]) continue;
+        seen[topology.side_face[twin]] = 1;
+        next.push_back(topology.side_face[twin]);
+      }
+    }
+    found.insert(found.end(), next.begin(), next.end());
+    front = std::move(next);
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+std::vector<std::uint32_t> faces_touching(const Mesh& mesh, const Topology& topology,
+                                          std::span<const std::uint32_t> faces) {
+  std::vector<std::uint32_t> found(faces.begin(), faces.end());
+  for (const std::uint32_t f : faces) {
+    for (std::uint32_t s = mesh.face_begin[f]; s < mesh.face_begin[f + 1]; ++s) {
+      // Round the corner one way, and from a border the other way.
+      std::uint32_t at = next_around(mesh, topology, s);
+      for (; at != kNone && at != s; at = next_around(mesh, topology, at))
+        found.push_back(topology.side_face[at]);
+      if (at == s) continue;
+      for (at = topology.side_twin[s]; at != kNone; at = topology.side_twin[at]) {
+        found.push_back(topology.side_face[at]);
+        at = next_side(mesh, topology, at);
+      }
+    }
+  }
+  std::sort(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  return found;
+}
+
+}  // namespace gliss

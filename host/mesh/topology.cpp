@@ -1,0 +1,175 @@
+#include "gliss/mesh/topology.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <numbers>
+
+#include "gliss/mesh/mesh_edges.h"
+
+namespace gliss {
+namespace {
+
+// Interior angle of a corner, beyond pi where the corner is reflex. atan2 is good for any size and
+// for the flattest and the sharpest of angles, where acos is not.
+double corner_angle(const Mesh& mesh, std::uint32_t face, std::uint32_t corner,
+                    const Vec3& face_normal) {
+  const auto position = [&](std::uint32_t c) -> const Vec3& {
+    return mesh.positions[mesh.corner_vertex[c]];
+  };
+  const Vec3 ahead = position(next_corner(mesh, face, corner)) - position(corner);
+  const Vec3 back = position(prev_corner(mesh, face, corner)) - position(corner);
+  const Vec3 cross = ahead.cross(back);
+  const double angle = std::atan2(cross.norm(), ahead.dot(back));
+  return cross.dot(face_normal) < 0 ? 2 * std::numbers::pi - angle : angle;
+}
+
+std::uint32_t count_parts(const Topology& topology, std::size_t face_count) {
+  DisjointSets parts(face_count);
+  auto count = static_cast<std::uint32_t>(face_count);
+  for (std::uint32_t side = 0; side < topology.side_twin.size(); ++side) {
+    const std::uint32_t twin = topology.side_twin[side];
+    if (twin != kNone && twin > side &&
+        parts.unite(topology.side_face[side], topology.side_face[twin])) {
+      --count;
+    }
+  }
+  return count;
+}
+
+}  // namespace
+
+std::uint32_t next_side(const Mesh& mesh, const Topology& topology, std::uint32_t side) {
+  return next_corner(mesh, topology.side_face[side], side);
+}
+
+std::uint32_t prev_side(const Mesh& mesh, const Topology& topology, std::uint32_t side) {
+  return prev_corner(mesh, topology.side_face[side], side);
+}
+
+std::uint32_t next_around(const Mesh& mesh, const Topology& topology, std::uint32_t side) {
+  return topology.side_twin[prev_side(mesh, topology, side)];
+}
+
+Topology build_topology(const Mesh& mesh) {
+  Topology topology;
+  topology.side_face = side_faces(mesh);
+  topology.side_twin = pair_sides(mesh, topology.side_face);
+  topology.vertex_side.assign(mesh.positions.size(), kNone);
+  for (std::uint32_t side = 0; side < topology.side_twin.size(); ++side) {
+    const std::uint32_t twin = topology.side_twin[side];
+    std::uint32_t& first = topology.vertex_side[mesh.corner_vertex[side]];
+    assert(twin == kNone || mesh.corner_vertex[twin] != mesh.corner_vertex[side]);
+    // On an open fan the side with nothing to its right is where going left starts.
+    if (twin == kNone || first == kNone) first = side;
+    if (twin == kNone) ++topology.border_side_count;
+  }
+  topology.part_count = count_parts(topology, mesh.face_count());
+  return topology;
+}
+
+Vec3 newell_normal(const Mesh& mesh, std::size_t face) {
+  // Crossing from the first corner keeps the digits of a small face far from the origin.
+  const std::uint32_t begin = mesh.face_begin[face];
+  const Vec3& origin = mesh.positions[mesh.corner_vertex[begin]];
+  Vec3 normal = Vec3::Zero();
+  Vec3 last = mesh.positions[mesh.corner_vertex[begin + 1]] - origin;
+  for (std::uint32_t c = begin + 2; c < mesh.face_begin[face + 1]; ++c) {
+    const Vec3 here = mesh.positions[mesh.corner_vertex[c]] - origin;
+    normal += last.cross(here);
+    last = here;
+  }
+  return normal;
+}
+
+namespace {
+
+std::vector<Vec3> angle_normals(const Mesh& mesh) {
+  constexpr double kVanishing = 1e-9;  // of the sum of angles
+  std::vector<Vec3> normals(mesh.positions.size(), Vec3::Zero());
+  std::vector<double> angles(mesh.positions.size(), 0);
+  for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
+    const Vec3 normal = newell_normal(mesh, face).stableNormalized();
+    for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c) {
+      const double angle = corner_angle(mesh, face, c, normal);
+      normals[mesh.corner_vertex[c]] += angle * normal;
+      angles[mesh.corner_vertex[c]] += angle;
+    }
+  }
+
+  std::vector<std::uint32_t> vanished;
+  for (std::uint32_t v = 0; v < normals.size(); ++v) {
+    const double length = normals[v].norm();
+    if (length > kVanishing * angles[v]) {
+      normals[v] /= length;
+    } else {
+      normals[v] = Vec3::Zero();
+      vanished.push_back(v);
+    }
+  }
+  if (vanished.empty()) return normals;
+
+  for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
+    const Vec3 normal = newell_normal(mesh, face);
+    for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c) {
+      const std::uint32_t v = mesh.corner_vertex[c];
+      const bool empty = std::binary_search(vanished.begin(), vanished.end(), v);
+      if (empty && normal.squaredNorm() > normals[v].squaredNorm()) normals[v] = normal;
+    }
+  }
+  for (const std::uint32_t v : vanished) {
+    normals[v] = normals[v].isZero(0) ? Vec3::UnitZ() : normals[v].stableNormalized();
+  }
+  return normals;
+}
+
+// Calls f(vertex, ahead, back) for every corner, with its edges away from the vertex.
+template <class F>
+void for_corners(const Mesh& mesh, F f) {
+  for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
+    for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c) {
+      const std::uint32_t v = mesh.corner_vertex[c];
+      const Vec3& at = mesh.positions[v];
+      f(v, Vec3(mesh.positions[mesh.corner_vertex[next_corner(mesh, face, c)]] - at),
+        Vec3(mesh.positions[mesh.corner_vertex[prev_corner(mesh, face, c)]] - at));
+    }
+  }
+}
+
+// Moves normals towards Max's where both see all corners.
+void smooth_normals(const Mesh& mesh, std::vector<Vec3>& normals) {
+  constexpr double kApart = 0.80, kAgreed = 0.95;  // least cosines to a corner's own normal
+  std::vector<Vec3> smooth(normals.size(), Vec3::Zero());
+  for_corners(mesh, [&](std::uint32_t v, const Vec3& ahead, const Vec3& back) {
+    const Vec3 normal =
+        ahead.stableNormalized().cross(back.stableNormalized()) / (ahead.norm() * back.norm());
+    if (normal.allFinite()) smooth[v] += normal;
+  });
+  std::vector<double> least(normals.size(), 1);
+  for (Vec3& n : smooth) n = n.stableNormalized();
+  for_corners(mesh, [&](std::uint32_t v, const Vec3& ahead, const Vec3& back) {
+    const Vec3 corner = ahead.cross(back).stableNormalized();
+    least[v] = std::min({least[v], corner.dot(normals[v]), corner.dot(smooth[v])});
+  });
+  for (std::size_t v = 0; v < normals.size(); ++v) {
+    const double x = std::clamp((least[v] - kApart) / (kAgreed - kApart), 0.0, 1.0);
+    const double share = x * x * (3 - 2 * x);
+    if (share > 0) normals[v] = (normals[v] + share * (smooth[v] - normals[v])).normalized();
+  }
+}
+
+}  // namespace
+
+std::vector<Vec3> vertex_normals(const Mesh& mesh, NormalWeights weights) {
+  std::vector<Vec3> normals = angle_normals(mesh);
+  if (weights == NormalWeights::kSmooth) smooth_normals(mesh, normals);
+  return normals;
+}
+
+void add_vertex_normals(Mesh& mesh, NormalWeights weights) {
+  if (!mesh.normals.empty()) return;
+  mesh.normals = vertex_normals(mesh, weights);
+  mesh.corner_normal = mesh.corner_vertex;
+}
+
+}  // namespace gliss

@@ -1,0 +1,57 @@
+// How the sides of a validated mesh meet: twins, fans, borders, parts; and its vertex normals.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "gliss/base/export.h"
+#include "gliss/mesh/mesh.h"
+
+namespace gliss {
+
+// Sides are half-edges: side s runs from corner_vertex[s] to the next corner of its face.
+struct Topology {
+  std::vector<std::uint32_t> side_face;  // [side]
+  std::vector<std::uint32_t> side_twin;  // [side], same edge, other face; kNone: border
+  // [vertex], a side that starts there; kNone: unused. On an open fan the one from which
+  // next_around meets all others.
+  std::vector<std::uint32_t> vertex_side;
+  std::uint32_t part_count = 0;  // connected components
+  std::uint32_t border_side_count = 0;
+};
+
+// Next and previous side of the same face.
+GLISS_EXPORT std::uint32_t next_side(const Mesh& mesh, const Topology& topology,
+                                     std::uint32_t side);
+GLISS_EXPORT std::uint32_t prev_side(const Mesh& mesh, const Topology& topology,
+                                     std::uint32_t side);
+
+// The next side that starts at the same vertex, anticlockwise seen from outside; kNone past a
+// border.
+GLISS_EXPORT std::uint32_t next_around(const Mesh& mesh, const Topology& topology,
+                                       std::uint32_t side);
+
+// Requires a validated mesh (manifold edges, consistent orientation).
+GLISS_EXPORT Topology build_topology(const Mesh& mesh);
+
+enum class NormalWeights {
+  // The mean of the face normals, weighted by the angle of the corner (Thuermer and Wuethrich
+  // 1998). A vertex whose mean vanishes gets the normal of its largest face.
+  kAngle,
+  // The sum of e_1 x e_2 / (|e_1|^2 |e_2|^2) if the corners of a vertex nearly agree, which is
+  // exact
+  // on spheres (Max 1999); that of kAngle if they do not; a blend in between.
+  kSmooth
+};
+
+// Gives a mesh without normals one unit normal per vertex. Leaves meshes with normals alone.
+GLISS_EXPORT void add_vertex_normals(Mesh& mesh, NormalWeights weights = NormalWeights::kAngle);
+
+// The normals that add_vertex_normals adds; an unused vertex gets (0, 0, 1).
+GLISS_EXPORT std::vector<Vec3> vertex_normals(const Mesh& mesh,
+                                              NormalWeights weights = NormalWeights::kAngle);
+
+// Normal of a polygon by Newell's method; length is twice the area of a planar polygon.
+GLISS_EXPORT Vec3 newell_normal(const Mesh& mesh, std::size_t face);
+
+}  // namespace gliss

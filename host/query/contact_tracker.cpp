@@ -1,0 +1,268 @@
+#include "gliss/query/contact_tracker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "gliss/base/plain_arithmetic.h"
+#include "gliss/query/frames.h"
+#include "gliss/surface/layout.h"
+
+namespace gliss {
+
+// One tick in the cache's own precision.
+template <class Real>
+class ContactTracker::Tick {
+ public:
+  Tick(ContactTracker& tracker, const Surface<Real>& surface, const Vec3& hip)
+      : t_(tracker),
+        cache_(*tracker.cache_),
+        s_(surface),
+        options_(track_options<Real>(tracker.options_)),
+        state_(*std::get_if<RawContact<Real>>(&tracker.state_)),
+        hip_(hip),
+        on_surface_(1e-6 / cache_.scale),
+        glide_(0x1p-12 / cache_.scale) {}
+
+  Contact run() {
+    const bool was_touching = t_.touching();
+    const double moved = (hip_ - t_.last_).norm();
+    if (!hip_.allFinite() || t_.is_clear(hip_)) return look_only();
+    if (!was_touching) {
+      const RawContact<Real> end = nearest(hip_, left() / 2);
+      return t_.clear_ < 0 ? settle(end) : arrive(end);
+    }
+    RawContact<Real> next = state_;
+    kernels<Real>().tick(s_, t_.options_.method, within(left() / 2), raw_hip<Real>(cache_, hip_),
+                         &next);
+    spent_ += evaluations_of(next);
+    if (is_touching(next)) return settle(next);
+    const Contact gone = contact_of(cache_, s_, next);
+    const RawContact<Real> end = nearest(hip_, left() / 2);
+    // A HIP that has come out within this tick is no farther from the surface than it has moved.
+    const bool is_out =
+        (next.uints[kContactFlags] & kOnBorder) != 0 || gone.distance <= moved + on_surface_;
+    if (!is_out && is_touching(end)) return settle(end);
+    // No surface lies between the last HIP and this one: it has not come out, whatever the sheets
+    // say that lie nearest where a surface folds over itself.
+    if (!is_out && clear_of(end) > moved && hold()) return contact(state_);
+    t_.last_ = gone.scp;
+    t_.clear_ = 0;
+    t_.behind_ = false;
+    return arrive(end);
+  }
+
+ private:
+  static bool is_touching(const RawContact<Real>& raw) { return raw.uints[kContactState] != 0; }
+  static bool is_unfinished(const RawContact<Real>& raw) {
+    return (raw.uints[kContactFlags] & kUnfinished) != 0;
+  }
+  static int evaluations_of(const RawContact<Real>& raw) {
+    return static_cast<int>(raw.uints[kContactIterations]) + 1;
+  }
+
+  int left() const { return kSearchEvaluations - spent_; }  // evaluations
+  TrackOptions<Real> within(int budget) const {
+    TrackOptions<Real> options = options_;
+    options.budget = std::max(1, std::min(budget, left()));
+    return options;
+  }
+  RawContact<Real> nearest(const Vec3& x, int budget = kSearchEvaluations) {
+    RawContact<Real> found;
+    const RawHip<Real> there = raw_hip<Real>(cache_, x);
+    kernels<Real>().nearest(s_, &t_.options_.method, 1, within(budget), &there, 1, &found);
+    spent_ += evaluations_of(found);
+    ++searches_;
+    return found;
+  }
+  // No point of the surface is nearer.
+  static double clear_of(const Contact& found) {
+    return found.flags & kUnfinished ? found.clear : std::abs(found.distance);
+  }
+  double clear_of(const RawContact<Real>& raw) const {
+    return clear_of(contact_of(cache_, s_, raw));
+  }
+
+  Contact contact(const RawContact<Real>& raw) const {
+    Contact c = contact_of(cache_, s_, raw);
+    c.iterations = spent_ - 1;
+    return c;
+  }
+  // The nearest point, without a contact.
+  Contact look_only() {
+    RawContact<Real> found = nearest(hip_);
+    found.uints[kContactState] = 0;
+    return contact(found);
+  }
+
+  // The tick ends with `raw` for its state.
+  Contact settle(const RawContact<Real>& raw) {
+    state_ = raw;
+    t_.last_ = hip_;
+    t_.clear_ = is_touching(raw) ? 0 : clear_of(raw);
+    t_.behind_ = false;
+    t_.held_push_ = 0;
+    return contact(raw);
+  }
+  // The tick ends with the SCP where it was. False once that pushes four times as far as at first.
+  bool hold() {
+    const auto push_of = [](const RawContact<Real>& raw) {
+      return Eigen::Map<const Eigen::Matrix<Real, 3, 1>>(&raw.reals[kContactOffset]).norm();
+    };
+    RawContact<Real> same = state_;
+    TrackOptions<Real> options = within(left());
+    options.max_iterations = 0;
+    const RawHip<Real> hip = raw_hip<Real>(cache_, hip_);
+    kernels<Real>().track(s_, t_.options_.method, options, &hip, 1, &same);
+    if (t_.held_push_ == 0) t_.held_push_ = static_cast<double>(push_of(state_));
+    if (!(static_cast<double>(push_of(same)) <= 4 * t_.held_push_)) return false;
+    same.uints[kContactState] = 1;
+    same.uints[kContactFlags] &= ~kConverged;
+    state_ = same;
+    t_.last_ = hip_;
+    return true;
+  }
+
+  // ... free, whatever the normal at the nearest point says.
+  Contact settle_free(RawContact<Real> end) {
+    const bool is_behind = is_touching(end);
+    end.uints[kContactState] = 0;
+    const Contact c = settle(end);
+    t_.behind_ = is_behind;
+    return c;
+  }
+  // ... free, though the HIP has not been reached: the next tick goes on from x. A contact that is
+  // not known to have ended is held.
+  Contact pause(const Vec3& x, double clear, RawContact<Real> end) {
+    if (t_.touching() && hold()) return contact(state_);
+    end.uints[kContactState] = 0;
+    state_ = end;
+    t_.last_ = x;
+    t_.clear_ = clear;
+    return contact(end);
+  }
+
+  // Sphere tracing (Hart 1996) along the way of a free HIP, from last_ to where `end` is the
+  // nearest point: the balls round both ends hold no surface, nor does that round any point
+  // between. A way that they cover crosses none.
+  Contact arrive(const RawContact<Real>& end) {
+    const Vec3 from = t_.last_, way = hip_ - from;
+    const double length = way.norm();
+    const bool crosses = !is_unfinished(end) && is_touching(end) != t_.behind_;
+    // From where squares overflow nothing is swept.
+    const double uncovered =
+        std::isfinite(length) ? length - clear_of(end) + (crosses ? on_surface_ : -on_surface_) : 0;
+    bool behind = t_.behind_, glided = false, was_near = false;
+    for (double at = t_.clear_ > 0 ? t_.clear_ : std::min(4 * on_surface_, length);
+         at < std::min(uncovered, length);) {
+      const Vec3 x = from + (at / length) * way;
+      const RawContact<Real> there = nearest(x, kWaySearch);
+      const Contact found = contact_of(cache_, s_, there);
+      const double clear = clear_of(found);
+      const bool is_in = is_touching(there) && !is_unfinished(there), meets = clear <= on_surface_;
+      if (!behind && (meets || (is_in && (glided || cache_.is_closed)))) {
+        RawContact<Real> inside = there;
+        const RawHip<Real> hip = raw_hip<Real>(cache_, hip_);
+        kernels<Real>().track(s_, t_.options_.method, within(left()), &hip, 1, &inside);
+        spent_ += evaluations_of(inside);
+        if (is_touching(inside)) return settle(inside);
+      }
+      if (!meets) behind = is_in && !cache_.is_closed;
+      // Close to a surface it glides, towards it no farther than to its tangent plane.
+      double step = std::min(glide_, length);
+      const double towards = (found.scp - x).dot(way) / length;
+      if (!meets && towards > 0) step = std::min(step, clear * clear / towards);
+      glided = step > clear;
+      was_near = was_near || glided || meets;
+      step = std::max(step, clear);
+      if (spent_ >= kSearchEvaluations || searches_ >= kTickSearches) {
+        t_.behind_ = behind;
+        return glided ? pause(from + (std::min(at + step, length) / length) * way, 0, end)
+                      : pause(x, clear, end);
+      }
+      at += step;
+    }
+    if (is_unfinished(end)) return pause(hip_, clear_of(end), end);
+    // A HIP that was near a surface and ends inside has come in, though its place was not found.
+    return cache_.is_closed || (was_near && !behind) ? settle(end) : settle_free(end);
+  }
+
+  // Evaluations for a point on the way, where a bound on the distance is enough.
+  static constexpr int kWaySearch = 128;
+
+  ContactTracker& t_;
+  const PatchCache& cache_;
+  const Surface<Real>& s_;
+  const TrackOptions<Real> options_;
+  RawContact<Real>& state_;
+  const Vec3 hip_;
+  const double on_surface_;  // closer than this is on it, mesh's unit
+  const double glide_;       // longest step that the ball round a point does not cover
+  int spent_ = 0, searches_ = 0;
+};
+
+namespace {
+
+// The contact with a cache that was moved from under the tracker.
+Contact no_surface() {
+  Contact c;
+  c.push.setConstant(std::numeric_limits<double>::quiet_NaN());
+  return c;
+}
+
+}  // namespace
+
+ContactTracker::ContactTracker(const PatchCache& cache, const QueryOptions& options)
+    : cache_(&cache), options_(options) {
+  require_patches(cache);
+  if (cache.surface.index() == 1) state_.emplace<1>();
+}
+
+Contact ContactTracker::tick(const Vec3& hip) noexcept {
+  if (cache_->patch_count() == 0) return no_surface();
+  const PlainArithmetic plain;
+  return with_surface(
+      *cache_, [&]<class Real>(const Surface<Real>& s) { return Tick<Real>(*this, s, hip).run(); });
+}
+
+Contact ContactTracker::track(const Vec3& hip, const DomainPoint& start) noexcept {
+  if (cache_->patch_count() == 0) return no_surface();
+  const PlainArithmetic plain;
+  return with_surface(*cache_, [&]<class Real>(const Surface<Real>& s) {
+    RawContact<Real>& state = *std::get_if<RawContact<Real>>(&state_);
+    place_at(place_of(*cache_, s, start), state);
+    const RawHip<Real> there = raw_hip<Real>(*cache_, hip);
+    kernels<Real>().track(s, options_.method, track_options<Real>(options_), &there, 1, &state);
+    if (hip.allFinite()) {
+      last_ = hip;
+      clear_ = 0;
+    }
+    return contact_of(*cache_, s, state);
+  });
+}
+
+void ContactTracker::release(const Vec3& hip, double clear) noexcept {
+  std::visit([](auto& state) { state.uints[kContactState] = 0; }, state_);
+  last_ = hip;
+  clear_ = clear;
+  behind_ = false;
+}
+
+void ContactTracker::move_to(const PatchCache& cache) noexcept {
+  std::visit(
+      [&](auto& state) {
+        std::uint32_t& patch = state.uints[kContactPatch];
+        state.held_count = 0;
+        const std::uint32_t face = cache_->patch_face[patch], first = cache.face_patch[face];
+        // Free, the patch is only remembered.
+        patch = first == kNone ? 0 : first + (patch - cache_->face_patch[face]);
+      },
+      state_);
+  cache_ = &cache;
+}
+
+bool ContactTracker::touching() const {
+  return std::visit([](const auto& state) { return state.uints[kContactState] != 0; }, state_);
+}
+
+}  // namespace gliss

@@ -1,0 +1,63 @@
+// Algorithm 1 for one HIP: a search while free, local tracking in contact.
+#pragma once
+
+#include <variant>
+
+#include "gliss/base/export.h"
+#include "gliss/query/query.h"
+
+namespace gliss {
+
+// Follows the contact of one HIP with one cache by one method, tick by tick. It keeps a reference
+// to the cache, which must outlive it; one thread at a time may use it.
+//
+// - A free HIP comes into contact where its way from the last tick enters the surface, at any speed
+//   and however thin the part, and the contact stays on that side.
+// - A contact ends where the HIP has crossed the surface from inside, and not before, whatever the
+//   normals of bent or folded faces say. Past an open border it fades: the rim is rounded off
+//   (kernels/method.h, past_border), so that it ends without force.
+// - An open mesh is the skin of a solid that lies behind it. It acts on what comes from outside; a
+//   HIP that went round the rim is behind it and feels nothing until it has come out and in again.
+class GLISS_EXPORT ContactTracker {
+ public:
+  // Evaluations of patches that a tick spends at most, with the default iterations of a solver; and
+  // searches. What they do not suffice for, after a leap, the next
+  // ticks do: until then there is no contact.
+  static constexpr int kTickEvaluations = 1000, kTickSearches = 128;
+
+  // Throws std::invalid_argument for a cache without patches.
+  ContactTracker(const PatchCache& cache, const QueryOptions& options);
+  ContactTracker(const PatchCache&&, const QueryOptions&) = delete;  // it would die at once
+  // The contact after the HIP has moved to `hip` (mesh's unit). A HIP that is not finite has none,
+  // and changes nothing. Where the surface is at fault, the contact is not touching and its push is
+  // NaN; the next tick searches anew.
+  Contact tick(const Vec3& hip) noexcept;
+  // Follows the local nearest point from a given contact, whatever the state.
+  Contact track(const Vec3& hip, const DomainPoint& start) noexcept;
+  bool touching() const;
+  // Makes the HIP free; no surface is nearer to it than `clear`.
+  void release(const Vec3& hip, double clear) noexcept;
+  // Goes on with another cache of the same mesh and precision; in contact, one that has the patch
+  // that is touched.
+  void move_to(const PatchCache& cache) noexcept;
+  void move_to(const PatchCache&&) = delete;
+  // True if the HIP is free, and nearer to where it was last looked for than any surface: a tick
+  // there finds no contact and changes nothing, so that it may as well be left out.
+  bool is_clear(const Vec3& hip) const { return !touching() && (hip - last_).norm() < clear_; }
+
+ private:
+  template <class Real>
+  class Tick;
+  // No search begins after as many: six descents of 64 steps may follow.
+  static constexpr int kSearchEvaluations = kTickEvaluations - 6 * 65;
+
+  const PatchCache* cache_;
+  QueryOptions options_;
+  std::variant<RawContact<float>, RawContact<double>> state_;
+  Vec3 last_ = Vec3::Zero();  // the last tick's HIP, or how far along its way a sweep has come
+  double clear_ = -1;         // no surface is nearer to it than this; negative: there was no tick
+  bool behind_ = false;       // it is free and behind an open surface
+  double held_push_ = 0;      // push, mesh frame, when the SCP came to be held; 0: it is not
+};
+
+}  // namespace gliss

@@ -1,0 +1,59 @@
+// Between the mesh's unit and double on one side, and the frames and precision of the kernels on
+// the other (kernels/view.h).
+#pragma once
+
+#include "gliss/base/export.h"
+#include "gliss/query/query.h"
+#include "gliss/surface/layout.h"
+
+namespace gliss {
+
+// A point of a patch's own domain.
+struct PatchPlace {
+  std::uint32_t patch = 0;
+  double xi = 0, eta = 0;
+};
+
+template <class Real>
+GLISS_EXPORT PatchPlace place_of(const PatchCache& cache, const Surface<Real>& s,
+                                 const DomainPoint& point);
+
+// out[i] from column slot[i] of the nine rows, `stride` apart, that evaluation gave; a point of
+// patch[i].
+template <class Real>
+GLISS_EXPORT void surface_points(const PatchCache& cache, const Surface<Real>& s,
+                                 std::span<const std::uint32_t> patch,
+                                 std::span<const std::uint32_t> slot, const Real* rows,
+                                 std::size_t stride, std::span<SurfacePoint> out);
+
+template <class Real>
+GLISS_EXPORT RawHip<Real> raw_hip(const PatchCache& cache, const Vec3& hip);
+
+template <class Real>
+GLISS_EXPORT TrackOptions<Real> track_options(const QueryOptions& options);
+
+template <class Real>
+GLISS_EXPORT Contact contact_of(const PatchCache& cache, const Surface<Real>& s,
+                                const RawContact<Real>& raw);
+
+// Makes a state of a point from which to track.
+template <class Real>
+void place_at(const PatchPlace& place, RawContact<Real>& state) {
+  state.uints[kContactPatch] = place.patch;
+  state.held_count = 0;
+  state.reals[kContactXi] = static_cast<Real>(place.xi);
+  state.reals[kContactEta] = static_cast<Real>(place.eta);
+}
+
+// Corner k of the domain of a valence in use.
+template <class Real>
+GLISS_EXPORT Eigen::Vector2d domain_corner(const Surface<Real>& s, std::uint32_t n,
+                                           std::uint32_t k);
+
+// Calls f with the surface in its own precision.
+template <class F>
+auto with_surface(const PatchCache& cache, F f) {
+  return cache.surface.index() == 0 ? f(std::get<0>(cache.surface)) : f(std::get<1>(cache.surface));
+}
+
+}  // namespace gliss

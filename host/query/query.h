@@ -1,0 +1,105 @@
+// Questions to a patch cache, in the mesh's unit and double whatever its precision: points of a
+// face's patch and the nearest point of the surface. What takes one point allocates nothing. A
+// DomainPoint must be in_domain; nothing checks that again.
+//
+// All throw std::invalid_argument for a cache without patches, such as one that was moved from, and
+// for results that have less room than there are questions. The thread's rounding mode changes
+// nothing.
+//
+// Any number of threads may ask one const PatchCache at once. Calls for many points keep their
+// working arrays for the next call, one set a thread, as large as its largest batch.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "gliss/base/export.h"
+#include "gliss/surface/instances.h"
+#include "gliss/surface/patch_cache.h"
+
+namespace gliss {
+
+// A point of a face's patch: (xi, eta) lies in the regular n-gon with corners (cos 2 k pi / n, sin
+// 2 k pi / n).
+struct DomainPoint {
+  std::uint32_t face = 0;
+  double xi = 0, eta = 0;
+};
+
+struct SurfacePoint {
+  Vec3 position, d_xi, d_eta;  // G and its derivatives (eq. 4), mesh's unit
+  Vec3 normal;  // outward, unit; that of the polygon where the derivatives span no plane
+};
+
+// Throws std::invalid_argument unless there is room for as many as are needed.
+GLISS_EXPORT void require_room(std::size_t room, std::size_t needed);
+
+// At t, 0 to 1, along side k, from corner k to the next, of a face of n sides.
+GLISS_EXPORT DomainPoint on_side(std::uint32_t face, std::uint32_t n, std::uint32_t k, double t);
+// True if a point lies in the domain of a face that has a patch.
+GLISS_EXPORT bool in_domain(const PatchCache& cache, const DomainPoint& point);
+GLISS_EXPORT SurfacePoint evaluate(const PatchCache& cache, const DomainPoint& point);
+// Many points of any faces: as evaluate, several lanes at a time; point i at out[i]. Allocates.
+GLISS_EXPORT void evaluate(const PatchCache& cache, std::span<const DomainPoint> points,
+                           std::span<SurfacePoint> out);
+
+// How far a solver goes on: until its step is shorter than `tolerance`, relative to the size of the
+// patch, or as often as is allowed.
+struct SolverOptions {
+  Solver solver = Solver::kNewton;
+  int max_iterations = 64;
+  double tolerance = 0;  // 0: as exact as the precision allows; of kPaper a residual angle, rad
+};
+
+struct QueryOptions : SolverOptions {
+  Method method = Method::kGregory;
+  // Evaluations after which a search begins no further descent, so that it spends at most
+  // max_iterations + 1 more; 0: no limit. A search that ends so has kUnfinished. Usual meshes take
+  // up to ten thousand, and that where a HIP is as near to many places; the default is a bound for
+  // those made to take more.
+  int budget = 1 << 16;
+};
+
+struct Contact {
+  bool touching = false;  // the HIP is inside
+  DomainPoint at;         // of the SCP
+  Vec3 scp = Vec3::Zero(),
+       normal = Vec3::Zero();  // surface contact point, mesh's unit; outward unit normal
+  double distance = 0;         // signed, mesh's unit; negative inside
+  // SCP - HIP for gregory and flat, turned to the normal for shaded; zero outside. NaN where the
+  // surface is at fault: its numbers give no contact, though the HIP is near. Mesh's unit
+  Vec3 push = Vec3::Zero();
+  double residual_angle = 0;          // between SCP - HIP and the normal, rad
+  int iterations = 0, crossings = 0;  // iterations: over all patches that were tried
+  std::uint32_t flags = 0;            // kConverged, kOnBorder, kOnCrease, kNotBuilt, kUnfinished
+  // The distance that a search found no surface nearer than, but for rounding, mesh's unit:
+  // |distance| unless it is kUnfinished. Tracking leaves 0.
+  double clear = 0;
+};
+
+// Global: the nearest point of the surface.
+GLISS_EXPORT Contact nearest(const PatchCache& cache, const Vec3& hip,
+                             const QueryOptions& options = {});
+
+// The same for several methods (at most kMethods, or std::invalid_argument; each once;
+// options.method is not read), which share the search.
+GLISS_EXPORT void nearest(const PatchCache& cache, const Vec3& hip, std::span<const Method> methods,
+                          const QueryOptions& options, std::span<Contact> out);
+// The nearest points of many HIPs, several lanes at a time: HIP i with method m at out[m * stride +
+// i]. Allocates.
+GLISS_EXPORT void nearest(const PatchCache& cache, std::span<const Vec3> hips,
+                          std::span<const Method> methods, const QueryOptions& options,
+                          std::size_t stride, Contact* out);
+
+// Local: the nearest point that each HIP slides to from its start, several lanes at a time.
+// Allocates.
+GLISS_EXPORT void track(const PatchCache& cache, std::span<const Vec3> hips,
+                        std::span<const DomainPoint> starts, const QueryOptions& options,
+                        std::span<Contact> out);
+
+// F = stiffness (N/m) x push, in newtons.
+inline Vec3 contact_force(const PatchCache& cache, const Contact& contact, double stiffness) {
+  return stiffness * cache.unit * contact.push;
+}
+
+}  // namespace gliss

@@ -1,0 +1,31 @@
+#include "gliss/query/trace.h"
+
+#include "gliss/base/plain_arithmetic.h"
+#include "gliss/query/contact_tracker.h"
+
+namespace gliss {
+
+std::vector<TraceStatistics> trace(const PatchCache& cache, std::span<const Vec3> hips,
+                                   const TraceOptions& options, const TraceSink& sink) {
+  const PlainArithmetic plain;
+  std::vector<ContactTracker> trackers;
+  std::vector<TraceStatistics> statistics;
+  for (const Method method : options.methods) {
+    trackers.emplace_back(cache, QueryOptions{options, method});
+    statistics.emplace_back();
+    statistics.back().method = method;
+  }
+  std::vector<TraceStep> steps(options.methods.size());
+  for (std::size_t tick = 0; tick < hips.size(); ++tick) {
+    for (std::size_t m = 0; m < trackers.size(); ++m) {
+      steps[m].contact = trackers[m].tick(hips[tick]);
+      // A sum, as of the objects of a scene: it has no -0.
+      steps[m].force = Vec3::Zero() + contact_force(cache, steps[m].contact, options.stiffness);
+      statistics[m].add(steps[m].contact.touching, steps[m].force);
+    }
+    if (sink && !sink(tick, steps)) break;
+  }
+  return statistics;
+}
+
+}  // namespace gliss

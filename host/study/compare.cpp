@@ -1,0 +1,315 @@
+#include "gliss/study/compare.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "gliss/build/build_cache.h"
+#include "gliss/study/tessellate.h"
+
+namespace gliss {
+namespace {
+
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t kPoints = 20000, kPointsPerFace = 64, kMostPoints = 1000000;
+constexpr double kMeasureFor = 0.1;  // s, each rate
+constexpr int kRides = 5;            // along each path, for the time of a tick
+
+class Stopwatch {
+ public:
+  double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+// Items a second of work that does `items` at a time.
+template <class Poll, class Work>
+double rate_of(std::size_t items, Poll poll, Work work) {
+  work();  // memory touched, kernels compiled
+  const Stopwatch clock;
+  std::size_t rounds = 0;
+  double seconds = 0;
+  do {
+    poll();
+    work();
+    ++rounds;
+    seconds = clock.seconds();
+  } while (seconds < kMeasureFor);
+  return static_cast<double>(items * rounds) / seconds;
+}
+
+}  // namespace
+
+struct Comparison::Surface {
+  CompareCandidate candidate;
+  PatchCache cache;
+  double seconds = 0;  // to build it
+};
+
+Comparison::Comparison(const Mesh& mesh, const Topology& topology, const PatchCache& exact,
+                       std::vector<ComparePath> paths, CompareWalks walks, TrueDistance distance,
+                       CompareOptions options)
+    : mesh_(mesh),
+      exact_(exact),
+      paths_(std::move(paths)),
+      walks_(std::move(walks)),
+      distance_(std::move(distance)),
+      options_(std::move(options)),
+      topology_(topology),
+      points_(spread_points(exact, kPoints)),
+      many_points_(spread_points(
+          exact, std::min(kPointsPerFace * std::size_t{exact.mesh_face_count}, kMostPoints))),
+      exact_points_(points_.size()) {
+  if (!options_.normals_given) {
+    smooth_mesh_ = mesh;
+    smooth_mesh_.normals = vertex_normals(mesh, NormalWeights::kSmooth);
+    smooth_mesh_.corner_normal = smooth_mesh_.corner_vertex;
+  }
+  evaluate(exact_, points_, exact_points_);
+  for (const SurfacePoint& p : exact_points_)
+    hips_.push_back(p.position - paths_.front().depth / mesh.unit * p.normal);
+}
+
+std::size_t Comparison::row_count() const {
+  return options_.candidates.size() * options_.precisions.size() * options_.backends.size() *
+         options_.solvers.size();
+}
+
+void Comparison::poll() const {
+  if (options_.poll) options_.poll();
+}
+
+std::unique_ptr<Engine> Comparison::engine_of(const std::string& backend) const {
+  if (options_.make_engine) return options_.make_engine(backend);
+  if (backend == "tbb") return make_tbb_engine();
+  if (backend == "serial") return make_serial_engine();
+  throw std::invalid_argument("a comparison on '" + backend +
+                              "' needs CompareOptions::make_engine");
+}
+
+std::vector<CompareRow> Comparison::measure(const std::function<void()>& measured) const {
+  std::vector<CompareRow> rows;
+  for (const CompareCandidate& candidate : options_.candidates) {
+    for (const Precision precision : options_.precisions) {
+      std::vector<CompareRow> felt;  // by solver: what does not depend on the backend
+      for (const std::string& backend : options_.backends) {
+        const auto engine = engine_of(backend);
+        const Surface surface = build(candidate, precision, *engine);
+        if (felt.empty()) {
+          CompareRow shape{candidate, precision, Solver::kNewton, ""};
+          measure_shape(surface, shape);
+          for (const Solver solver : options_.solvers) {
+            felt.push_back(shape);
+            felt.back().solver = solver;
+            measure_feel(surface.cache, query_of(candidate, solver), felt.back());
+            measure_walks(surface.cache, query_of(candidate, solver), *engine, felt.back());
+          }
+        }
+        const auto resident = engine->reside(surface.cache);
+        const double evaluations =
+            candidate.method == Method::kGregory ? evaluation_rate(*resident) : kUnknown;
+        for (CompareRow row : felt) {
+          row.backend = backend;
+          row.build_per_s = static_cast<double>(mesh_.face_count()) / surface.seconds;
+          row.eval_per_s = evaluations;
+          row.track_per_s = tracking_rate(*resident, query_of(candidate, row.solver));
+          rows.push_back(row);
+          if (measured) measured();
+        }
+      }
+    }
+  }
+  mark_pareto(rows);
+  return rows;
+}
+
+QueryOptions Comparison::query_of(const CompareCandidate& candidate, Solver solver) const {
+  QueryOptions query{options_.solving, candidate.method};
+  query.solver = solver;
+  return query;
+}
+
+Comparison::Surface Comparison::build(const CompareCandidate& candidate, Precision precision,
+                                      const Engine& engine) const {
+  Surface surface{candidate, {}, 0};
+  const Stopwatch clock;
+  if (candidate.method == Method::kGregory) {
+    BuildOptions options;
+    options.precision = precision;
+    options.level = candidate.level;
+    const bool is_smooth = normal_weights(candidate.level.construction) == NormalWeights::kSmooth;
+    const Mesh& mesh = is_smooth && !options_.normals_given ? smooth_mesh_ : mesh_;
+    surface.cache = build_cache(mesh, topology_, options, nullptr, engine.build_backend());
+  } else {
+    surface.cache = build_base(mesh_, topology_, precision);
+  }
+  surface.seconds = clock.seconds();
+  return surface;
+}
+
+void Comparison::measure_shape(const Surface& surface, CompareRow& row) const {
+  const PatchCache& cache = surface.cache;
+  const Method method = surface.candidate.method;
+  row.bytes = static_cast<double>(cache.bytes());
+  row.bytes_per_patch = row.bytes / cache.patch_count();
+  const Distances gaps = normal_gaps(mesh_, topology_, cache, method);
+  row.max_normal_gap = gaps.largest;
+  row.p99_normal_gap = gaps.p99;
+  std::vector<Vec3> there;  // on the surface
+  std::vector<double> distance;
+  if (method == Method::kGregory) {
+    std::vector<SurfacePoint> points(points_.size());
+    evaluate(cache, points_, points);
+    for (const SurfacePoint& p : points) {
+      there.push_back(p.position);
+      distance.push_back(std::abs(nearest(exact_, p.position).distance));
+    }
+  } else {
+    QueryOptions flat;
+    flat.method = Method::kFlat;
+    for (const SurfacePoint& p : exact_points_) {
+      const Contact contact = nearest(cache, p.position, flat);
+      there.push_back(contact.scp);
+      distance.push_back(std::abs(contact.distance));
+    }
+  }
+  const Distances to_exact = distances_of(distance);
+  row.max_distance = to_exact.largest * mesh_.unit;
+  row.p99_distance = to_exact.p99 * mesh_.unit;
+  row.true_max_distance = row.true_p99_distance = kUnknown;
+  if (!distance_) return;
+  for (std::size_t i = 0; i < there.size(); ++i) distance[i] = distance_(there[i]);
+  const Distances to_truth = distances_of(distance);
+  row.true_max_distance = to_truth.largest * mesh_.unit;
+  row.true_p99_distance = to_truth.p99 * mesh_.unit;
+}
+
+void Comparison::measure_feel(const PatchCache& cache, const QueryOptions& query,
+                              CompareRow& row) const {
+  row.max_force_step = row.p99_force_step = row.max_force_error = row.p99_force_error = 0;
+  row.tick = row.jumps_per_100k = row.lost_per_100k = 0;
+  row.unsound = 0;
+  for (const ComparePath& path : paths_) {
+    poll();
+    const double depth = path.depth / mesh_.unit;
+    const FeltPath felt = feel_path(cache, query, path.hips, depth, path.reference);
+    const double newtons = options_.stiffness * mesh_.unit;
+    row.max_force_step = std::max(row.max_force_step, newtons * felt.force.largest_step);
+    row.p99_force_step = std::max(row.p99_force_step, newtons * felt.p99_step);
+    row.jumps_per_100k = std::max(row.jumps_per_100k, felt.force.jumps_per_100k());
+    row.lost_per_100k = std::max(row.lost_per_100k, felt.force.lost_per_100k());
+    row.unsound += felt.force.unsound;
+    row.max_force_error = std::max(row.max_force_error, felt.error.largest / depth);
+    row.p99_force_error = std::max(row.p99_force_error, felt.error.p99 / depth);
+    double tick = felt.median_tick;  // the best of some: others use the machine as well
+    for (int i = 1; i < kRides; ++i)
+      tick = std::min(tick, feel_path(cache, query, path.hips, depth, {}).median_tick);
+    row.tick = std::max(row.tick, tick);
+  }
+}
+
+void Comparison::measure_walks(const PatchCache& cache, const QueryOptions& query,
+                               const Engine& engine, CompareRow& row) const {
+  row.walk_max_force_step = kUnknown;
+  if (walks_.walks.empty()) return;
+  const ParallelFor polled = [&](std::size_t count, std::size_t grain, const auto& body) {
+    engine.for_each(count, grain, [&](std::size_t begin, std::size_t end) {
+      poll();
+      body(begin, end);
+    });
+  };
+  const ForceStatistics felt =
+      feel_walks(cache, query, walks_.walks, walks_.depth / mesh_.unit, polled);
+  row.walk_max_force_step = options_.stiffness * mesh_.unit * felt.largest_step;
+  row.jumps_per_100k = felt.jumps_per_100k();
+  row.lost_per_100k = felt.lost_per_100k();
+  row.unsound += felt.unsound;
+}
+
+double Comparison::evaluation_rate(const ResidentSurface& resident) const {
+  std::vector<SurfacePoint> points(many_points_.size());
+  return rate_of(
+      points.size(), [&] { poll(); }, [&] { resident.evaluate(many_points_, points); });
+}
+
+double Comparison::tracking_rate(const ResidentSurface& resident, const QueryOptions& query) const {
+  std::vector<Contact> contacts(hips_.size());
+  return rate_of(
+      hips_.size(), [&] { poll(); }, [&] { resident.track(hips_, points_, query, contacts); });
+}
+
+DenseRow Comparison::match(Method method, const CompareRow& target, std::uint64_t limit) const {
+  DenseRow row;
+  row.method = method;
+  row.target = target.candidate.name();
+  row.target_step = target.max_force_step;
+  double last_step = 0, last_triangles = 0;
+  // Half as many again along a side each time.
+  for (std::uint32_t cells = 1; tessellated_count(mesh_, cells) <= limit || cells == 1;
+       cells = cells < 2 ? cells + 1 : cells + cells / 2) {
+    poll();
+    const Mesh dense = tessellate(mesh_, exact_, cells);
+    const PatchCache cache = build_base(dense, build_topology(dense), Precision::kDouble);
+    CompareRow felt{};
+    measure_feel(cache, query_of({method, {}}, Solver::kNewton), felt);
+    last_step = row.max_force_step;
+    last_triangles = static_cast<double>(row.triangles);
+    row.triangles = dense.face_count();
+    row.bytes = static_cast<double>(cache.bytes());
+    row.max_force_step = felt.max_force_step;
+    row.p99_force_step = felt.p99_force_step;
+    row.jumps_per_100k = felt.jumps_per_100k;
+    row.lost_per_100k = felt.lost_per_100k;
+    row.tick = felt.tick;
+    row.reached = felt.max_force_step <= target.max_force_step;
+    if (row.reached) break;
+  }
+  row.memory_ratio = row.bytes / target.bytes;
+  row.time_ratio = row.tick / target.tick;
+  row.needed_triangles = static_cast<double>(row.triangles);
+  if (!row.reached) {
+    const double slope = std::log(row.max_force_step / last_step) /
+                         std::log(static_cast<double>(row.triangles) / last_triangles);
+    row.needed_triangles =
+        last_step > 0 && slope < 0
+            ? row.needed_triangles * std::pow(target.max_force_step / row.max_force_step, 1 / slope)
+            : kUnknown;
+  }
+  return row;
+}
+
+void mark_pareto(std::vector<CompareRow>& rows) {
+  const auto beats = [](const CompareRow& a, const CompareRow& b) {
+    const bool no_worse = a.max_force_error <= b.max_force_error && a.tick <= b.tick &&
+                          a.bytes_per_patch <= b.bytes_per_patch;
+    return no_worse && (a.max_force_error < b.max_force_error || a.tick < b.tick ||
+                        a.bytes_per_patch < b.bytes_per_patch);
+  };
+  for (CompareRow& row : rows) {
+    row.pareto = std::none_of(rows.begin(), rows.end(),
+                              [&](const CompareRow& other) { return beats(other, row); });
+  }
+}
+
+const CompareRow* recommend(const std::vector<CompareRow>& rows, const CompareBudget& budget) {
+  const CompareRow* best = nullptr;
+  const auto within = [](double value, const std::optional<double>& most) {
+    return !most || value <= *most;
+  };
+  for (const CompareRow& row : rows) {
+    if (!within(row.max_force_error, budget.force_error) || !within(row.tick, budget.tick) ||
+        !within(row.bytes, budget.memory))
+      continue;
+    if (best == nullptr ||
+        (budget.force_error ? row.tick < best->tick : row.max_force_error < best->max_force_error))
+      best = &row;
+  }
+  return best;
+}
+
+}  // namespace gliss

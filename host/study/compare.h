@@ -1,0 +1,152 @@
+// Costs and gains of each level on a mesh and a machine, beside flat polygons and force shading.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gliss/base/export.h"
+#include "gliss/engine/engine.h"
+#include "gliss/study/fidelity.h"
+#include "gliss/study/walk.h"
+#include "gliss/surface/names.h"
+
+namespace gliss {
+
+// A surface to compare: patches at a level, or the base polygons with a method.
+struct CompareCandidate {
+  Method method = Method::kGregory;
+  Level level;
+
+  bool operator==(const CompareCandidate&) const = default;
+  std::string name() const {
+    return method == Method::kGregory ? surface_name(level) : method_name(method);
+  }
+};
+
+struct CompareOptions {
+  std::vector<CompareCandidate> candidates;
+  // False: the mesh's normals were made for it, so that each construction makes its own.
+  bool normals_given = true;
+  std::vector<Precision> precisions{Precision::kFloat, Precision::kDouble};
+  std::vector<Solver> solvers{Solver::kNewton};
+  std::vector<std::string> backends{"tbb"};
+  // Makes the engine of a backend; null: those of "tbb" and "serial" are known.
+  std::function<std::unique_ptr<Engine>(const std::string& backend)> make_engine = nullptr;
+  SolverOptions solving;   // but for the solver
+  double stiffness = 500;  // N/m
+  // Asked many times a second, also from an engine's threads; what it throws ends the measuring.
+  std::function<void()> poll = nullptr;
+};
+
+// Lengths in m. What was not measured is NaN: a JSON null.
+struct CompareRow {
+  CompareCandidate candidate;
+  Precision precision;
+  Solver solver;
+  std::string backend;
+  double bytes = 0, bytes_per_patch = 0;
+  double build_per_s = 0, eval_per_s = 0, track_per_s = 0;
+  double max_distance = 0, p99_distance = 0;            // to the exact surface
+  double true_max_distance = 0, true_p99_distance = 0;  // to the reference
+  double max_normal_gap = 0, p99_normal_gap = 0;        // rad
+  double max_force_step = 0, p99_force_step = 0;        // N, along the path
+  double walk_max_force_step = 0;                       // N, in the walks
+  double jumps_per_100k = 0, lost_per_100k = 0;         // in the walks; without, along the path
+  std::uint64_t unsound = 0;                            // steps that are not finite
+  // The error is to the force of the exact surface, as a share of stiffness x depth.
+  double max_force_error = 0, p99_force_error = 0;
+  double tick = 0;  // s, median
+  bool pareto = false;
+};
+
+// A triangle mesh so dense that it feels as smooth as `target`, or the densest that was tried.
+struct DenseRow {
+  Method method = Method::kFlat;
+  std::uint64_t triangles = 0;
+  double bytes = 0, max_force_step = 0, p99_force_step = 0, tick = 0;
+  double jumps_per_100k = 0, lost_per_100k = 0;  // along the path
+  std::string target;
+  double target_step = 0, memory_ratio = 0, time_ratio = 0;
+  bool reached = false;
+  double needed_triangles =
+      0;  // where not reached: as the last two tried say; NaN: no end in sight
+};
+
+// The most that a recommended row may cost.
+struct CompareBudget {
+  std::optional<double> force_error, tick, memory;  // ratio, s, bytes
+};
+
+// HIPs at one depth.
+struct ComparePath {
+  double depth = 0;                   // m
+  std::vector<Vec3> hips, reference;  // mesh's unit; pushes of the exact surface
+};
+
+// Random walks, all at one depth; none: they are switched off.
+struct CompareWalks {
+  double depth = 0;  // m
+  std::vector<Walk> walks{};
+};
+
+// `distance`: from a point (mesh's unit) to the true surface, same unit; null: unknown.
+using TrueDistance = std::function<double(const Vec3&)>;
+
+class GLISS_EXPORT Comparison {
+ public:
+  // `exact`: in double, of the whole mesh; the mesh has normals. These three must outlive it.
+  Comparison(const Mesh& mesh, const Topology& topology, const PatchCache& exact,
+             std::vector<ComparePath> paths, CompareWalks walks, TrueDistance distance,
+             CompareOptions options);
+  Comparison(Mesh&&, const Topology&, const PatchCache&, std::vector<ComparePath>, CompareWalks,
+             TrueDistance, CompareOptions) = delete;
+  Comparison(const Mesh&, Topology&&, const PatchCache&, std::vector<ComparePath>, CompareWalks,
+             TrueDistance, CompareOptions) = delete;
+  Comparison(const Mesh&, const Topology&, PatchCache&&, std::vector<ComparePath>, CompareWalks,
+             TrueDistance, CompareOptions) = delete;
+
+  std::size_t row_count() const;
+  // Calls `measured` after each row.
+  std::vector<CompareRow> measure(const std::function<void()>& measured = nullptr) const;
+  // Finer and finer triangles of at most `limit`.
+  DenseRow match(Method method, const CompareRow& target, std::uint64_t limit) const;
+
+ private:
+  struct Surface;
+
+  void poll() const;
+  std::unique_ptr<Engine> engine_of(const std::string& backend) const;
+  Surface build(const CompareCandidate& candidate, Precision precision, const Engine& engine) const;
+  void measure_shape(const Surface& surface, CompareRow& row) const;
+  void measure_feel(const PatchCache& cache, const QueryOptions& query, CompareRow& row) const;
+  void measure_walks(const PatchCache& cache, const QueryOptions& query, const Engine& engine,
+                     CompareRow& row) const;
+  double evaluation_rate(const ResidentSurface& resident) const;
+  double tracking_rate(const ResidentSurface& resident, const QueryOptions& query) const;
+  QueryOptions query_of(const CompareCandidate& candidate, Solver solver) const;
+
+  const Mesh& mesh_;
+  const PatchCache& exact_;
+  const std::vector<ComparePath> paths_;
+  const CompareWalks walks_;
+  const TrueDistance distance_;
+  const CompareOptions options_;
+  const Topology& topology_;
+  Mesh smooth_mesh_;  // with the fair construction's normals, if it makes its own
+  const std::vector<DomainPoint> points_, many_points_;  // many: for the rate of evaluation
+  std::vector<SurfacePoint> exact_points_;               // at points_
+  std::vector<Vec3> hips_;                               // beneath them
+};
+
+// Marks rows that no other beats in error, tick and memory at once.
+GLISS_EXPORT void mark_pareto(std::vector<CompareRow>& rows);
+// The quickest of the rows within the budget, or the nearest to the exact surface where no error is
+// given; null: none.
+GLISS_EXPORT const CompareRow* recommend(const std::vector<CompareRow>& rows,
+                                         const CompareBudget& budget);
+
+}  // namespace gliss

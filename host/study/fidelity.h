@@ -1,0 +1,50 @@
+// How far one surface is from another, how smooth it is across edges, and how it feels along a
+// path: what levels are compared by. Lengths in the mesh's unit.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+
+#include "gliss/base/export.h"
+#include "gliss/mesh/topology.h"
+#include "gliss/query/force_statistics.h"
+#include "gliss/query/query.h"
+
+namespace gliss {
+
+// HIPs `depth` beneath the surface, about `step` apart: over face after face, mostly straight on.
+// No border is crossed. Deterministic; empty where no face can be left.
+GLISS_EXPORT std::vector<Vec3> path_over(const Mesh& mesh, const Topology& topology,
+                                         const PatchCache& cache, double depth, double step,
+                                         std::size_t count);
+
+// Points of all faces, about `count`, in the order of faces.
+GLISS_EXPORT std::vector<DomainPoint> spread_points(const PatchCache& cache, std::size_t count);
+
+// A value that is not finite ranks above all others.
+struct Distances {
+  double largest = 0, p99 = 0;
+};
+GLISS_EXPORT Distances distances_of(std::vector<double> distances);
+
+// Angles between the normals on both sides of an edge (rad) that a contact with this method meets:
+// of the patches, of the blended vertex normals (shaded), of the base polygons (flat). Edges whose
+// sides have unlike vertex normals, and those of bent patches, are creases and left out.
+GLISS_EXPORT Distances normal_gaps(const Mesh& mesh, const Topology& topology,
+                                   const PatchCache& cache, Method method);
+
+// A path, tick by tick.
+struct FeltPath {
+  ForceStatistics force;     // stiffness 1 N per unit of length
+  double p99_step = 0;       // of the steps of `force`
+  Distances error;           // |push - reference|
+  double median_tick = 0;    // s
+  std::vector<Vec3> push{};  // [tick]
+};
+// `depth` of the path, mesh's unit. `reference`: pushes to compare with, or empty.
+GLISS_EXPORT FeltPath feel_path(const PatchCache& cache, const QueryOptions& options,
+                                std::span<const Vec3> path, double depth,
+                                std::span<const Vec3> reference);
+
+}  // namespace gliss

@@ -1,0 +1,396 @@
+#include "gliss/study/sweep.h"
+
+#include <algorithm>
+#include <cmath>
+#include <future>
+#include <limits>
+#include <memory>
+#include <random>
+#include <utility>
+
+#include "gliss/base/plain_arithmetic.h"
+#include "gliss/query/force_statistics.h"
+#include "gliss/study/sweep_grid.h"
+#include "gliss/study/sweep_parts.h"
+
+namespace gliss {
+namespace {
+
+constexpr int kSpotChecks = 4;       // of a block that is read
+constexpr double kRounding = 1e-9;   // of a point of a domain
+constexpr double kAgreement = 1e-3;  // of a depth, and of the force there
+
+// A chunk under way.
+struct Piece {
+  const SweepChunk* chunk;
+  std::size_t begin;                        // of its points in the window
+  std::vector<SweepStatistics> statistics;  // [depth][method]
+  std::vector<SweepBlock> blocks;           // [depth][method]; empty: not kept
+};
+
+// Chunks that are computed together: as many as keep the engine busy. Its memory is used again: new
+// pages cost as much as what is computed in them.
+struct Window {
+  std::vector<Piece> pieces;
+  std::vector<DomainPoint> points;
+  std::vector<SurfacePoint> surface;  // [point]
+  std::vector<Vec3> hips;             // [depth][point]
+  std::vector<Contact> contacts;      // [method][depth][point]
+};
+
+class Sweeper {
+ public:
+  Sweeper(const PatchCache& cache, const Engine& engine, const SweepOptions& options)
+      : cache_(cache),
+        engine_(engine),
+        options_(options),
+        grid_(cache, options.rings),
+        surface_(engine.reside(cache)) {}
+
+  SweepResult run(const SweepSink& sink, const SweepProgress& progress, SweepParts* parts) {
+    const std::uint64_t total = sample_count(cache_, options_.rings) * options_.depths.size();
+    const auto policy = engine_.threads() > 1 ? std::launch::async : std::launch::deferred;
+    SweepResult result;
+    result.statistics = no_statistics();
+    auto of_part = no_statistics();
+    std::uint64_t done = 0;
+    Window windows[2];  // the last one is counted while the next is computed
+    std::size_t turn = 0;
+    std::future<void> counting;
+    const auto finish = [&] {
+      if (counting.valid()) counting.get();
+    };
+    const std::size_t end = grid_.chunks().size();
+    for (std::size_t first = 0, part = 0; first < end && result.complete; ++part) {
+      const std::size_t part_end = end_of_part(first);
+      if (parts != nullptr) {
+        finish();
+        const auto kept = parts->load(part);
+        if (kept && holds(*kept, first, part_end, sink != nullptr)) {
+          for (const SweepBlock& block : kept->blocks) sink(block);
+          merge(kept->statistics, result.statistics);
+          done += samples_of(first, part_end);
+          first = part_end;
+          if (progress && !progress(done, total)) result.complete = false;
+        } else if (kept) {
+          parts->discard(part);
+        }
+      }
+      while (first < part_end && result.complete) {
+        Window& window = windows[turn++ % 2];
+        collect(first, part_end, window);
+        feel(window);
+        finish();
+        const std::size_t next = first + window.pieces.size();
+        const bool saves = parts != nullptr && next == part_end && next < end;
+        counting = std::async(policy, [=, this, &window, &sink, &result, &of_part] {
+          count(window, sink != nullptr);
+          for (const Piece& piece : window.pieces) {
+            merge(piece.statistics, of_part);
+            for (const SweepBlock& block : piece.blocks) {
+              if (parts != nullptr) parts->add(block);
+              sink(block);
+            }
+          }
+          if (next < part_end) return;
+          if (saves) parts->save(part, of_part);
+          merge(of_part, result.statistics);
+          of_part = no_statistics();
+        });
+        done += samples_of(first, next);
+        result.computed += samples_of(first, next) * options_.methods.size();
+        first = next;
+        if (progress && !progress(done, total)) result.complete = false;
+      }
+    }
+    finish();
+    merge(of_part, result.statistics);
+    return result;
+  }
+
+ private:
+  std::vector<SweepStatistics> no_statistics() const {
+    std::vector<SweepStatistics> all;
+    for (const double depth : options_.depths) {
+      for (const Method method : options_.methods) {
+        all.emplace_back();
+        all.back().depth = depth;
+        all.back().method = method;
+      }
+    }
+    return all;
+  }
+
+  // Over all depths.
+  std::uint64_t samples_of(std::size_t first, std::size_t last) const {
+    std::uint64_t points = 0;
+    for (std::size_t c = first; c < last; ++c) points += grid_.own_points(grid_.chunks()[c]);
+    return points * options_.depths.size();
+  }
+
+  // Parts are the same whatever computes them: which is why they end where they are full, and not
+  // where an engine's batch does.
+  std::size_t end_of_part(std::size_t first) const {
+    const std::uint64_t kinds = options_.depths.size() * options_.methods.size();
+    std::uint64_t points = 0;
+    std::size_t c = first;
+    while (c < grid_.chunks().size() && points * kinds < options_.part_contacts)
+      points += grid_.own_points(grid_.chunks()[c++]);
+    return c;
+  }
+
+  // True if a part from a file is that of these chunks: its points are theirs, and some contacts,
+  // done again, are the same. Another engine may round otherwise.
+  bool holds(const SweepPart& part, std::size_t first, std::size_t last, bool samples) const {
+    const std::size_t methods = options_.methods.size(), kinds = options_.depths.size() * methods;
+    std::uint64_t points = 0;
+    for (std::size_t c = first; c < last; ++c) points += grid_.own_points(grid_.chunks()[c]);
+    for (const SweepStatistics& s : part.statistics) {
+      if (s.samples != points) return false;
+    }
+    if (part.blocks.size() != (samples ? (last - first) * kinds : 0)) return false;
+    std::vector<DomainPoint> own;
+    for (std::size_t b = 0; b < part.blocks.size(); ++b) {
+      const SweepBlock& block = part.blocks[b];
+      if (b % kinds == 0) {
+        own.clear();
+        grid_.add_own_points(grid_.chunks()[first + b / kinds], own);
+      }
+      if (block.depth_index != b % kinds / methods || block.method_index != b % methods ||
+          block.face.size() != own.size()) {
+        return false;
+      }
+      for (std::size_t i = 0; i < own.size(); ++i) {
+        if (block.face[i] != own[i].face || !(std::abs(block.xi[i] - own[i].xi) < kRounding) ||
+            !(std::abs(block.eta[i] - own[i].eta) < kRounding)) {
+          return false;
+        }
+      }
+    }
+    for (std::size_t method = 0; method < methods; ++method) {
+      if (!agrees(part.blocks, method)) return false;
+    }
+    return true;
+  }
+
+  // Does some contacts of each block of a method again; others each time.
+  bool agrees(const std::vector<SweepBlock>& blocks, std::size_t method) const {
+    std::minstd_rand dice(std::random_device{}());
+    std::vector<std::pair<const SweepBlock*, std::size_t>> chosen;  // block, row
+    std::vector<DomainPoint> points;
+    for (const SweepBlock& block : blocks) {
+      for (int i = 0; block.method_index == method && i < kSpotChecks; ++i) {
+        const std::size_t row = dice() % block.face.size();
+        chosen.emplace_back(&block, row);
+        points.push_back({block.face[row], block.xi[row], block.eta[row]});
+      }
+    }
+    std::vector<SurfacePoint> surface(points.size());
+    surface_->evaluate(points, surface);
+    std::vector<Vec3> hips;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double depth = options_.depths[chosen[i].first->depth_index];
+      hips.push_back(surface[i].position - depth / cache_.unit * surface[i].normal);
+    }
+    std::vector<Contact> contacts(points.size());
+    QueryOptions query{options_};
+    query.method = options_.methods[method];
+    surface_->project(hips, query, contacts);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const auto [block, row] = chosen[i];
+      const double depth = options_.depths[block->depth_index];
+      const Vec3 force = gliss::contact_force(cache_, contacts[i], options_.stiffness);
+      if (!((block->hip[row] - hips[i]).norm() * cache_.unit <= kAgreement * depth) ||
+          !((block->scp[row] - contacts[i].scp).norm() * cache_.unit <= kAgreement * depth) ||
+          !((block->force[row] - force).norm() <= kAgreement * depth * options_.stiffness)) {
+        return false;
+      }
+    }
+    return true;
+  }
+
+  void collect(std::size_t first, std::size_t last, Window& window) const {
+    window.pieces.clear();
+    window.points.clear();
+    const std::size_t enough = std::max<std::size_t>(engine_.batch() / options_.depths.size(), 1);
+    for (std::size_t c = first; c < last && window.points.size() < enough; ++c) {
+      const SweepChunk& chunk = grid_.chunks()[c];
+      window.pieces.push_back({&chunk, window.points.size(), {}, {}});
+      grid_.add_points(chunk, window.points);
+    }
+  }
+
+  void feel(Window& window) const {
+    const std::size_t points = window.points.size(), depths = options_.depths.size();
+    window.surface.resize(points);
+    surface_->evaluate(window.points, window.surface);
+    window.hips.clear();
+    window.hips.reserve(depths * points);
+    for (const double depth : options_.depths) {
+      for (const SurfacePoint& p : window.surface)
+        window.hips.push_back(p.position - depth / cache_.unit * p.normal);
+    }
+    const QueryOptions query{options_};
+    window.contacts.resize(options_.methods.size() * depths * points);
+    surface_->nearest(window.hips, options_.methods, query, window.contacts);
+  }
+
+  void count(Window& window, bool keep) const {
+    const std::size_t methods = options_.methods.size(), kinds = options_.depths.size() * methods;
+    for (Piece& piece : window.pieces) {
+      piece.statistics.resize(kinds);
+      piece.blocks.resize(keep ? kinds : 0);
+    }
+    engine_.for_each(window.pieces.size() * kinds, 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const std::size_t kind = i % kinds;
+        const Felt felt{window, cache_, options_, kind / methods, kind % methods};
+        count_kind(felt, window.pieces[i / kinds], kind);
+      }
+    });
+  }
+
+  // Collects what a window's points feel at one depth with one method.
+  struct Felt {
+    const Window& window;
+    const PatchCache& cache;
+    const SweepOptions& options;
+    std::size_t depth, method;
+
+    const Vec3& hip(std::size_t p) const { return window.hips[depth * window.points.size() + p]; }
+    const Contact& contact(std::size_t p) const {
+      return window.contacts[(method * options.depths.size() + depth) * window.points.size() + p];
+    }
+    double full_force() const { return options.stiffness * options.depths[depth]; }
+    // No number where the surface has none to put a HIP beneath.
+    Vec3 force(std::size_t p) const {
+      if (!hip(p).allFinite()) return Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
+      return gliss::contact_force(cache, contact(p), options.stiffness);
+    }
+  };
+
+  // Ring by ring, in the order of the grid.
+  void count_kind(const Felt& felt, Piece& piece, std::size_t kind) const {
+    SweepStatistics& statistics = piece.statistics[kind];
+    SweepBlock* block = piece.blocks.empty() ? nullptr : &piece.blocks[kind];
+    if (block != nullptr) {
+      block->depth_index = felt.depth;
+      block->method_index = felt.method;
+    }
+    const SweepChunk& chunk = *piece.chunk;
+    std::size_t ring = piece.begin;
+    for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
+      const std::uint32_t face = grid_.face(i), n = grid_.valence(face);
+      std::size_t inner = ring;
+      for (std::uint32_t r = chunk.first; r <= grid_.last_ring(chunk); ++r) {
+        const std::size_t end = ring + std::size_t{n} * r;
+        if (r > chunk.first) count_outward(felt, n, r, inner, ring, statistics);
+        for (std::size_t p = ring; r < chunk.last && p < end; ++p) {
+          const Vec3 exact = felt.full_force() * felt.window.surface[p].normal;
+          count_sample(felt.contact(p), (felt.force(p) - exact).norm(), statistics);
+          count_step(felt, p, p + 1 < end ? p + 1 : ring, statistics.step, statistics);
+          if (block != nullptr) append(*block, felt, p);
+        }
+        inner = ring;
+        ring = end;
+      }
+      if (!grid_.has_neighbours(chunk)) continue;
+      const std::size_t rings = grid_.rings();
+      grid_.for_each_neighbour(face, [&](std::uint32_t k) {
+        for (std::size_t j = 0; j < rings; ++j) {
+          count_step(felt, inner + k * rings + j, ring + rings - 1 - j, statistics.edge_step,
+                     statistics);
+        }
+        ring += rings;
+      });
+    }
+  }
+
+  static void count_sample(const Contact& contact, double error, SweepStatistics& s) {
+    ++s.samples;
+    s.touching += contact.touching;
+    s.unconverged += (contact.flags & kConverged) == 0;
+    s.iterations += static_cast<std::uint64_t>(contact.iterations);
+    s.crossings += static_cast<std::uint64_t>(contact.crossings);
+    s.error.add(error);
+    s.residual.add(contact.residual_angle);
+  }
+
+  static void count_step(const Felt& felt, std::size_t p, std::size_t q, Histogram& step,
+                         SweepStatistics& statistics) {
+    const Vec3 a = felt.force(p), b = felt.force(q);
+    const double size = (a - b).norm();
+    step.add(size);
+    const bool a_touches = felt.contact(p).touching, b_touches = felt.contact(q).touching;
+    const bool jumps = !(size <= ForceStatistics::kJump * felt.full_force());
+    statistics.felt_pairs += a_touches || b_touches;
+    statistics.jumps += jumps;
+    statistics.lost += jumps && a_touches != b_touches;
+    if (a.squaredNorm() > 0 && b.squaredNorm() > 0)
+      statistics.angle.add(std::atan2(a.cross(b).norm(), a.dot(b)));
+  }
+
+  // From each point of ring r - 1 to the one of ring r nearest to it in its sector.
+  static void count_outward(const Felt& felt, std::uint32_t n, std::uint32_t r, std::size_t inner,
+                            std::size_t ring, SweepStatistics& statistics) {
+    for (std::size_t i = 0; i < std::size_t{n} * (r - 1); ++i) {
+      const std::size_t sector = i / (r - 1), at = i % (r - 1);
+      const std::size_t outward = sector * r + (2 * at + 1) * r / (2 * (r - 1));
+      count_step(felt, inner + i, ring + outward, statistics.step, statistics);
+    }
+  }
+
+  static void append(SweepBlock& block, const Felt& felt, std::size_t p) {
+    const auto byte = [](std::uint32_t count) {
+      return static_cast<std::uint8_t>(std::min(count, 255u));
+    };
+    const Contact& contact = felt.contact(p);
+    const DomainPoint& at = felt.window.points[p];
+    block.face.push_back(at.face);
+    block.xi.push_back(at.xi);
+    block.eta.push_back(at.eta);
+    block.hip.push_back(felt.hip(p));
+    block.scp.push_back(contact.scp);
+    block.force.push_back(felt.force(p));
+    block.residual_angle.push_back(static_cast<float>(contact.residual_angle));
+    block.iterations.push_back(byte(static_cast<std::uint32_t>(contact.iterations)));
+    block.crossings.push_back(byte(static_cast<std::uint32_t>(contact.crossings)));
+    block.flags.push_back(byte(contact.flags));
+  }
+
+  static void merge(const std::vector<SweepStatistics>& from, std::vector<SweepStatistics>& to) {
+    for (std::size_t i = 0; i < from.size(); ++i) merge(from[i], to[i]);
+  }
+
+  static void merge(const SweepStatistics& from, SweepStatistics& to) {
+    to.step.merge(from.step);
+    to.edge_step.merge(from.edge_step);
+    to.angle.merge(from.angle);
+    to.error.merge(from.error);
+    to.residual.merge(from.residual);
+    to.samples += from.samples;
+    to.touching += from.touching;
+    to.unconverged += from.unconverged;
+    to.iterations += from.iterations;
+    to.crossings += from.crossings;
+    to.felt_pairs += from.felt_pairs;
+    to.jumps += from.jumps;
+    to.lost += from.lost;
+  }
+
+  const PatchCache& cache_;
+  const Engine& engine_;
+  const SweepOptions& options_;
+  const SweepGrid grid_;
+  const std::unique_ptr<ResidentSurface> surface_;
+};
+
+}  // namespace
+
+SweepResult sweep(const PatchCache& cache, const Engine& engine, const SweepOptions& options,
+                  const SweepSink& sink, const SweepProgress& progress, SweepParts* parts) {
+  const PlainArithmetic plain;
+  return Sweeper(cache, engine, options).run(sink, progress, parts);
+}
+
+}  // namespace gliss

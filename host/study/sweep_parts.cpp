@@ -1,0 +1,283 @@
+#include "gliss/study/sweep_parts.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstddef>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <system_error>
+#include <type_traits>
+
+#include "gliss/files/atomic_file.h"
+#include "gliss/files/cache_format.h"
+#include "gliss/files/open_file.h"
+#include "gliss/surface/revision.h"
+
+namespace gliss {
+namespace {
+
+constexpr std::uint32_t kPartFormat = 2;
+constexpr std::string_view kMagic = "GLSPART\n", kEnding = ".part";
+static_assert(std::is_trivially_copyable_v<SweepStatistics>);
+
+// A file: this, the statistics, the blocks.
+struct PartHeader {
+  char magic[8];
+  std::uint64_t checksum;  // of all that follows
+  std::uint64_t part;
+};
+constexpr std::size_t kChecked = offsetof(PartHeader, part);
+
+std::uint64_t hash_of_sweep(const PatchCache& cache, const SweepOptions& o, bool samples) {
+  std::string told =
+      fmt::format("{} {} {} {} {} {} {} {} {} {} {}", kNumbersRevision, kPartFormat,
+                  sizeof(SweepStatistics), samples, o.part_contacts, o.rings, o.stiffness,
+                  static_cast<int>(o.solver), o.max_iterations, o.tolerance, cache.unit);
+  for (const double depth : o.depths) told += fmt::format(" depth {}", depth);
+  for (const Method method : o.methods) told += fmt::format(" method {}", static_cast<int>(method));
+  told +=
+      fmt::format(" mesh {} {} {} {} {} {} {}", cache.mesh_hash, cache.mesh_face_count, cache.scale,
+                  cache.origin[0], cache.origin[1], cache.origin[2], cache.surface.index());
+  cache_format::for_each_section(cache, [&](const char* name, const auto& values) {
+    told += fmt::format(" {} {}", name,
+                        cache_format::checksum(values.data(), values.size() * sizeof(values[0])));
+  });
+  return cache_format::checksum(told.data(), told.size());
+}
+
+// Calls f(column) for each column of a block.
+template <class Block, class F>
+void for_each_column(Block& block, const F& f) {
+  f(block.face);
+  f(block.xi);
+  f(block.eta);
+  f(block.hip);
+  f(block.scp);
+  f(block.force);
+  f(block.residual_angle);
+  f(block.iterations);
+  f(block.crossings);
+  f(block.flags);
+}
+
+void put(std::string& bytes, const void* from, std::size_t size) {
+  bytes.append(static_cast<const char*>(from), size);
+}
+
+// Takes what was put; false at the end.
+bool take(std::string_view& bytes, void* to, std::size_t size) {
+  if (bytes.size() < size) return false;
+  if (size > 0) std::memcpy(to, bytes.data(), size);
+  bytes.remove_prefix(size);
+  return true;
+}
+
+struct BlockHeader {
+  std::uint64_t depth_index, method_index, rows;
+};
+
+bool take(std::string_view& bytes, SweepBlock& block, std::size_t depths, std::size_t methods) {
+  BlockHeader header{};
+  std::size_t row_bytes = 0;
+  for_each_column(block, [&](const auto& column) { row_bytes += sizeof(column[0]); });
+  if (!take(bytes, &header, sizeof header) || header.depth_index >= depths ||
+      header.method_index >= methods || header.rows > bytes.size() / row_bytes) {
+    return false;
+  }
+  block.depth_index = header.depth_index;
+  block.method_index = header.method_index;
+  bool whole = true;
+  for_each_column(block, [&](auto& column) {
+    column.resize(header.rows);
+    whole = whole && take(bytes, column.data(), header.rows * sizeof(column[0]));
+  });
+  return whole;
+}
+
+template <class Value>
+bool is_finite(const Value& value) {
+  if constexpr (std::is_same_v<Value, Vec3>) {
+    return value.allFinite();
+  } else {
+    return std::isfinite(value);
+  }
+}
+
+// True if the numbers of a block, which is taken from a file, can be a sweep's.
+bool is_in_range(const SweepBlock& block, const PatchCache& cache) {
+  const auto finite = [](const auto& column) {
+    return std::all_of(column.begin(), column.end(),
+                       [](const auto& value) { return is_finite(value); });
+  };
+  const bool faces = std::all_of(block.face.begin(), block.face.end(), [&](std::uint32_t face) {
+    return face < cache.mesh_face_count && cache.face_patch[face] != kNone;
+  });
+  return faces && finite(block.xi) && finite(block.eta) && finite(block.hip) && finite(block.scp) &&
+         finite(block.force) && finite(block.residual_angle);
+}
+
+std::uint64_t checksum_of(std::string_view file) {
+  return cache_format::checksum(file.data() + kChecked, file.size() - kChecked);
+}
+
+}  // namespace
+
+SweepParts::SweepParts(const std::string& folder, const PatchCache& cache,
+                       const SweepOptions& options, bool samples)
+    : cache_(cache),
+      folder_(folder),
+      key_(fmt::format("{:016x}-", hash_of_sweep(cache, options, samples))),
+      samples_(samples),
+      depths_(options.depths),
+      methods_(options.methods) {
+  open_folder();
+  for (const auto& file : std::filesystem::directory_iterator(folder)) {
+    const std::string name = file.path().filename();
+    if (!name.starts_with(key_))
+      ++foreign_;
+    else if (name.ends_with(kEnding))
+      ++kept_;
+  }
+}
+
+// Folders that a sweep made are told by their sticky bit, which means nothing in a folder of one
+// user: a sweep that goes on may remove them, and nobody else's.
+void SweepParts::open_folder() {
+  const bool is_new = mkdir(folder_.c_str(), S_ISVTX | S_IRWXU) == 0;
+  if (!is_new && errno != EEXIST) fail("cannot create");
+  struct stat status {};
+  if (lstat(folder_.c_str(), &status) == 0 && S_ISLNK(status.st_mode))
+    refuse("it is a symbolic link; name the folder that it leads to");
+  lock_ = open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+  if (lock_ < 0 || fstat(lock_, &status) != 0) fail("cannot open");
+  if (!is_new && status.st_uid != geteuid()) refuse("it belongs to another user");
+  if ((status.st_mode & S_IWOTH) != 0) refuse("all may write to it; chmod o-w is the cure");
+  // Let go of by the system when this process ends, however it does.
+  if (flock(lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+    refuse("another sweep is at work here");
+  made_ = is_new || (status.st_mode & S_ISVTX) != 0;
+}
+
+SweepParts::~SweepParts() {
+  if (made_) rmdir(folder_.c_str());  // refused while anything is there
+  close(lock_);
+}
+
+std::optional<SweepPart> SweepParts::load(std::size_t part) {
+  // Room for what comes before the blocks, should it have to be done.
+  file_.assign(sizeof(PartHeader) + depths_.size() * methods_.size() * sizeof(SweepStatistics),
+               '\0');
+  struct stat status {};
+  if (lstat(path_of(part).c_str(), &status) != 0 && errno == ENOENT) return {};
+  auto found = read(part);
+  if (!found) discard(part);
+  return found;
+}
+
+std::optional<SweepPart> SweepParts::read(std::size_t part) const {
+  OpenFile opened(path_of(part), O_RDONLY | O_NOFOLLOW);
+  std::string file;
+  try {
+    file = opened.read_all();
+  } catch (const std::runtime_error&) {  // a pipe, a folder, one that cannot be read
+    return {};
+  }
+  std::string_view rest = file;
+  PartHeader header{};
+  SweepPart found;
+  found.statistics.resize(depths_.size() * methods_.size());
+  if (!take(rest, &header, sizeof header) ||
+      std::string_view(header.magic, sizeof header.magic) != kMagic || header.part != part ||
+      header.checksum != checksum_of(file) ||
+      !take(rest, found.statistics.data(), found.statistics.size() * sizeof(SweepStatistics))) {
+    return {};
+  }
+  while (!rest.empty()) {
+    if (!take(rest, found.blocks.emplace_back(), depths_.size(), methods_.size())) return {};
+  }
+  if (!is_in_range(found)) return {};
+  return found;
+}
+
+bool SweepParts::is_in_range(const SweepPart& part) const {
+  for (std::size_t kind = 0; kind < part.statistics.size(); ++kind) {
+    const SweepStatistics& s = part.statistics[kind];
+    const Histogram* const all[] = {&s.step, &s.edge_step, &s.angle, &s.error, &s.residual};
+    if (s.depth != depths_[kind / methods_.size()] ||
+        s.method != methods_[kind % methods_.size()] || s.touching > s.samples ||
+        s.unconverged > s.samples || s.error.count() != s.samples ||
+        s.residual.count() != s.samples || s.jumps > s.step.count() + s.edge_step.count() ||
+        s.lost > s.jumps ||
+        !std::all_of(std::begin(all), std::end(all), [](auto* h) { return h->is_consistent(); })) {
+      return false;
+    }
+  }
+  return std::all_of(part.blocks.begin(), part.blocks.end(),
+                     [&](const SweepBlock& block) { return gliss::is_in_range(block, cache_); });
+}
+
+// By remove(3), which takes empty folders as well.
+void SweepParts::discard(std::size_t part) {
+  const std::string path = path_of(part);
+  damaged_.push_back(path);
+  if (std::remove(path.c_str()) != 0) {
+    throw std::system_error(errno, std::generic_category(),
+                            fmt::format("'{}' is no part of a sweep and cannot be removed", path));
+  }
+  --kept_;
+}
+
+void SweepParts::add(const SweepBlock& block) {
+  if (!samples_) return;
+  const BlockHeader header{block.depth_index, block.method_index, block.face.size()};
+  put(file_, &header, sizeof header);
+  for_each_column(block, [&](const auto& column) {
+    put(file_, column.data(), column.size() * sizeof(column[0]));
+  });
+}
+
+void SweepParts::save(std::size_t part, const std::vector<SweepStatistics>& statistics) {
+  PartHeader header{};
+  kMagic.copy(header.magic, sizeof header.magic);
+  header.part = part;
+  std::memcpy(file_.data(), &header, sizeof header);
+  std::memcpy(file_.data() + sizeof header, statistics.data(),
+              statistics.size() * sizeof(SweepStatistics));
+  header.checksum = checksum_of(file_);
+  std::memcpy(file_.data(), &header, sizeof header);
+  AtomicFile file(path_of(part));
+  file.write(file_);
+  file.commit();
+  ++kept_;
+}
+
+void SweepParts::remove() {
+  for (const auto& file : std::filesystem::directory_iterator(folder_)) {
+    if (file.path().filename().string().starts_with(key_)) unlink(file.path().c_str());
+  }
+}
+
+std::string SweepParts::path_of(std::size_t part) const {
+  return fmt::format("{}/{}{:06}{}", folder_, key_, part, kEnding);
+}
+
+void SweepParts::fail(const char* action) const {
+  const int error = errno;
+  if (lock_ >= 0) close(lock_);
+  throw std::system_error(error, std::generic_category(), fmt::format("{} '{}'", action, folder_));
+}
+
+void SweepParts::refuse(const char* why) const {
+  if (lock_ >= 0) close(lock_);
+  throw std::runtime_error(fmt::format("parts folder '{}': {}", folder_, why));
+}
+
+}  // namespace gliss

@@ -1,0 +1,73 @@
+// Finished parts of a sweep in a folder, so that a sweep that was stopped or killed at whatever
+// moment goes on where it was.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gliss/base/export.h"
+#include "gliss/study/sweep.h"
+
+namespace gliss {
+
+// Contents of a part: statistics [depth][method], and blocks where samples are kept.
+struct SweepPart {
+  std::vector<SweepStatistics> statistics;
+  std::vector<SweepBlock> blocks;
+};
+
+// A part is a file of its own that is there as a whole or not at all, with a checksum. Its name
+// says of which sweep it is: cache, options and the revision of the numbers
+// (gliss/surface/revision.h). What is of another sweep, or damaged, is never read, and what is of
+// another stays. Engine, threads and output are no matter. Failures of files throw
+// std::system_error.
+class GLISS_EXPORT SweepParts {
+ public:
+  // Creates the folder where it is not there, for this user alone. Throws std::runtime_error where
+  // another process works in it, and where others could leave parts: in what is no folder but a
+  // link to one, and in folders that belong to another user or that all may write to. `samples`:
+  // parts keep blocks besides statistics. The cache must outlive the parts.
+  SweepParts(const std::string& folder, const PatchCache& cache, const SweepOptions& options,
+             bool samples);
+  SweepParts(const std::string&, const PatchCache&&, const SweepOptions&, bool) = delete;
+  ~SweepParts();  // removes the folder if it is empty and was made by a sweep
+  SweepParts(const SweepParts&) = delete;
+  SweepParts& operator=(const SweepParts&) = delete;
+
+  const std::string& folder() const { return folder_; }
+  std::size_t kept() const { return kept_; }        // parts that are there, as far as is known
+  std::size_t foreign() const { return foreign_; }  // files of other sweeps
+  const std::vector<std::string>& damaged() const { return damaged_; }  // files met so far
+
+  // Nothing where the part is not there or cannot be used: then it is under way, blocks are added,
+  // and it is saved. What a part holds is within range.
+  std::optional<SweepPart> load(std::size_t part);
+  // Removes a part that was loaded and turned out to be damaged.
+  void discard(std::size_t part);
+  void add(const SweepBlock& block);
+  void save(std::size_t part, const std::vector<SweepStatistics>& statistics);
+
+  void remove();  // all parts of this sweep: its result is safe elsewhere
+
+ private:
+  void open_folder();
+  std::optional<SweepPart> read(std::size_t part) const;
+  bool is_in_range(const SweepPart& part) const;
+  std::string path_of(std::size_t part) const;
+  [[noreturn]] void fail(const char* action) const;
+  [[noreturn]] void refuse(const char* why) const;
+
+  const PatchCache& cache_;
+  std::string folder_, key_;  // of the sweep, which the names of its files begin with
+  bool samples_, made_ = false;
+  int lock_ = -1;
+  std::vector<double> depths_;
+  std::vector<Method> methods_;
+  std::size_t kept_ = 0, foreign_ = 0;
+  std::vector<std::string> damaged_;
+  std::string file_;  // the part under way
+};
+
+}  // namespace gliss

@@ -1,0 +1,207 @@
+#include "gliss/study/walk.h"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "gliss/build/build_cache.h"
+#include "gliss/mesh/triangulate.h"
+#include "gliss/query/contact_tracker.h"
+
+namespace gliss {
+namespace {
+
+constexpr double kAbove = 0.02;           // of the diagonal: where a walk begins
+constexpr double kRise = 0.2;             // of a step: at most so far towards the depth
+constexpr double kKeep = 0.98;            // of the turn a tick, ...
+constexpr double kWander = 0.002;         // ... and its change, rad
+constexpr int kTries = 1000;              // to find a start
+constexpr std::size_t kMostWalks = 1000;  // a walker
+
+double diagonal_of(const Mesh& mesh) {
+  Vec3 low = mesh.positions.front(), high = low;
+  for (const Vec3& p : mesh.positions) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  return (high - low).norm();
+}
+
+// The same numbers with every standard library, whose distributions differ.
+class Random {
+ public:
+  Random(std::uint64_t seed, std::uint64_t walker) {
+    std::seed_seq seeds{seed, seed >> 32, walker, walker >> 32};
+    engine_.seed(seeds);
+  }
+  double uniform() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }  // [0, 1)
+  // A sum of twelve: normal but for tails beyond 3, without a logarithm, whose last bit libraries
+  // disagree on.
+  double normal() {
+    double sum = -6;
+    for (int i = 0; i < 12; ++i) sum += uniform();
+    return sum;
+  }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+// The triangles of a mesh's polygons, to choose points by area.
+class Places {
+ public:
+  explicit Places(const Mesh& mesh) {
+    std::vector<Vec3> corners;
+    std::vector<std::uint32_t> triangles;
+    for (std::size_t face = 0; face < mesh.face_count(); ++face) {
+      corners.clear();
+      triangles.clear();
+      for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c)
+        corners.push_back(mesh.positions[mesh.corner_vertex[c]]);
+      triangulate(corners, newell_normal(mesh, face), triangles);
+      for (std::size_t t = 0; t < triangles.size(); t += 3) {
+        corner_.insert(corner_.end(), {corners[triangles[t]], corners[triangles[t + 1]],
+                                       corners[triangles[t + 2]]});
+        add_area();
+      }
+    }
+  }
+
+  Vec3 choose(Random& random) const {
+    const double area = random.uniform() * until_.back();
+    const auto at = std::upper_bound(until_.begin(), until_.end() - 1, area) - until_.begin();
+    const Vec3* p = &corner_[3 * static_cast<std::size_t>(at)];
+    double u = random.uniform(), v = random.uniform();
+    if (u + v > 1) {
+      u = 1 - u;
+      v = 1 - v;
+    }
+    return p[0] + u * (p[1] - p[0]) + v * (p[2] - p[0]);
+  }
+
+ private:
+  void add_area() {
+    const Vec3* p = &corner_[corner_.size() - 3];
+    const double area = (p[1] - p[0]).cross(p[2] - p[0]).norm();
+    until_.push_back((until_.empty() ? 0 : until_.back()) + area);
+  }
+
+  std::vector<Vec3> corner_;   // [triangle][3]
+  std::vector<double> until_;  // [triangle], sum of areas
+};
+
+// Turns a tangent about the normal by about `angle`, which is small.
+Vec3 turned(const Vec3& direction, const Vec3& normal, double angle) {
+  const Vec3 tangent = (direction - direction.dot(normal) * normal).normalized();
+  return (tangent + angle * normal.cross(tangent)).normalized();
+}
+
+class Walker {
+ public:
+  Walker(const PatchCache& base, const Places& places, double diagonal, const WalkOptions& options,
+         std::size_t number)
+      : base_(base),
+        places_(places),
+        diagonal_(diagonal),
+        options_(options),
+        random_(options.seed, number) {}
+
+  std::vector<Walk> walk() {
+    std::vector<Walk> walks;
+    for (std::size_t ticks = options_.ticks; ticks > 0 && walks.size() < kMostWalks;) {
+      ContactTracker guide(base_, kGuide);
+      Walk walk;
+      Contact contact;
+      if (!enter(guide, walk, contact)) break;
+      ticks -= slide(guide, contact, ticks, walk);
+      walks.push_back(std::move(walk));
+    }
+    return walks;
+  }
+
+ private:
+  static constexpr QueryOptions kGuide{{}, Method::kShaded};
+
+  // True if a start was found from which the guide, in the open at first, gets into contact.
+  bool enter(ContactTracker& guide, Walk& walk, Contact& contact) {
+    for (int i = 0; i < kTries; ++i) {
+      const Vec3 place = places_.choose(random_), normal = nearest(base_, place, kGuide).normal;
+      walk.hips.clear();
+      guide = ContactTracker(base_, kGuide);
+      bool free = true;
+      for (std::size_t tick = 0; tick < Walk::kEntry && free; ++tick) {
+        const double down = static_cast<double>(tick) / (Walk::kEntry - 1.0);
+        const double height = kAbove * diagonal_ - down * (kAbove * diagonal_ + options_.depth);
+        walk.hips.push_back(place + height * normal);
+        contact = guide.tick(walk.hips.back());
+        free = !contact.touching || height <= 0;
+      }
+      if (free && contact.touching) return true;
+    }
+    return false;
+  }
+
+  // Ticks that it took, until the guide loses contact or there are enough.
+  std::size_t slide(ContactTracker& guide, Contact contact, std::size_t ticks, Walk& walk) {
+    const double step = options_.step * options_.depth;
+    Vec3 direction(random_.normal(), random_.normal(), random_.normal());
+    double turn = 0;
+    std::size_t taken = 0;
+    while (taken < ticks && contact.touching) {
+      turn = kKeep * turn + kWander * random_.normal();
+      direction = turned(direction, contact.normal, turn);
+      if (!direction.allFinite()) break;
+      const double rise =
+          std::clamp(-contact.distance - options_.depth, -kRise * step, kRise * step);
+      walk.hips.push_back(walk.hips.back() + step * direction + rise * contact.normal);
+      contact = guide.tick(walk.hips.back());
+      ++taken;
+    }
+    return taken;
+  }
+
+  const PatchCache& base_;
+  const Places& places_;
+  const double diagonal_;
+  const WalkOptions& options_;
+  Random random_;
+};
+
+}  // namespace
+
+double walk_depth(const Mesh& mesh) { return 0.005 * diagonal_of(mesh); }
+
+std::vector<Walk> walk_paths(const Mesh& mesh, const Topology& topology, const WalkOptions& options,
+                             const ParallelFor& parallel) {
+  const PatchCache base = build_base(mesh, topology, Precision::kDouble);
+  const Places places(mesh);
+  const double diagonal = diagonal_of(mesh);
+  std::vector<std::vector<Walk>> by_walker(options.walkers);
+  parallel(options.walkers, 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      by_walker[i] = Walker(base, places, diagonal, options, i).walk();
+  });
+  std::vector<Walk> walks;
+  for (std::vector<Walk>& of_walker : by_walker)
+    std::move(of_walker.begin(), of_walker.end(), std::back_inserter(walks));
+  return walks;
+}
+
+ForceStatistics feel_walks(const PatchCache& cache, const QueryOptions& options,
+                           std::span<const Walk> walks, double depth, const ParallelFor& parallel) {
+  std::vector<ForceStatistics> felt(walks.size(), ForceStatistics(depth));
+  parallel(walks.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      ContactTracker tracker(cache, options);
+      for (std::size_t tick = 0; tick < walks[i].hips.size(); ++tick) {
+        const Contact contact = tracker.tick(walks[i].hips[tick]);
+        if (tick + 1 >= Walk::kEntry) felt[i].add(contact.touching, contact.push);
+      }
+    }
+  });
+  ForceStatistics all(depth);
+  for (const ForceStatistics& of_walk : felt) all.merge(of_walk);
+  return all;
+}
+
+}  // namespace gliss

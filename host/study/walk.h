@@ -1,0 +1,50 @@
+// Random walks beneath a mesh, and how smooth they feel: a finger that presses in anywhere and
+// slides on at one depth, turning slowly. Unlike a chosen path they meet every part of a surface.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "gliss/base/export.h"
+#include "gliss/base/parallel.h"
+#include "gliss/mesh/topology.h"
+#include "gliss/query/force_statistics.h"
+#include "gliss/query/query.h"
+
+namespace gliss {
+
+struct WalkOptions {
+  double depth = 0;    // mesh's unit
+  double step = 0.01;  // of the depth, a tick: 0.01 stands for a loop of 1000 Hz, 0.1 for 100 Hz
+  std::size_t walkers = 100, ticks = 2500;  // ticks of a walker, those of pressing in left out
+  std::uint64_t seed = 1;
+};
+
+// 0.5 % of the diagonal of the mesh's bounding box: the usual depth of walks.
+GLISS_EXPORT double walk_depth(const Mesh& mesh);
+
+// The HIPs of one walk, one a tick, in the mesh's unit. The first kEntry lead from the open, 2 % of
+// the bounding box's diagonal above the mesh, straight to the depth.
+struct Walk {
+  static constexpr std::size_t kEntry = 20;
+  std::vector<Vec3> hips;
+};
+
+// Walks that know the base mesh alone, so that every surface made from it gets the very same HIPs.
+// A walk starts above a point chosen by area. A guide, which is a tracker of force shading, tells
+// normal and depth; the HIP moves by `step` along a tangent that wanders, and by at most a fifth of
+// that towards the depth. A walk ends where the guide loses contact, and its walker starts again
+// elsewhere until it has all its ticks. Deterministic by the seed, on any number of threads; the
+// walks of fewer walkers are the first of those of more. The mesh must have vertex normals.
+GLISS_EXPORT std::vector<Walk> walk_paths(const Mesh& mesh, const Topology& topology,
+                                          const WalkOptions& options,
+                                          const ParallelFor& parallel = serial_for);
+
+// Counts what a tracker of its own feels on each walk; stiffness 1 N per unit of length, full
+// force `depth` (mesh's unit). Ticks of pressing in are not counted.
+GLISS_EXPORT ForceStatistics feel_walks(const PatchCache& cache, const QueryOptions& options,
+                                        std::span<const Walk> walks, double depth,
+                                        const ParallelFor& parallel = serial_for);
+
+}  // namespace gliss

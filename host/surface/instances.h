@@ -1,0 +1,164 @@
+// The kernels as functions over arrays, compiled for several instruction sets; the machine's best
+// is picked once.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "gliss/base/export.h"
+#include "gliss/surface/surface.h"
+
+namespace gliss {
+
+enum class Method { kGregory, kShaded, kFlat };
+inline constexpr std::size_t kMethods = 3;
+enum class Solver { kNewton, kGaussNewton, kPaper };
+
+// Bits of a contact's flags. kNotBuilt: its patches are not there yet, it is of the base polygons.
+// kUnfinished: the search's budget was spent before every point was tried or ruled out.
+inline constexpr std::uint32_t kConverged = 1, kOnBorder = 2, kOnCrease = 4, kNotBuilt = 8,
+                               kUnfinished = 16;
+
+template <class Real>
+struct TrackOptions {
+  Solver solver = Solver::kNewton;
+  int max_iterations = 0;
+  Real tolerance =
+      0;  // length of the last step relative to the size of the patch (paper: residual angle)
+  int budget = 0;  // evaluations after which a search begins no further descent; 0: no limit
+};
+
+inline constexpr std::size_t kContactReals = 15, kContactUints = 5;
+
+// A contact as the kernels see it (kernels/method.h): local frame of its patch, offsets in the mesh
+// frame. Starts free.
+template <class Real>
+struct RawContact {
+  Real reals[kContactReals] = {};
+  std::uint32_t uints[kContactUints] = {};
+  // Left by a tick for the next one: bend and drift, once warm.
+  Real warmth[5] = {};
+  bool warm = false;
+  // Points of other parts that a contact on a seam rests against too: patch, xi, eta.
+  std::uint32_t held_count = 0;
+  std::uint32_t held_patch[2] = {};
+  Real held_at[2][2] = {};
+};
+
+// A HIP of the mesh frame as high and low part: their sum.
+template <class Real>
+struct RawHip {
+  Real parts[6];
+};
+
+// An edge from a vertex, as the fair construction sees it (kernels/fair.h): its far end (position,
+// unit normal), how its normal turns at mid-side, and if its tangents have an arc's length.
+template <class Real>
+struct FairEdge {
+  Real end[6] = {};
+  Real turn[3] = {};
+  bool by_arc = true;
+};
+
+// The shape operator of a vertex: xx, xy and yy in two unit tangents.
+template <class Real>
+struct FairVertex {
+  Real x[3] = {}, y[3] = {}, shape[3] = {};
+};
+
+template <class Real>
+struct Kernels {
+  const char* isa;
+  int lanes;
+  // Numbers of the table of a valence, written at `table` (domain_reals(n) of them).
+  std::size_t (*domain_reals)(std::uint32_t n);
+  void (*fill_domain)(std::uint32_t n, Real* table);
+  // Where patches of a valence are examined: rings from the centre to the sides, `probe_levels` of
+  // them. The table has `probe_reals` numbers for `probe_count` points.
+  std::uint32_t (*probe_levels)(std::uint32_t n);
+  std::uint32_t (*probe_count)(std::uint32_t n);
+  std::size_t (*probe_reals)(std::uint32_t n);
+  void (*fill_probes)(std::uint32_t n, const Real* domain, Real* table);
+  // Control data [count][n][kSideReals] of polygons from their corners [count][n][2][3] (position,
+  // unit normal); the soundness [count] of their weakest ribbons: 0 where an edge is parallel to a
+  // normal, 1 at right angles.
+  void (*build_patches)(const Real* corners, std::uint32_t n, std::size_t count, Real* control,
+                        Real* soundness);
+  // Shortens the cross tangents to (1 - ease) of their length at mid-side.
+  void (*ease_patch)(Real* control, std::uint32_t n, Real ease);
+  // Turns the cross tangents into the plane across `normal` (unit, 3 numbers).
+  void (*bend_patch)(Real* control, std::uint32_t n, const Real* normal);
+  // Numbers of a patch's control data in a form, and these from those of another one: ribbon and
+  // bezier (of 3 and 4 sides) from the exact ones, tables from any.
+  std::size_t (*control_reals)(std::uint32_t form, std::uint32_t n);
+  void (*bake)(const Real* domain, const Real* corners, const Real* control, std::uint32_t from,
+               std::uint32_t form, std::uint32_t n, Real* out);
+  // The fair construction, in any frame. The turn of an edge between two triangles, from its ends
+  // [2][2][3] and the corners beyond it, left and right [2][2][3].
+  void (*fair_turn)(const Real* ends, const Real* beyond, Real* turn);
+  // The shape operator of a vertex [2][3] from the edges that leave it, two at least.
+  void (*fair_vertex)(const Real* vertex, const FairEdge<Real>* edges, std::size_t count,
+                      FairVertex<Real>* out);
+  // A side, kFairReals numbers, from its start, its edge, and the vertices of its start and end or
+  // null.
+  void (*fair_side)(const Real* start, const FairEdge<Real>& edge, const FairVertex<Real>* vertices,
+                    Real* side);
+  // The turn of an edge between two quads, from the vertices of its start and end.
+  void (*smooth_turn)(const Real* start, const FairEdge<Real>& edge,
+                      const FairVertex<Real>* vertices, Real* turn);
+  // Control data from the sides of a triangle (FORM_SEXTIC) or a quad (FORM_BEZIER). Returns the
+  // least share of a cross tangent that points into the face: 0 or less where the patch doubles
+  // back. `flat`: null, or a unit normal that the cross tangents shall lie across,
+  // `length` times as long.
+  Real (*bake_fair)(const Real* sides, std::uint32_t n, const Real* flat, Real length,
+                    Real* control);
+  // G, G_xi, G_eta as nine rows of `stride` numbers, at `count` points of one patch.
+  void (*evaluate)(const Real* domain, const Real* control, std::uint32_t form, std::uint32_t n,
+                   const Real* xi, const Real* eta, std::size_t count, std::size_t stride,
+                   Real* out);
+  // The same at a point of each of `patch`[count], patch by patch: out[row * stride + i].
+  void (*evaluate_each)(const Surface<Real>&, const std::uint32_t* patch, const Real* xi,
+                        const Real* eta, std::size_t count, std::size_t stride, Real* out);
+  // Samples a patch and gives its shape, kShapeReals numbers, from its base polygon's corners and
+  // triangles, its frame (unit normal and tangent) and its control data; `count` probes, or none
+  // for the base polygon alone.
+  void (*examine)(const Real* domain, const Real* probes, std::uint32_t count, const Real* control,
+                  std::uint32_t form, const Real* corners, const std::uint32_t* triangles,
+                  const Real* frame, std::uint32_t n, Real* shape);
+  // Surface normal (not unit) along side data at t: n_c of eq. 10.
+  void (*side_normal)(const Real* side, Real t, Real* out);
+  // Global: the nearest point of each of `count` HIPs for each of the methods, which share the
+  // search of the base polygons: out[hip][method].
+  void (*nearest)(const Surface<Real>&, const Method* methods, std::size_t method_count,
+                  const TrackOptions<Real>&, const RawHip<Real>* hips, std::size_t count,
+                  RawContact<Real>* out);
+  // Local: what each state became after its HIP moved; tick is Algorithm 1, track follows whatever
+  // the state.
+  void (*track)(const Surface<Real>&, Method, const TrackOptions<Real>&, const RawHip<Real>* hips,
+                std::size_t count, RawContact<Real>* states);
+  void (*tick)(const Surface<Real>&, Method, const TrackOptions<Real>&, const RawHip<Real>& hip,
+               RawContact<Real>* state);
+};
+
+// The kernels for the machine's best instruction set, or for the one that the environment variable
+// GLISS_ISA names (baseline, v3, v4). Throws std::invalid_argument where that names none of them.
+template <class Real>
+const Kernels<Real>& kernels();
+template <>
+GLISS_EXPORT const Kernels<float>& kernels<float>();
+template <>
+GLISS_EXPORT const Kernels<double>& kernels<double>();
+
+// The name of the instruction set in use: "baseline", "v3" or "v4". Throws as kernels() does.
+inline const char* instruction_set() { return kernels<double>().isa; }
+
+// Adds the table of a valence to those in `domain`.
+template <class Real>
+void append_domain(std::uint32_t n, std::vector<Real>& domain, std::vector<std::uint32_t>& begin) {
+  begin[n] = static_cast<std::uint32_t>(domain.size());
+  domain.resize(domain.size() + kernels<Real>().domain_reals(n));
+  kernels<Real>().fill_domain(n, &domain[begin[n]]);
+}
+
+}  // namespace gliss

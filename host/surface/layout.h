@@ -1,0 +1,149 @@
+// The layout of the kernels' arrays (kernels/layout.h) for the host, all offsets in numbers.
+// Private to host/.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "gliss/base/vector.h"
+#include "gliss/surface/instances.h"
+#include "kernels/layout.h"
+
+namespace gliss {
+
+inline constexpr std::size_t kSideReals = SIDE_REALS, kPatchReals = PATCH_REALS,
+                             kNodeReals = NODE_REALS;
+inline constexpr std::uint32_t kFormExact = FORM_EXACT, kFormRibbon = FORM_RIBBON,
+                               kFormBezier = FORM_BEZIER, kFormTable = FORM_TABLE,
+                               kFormSextic = FORM_SEXTIC;
+inline constexpr std::uint32_t kFormsUnited = 256;  // among bits of forms: parts overlap
+inline constexpr std::uint32_t kFormMask = 255;     // above it, the r of a table
+inline constexpr std::size_t kSideLength = SIDE_LENGTH, kSideEase = SIDE_EASE;
+inline constexpr std::size_t kPatchOrigin = 3 * PATCH_ORIGIN, kPatchNormal = 3 * PATCH_NORMAL,
+                             kPatchScale = PATCH_SCALE, kPatchUnscale = PATCH_UNSCALE,
+                             kPatchSag = PATCH_SAG, kPatchTangent = 3 * PATCH_TANGENT,
+                             kPatchLow = 3 * PATCH_LOW, kPatchHigh = 3 * PATCH_HIGH,
+                             kPatchBend = PATCH_BEND, kPatchCurvature = PATCH_CURVATURE;
+inline constexpr std::size_t kFairReals = FAIR_REALS, kFairCurve = FAIR_NORMAL - FAIR_CURVE,
+                             kFairSound = FAIR_SOUND;
+inline constexpr std::size_t kFrameReals = FRAME_REALS, kShapeReals = SHAPE_REALS;
+inline constexpr std::size_t kShapeLow = 3 * SHAPE_LOW, kShapeHigh = 3 * SHAPE_HIGH,
+                             kShapeAlongLow = 3 * SHAPE_ALONG_LOW,
+                             kShapeAlongHigh = 3 * SHAPE_ALONG_HIGH, kShapeBend = 3 * SHAPE_BEND,
+                             kShapeTurn = SHAPE_TURN, kShapeCurvature = SHAPE_CURVATURE,
+                             kShapeStretch2 = SHAPE_STRETCH2, kShapeSag2 = SHAPE_SAG2,
+                             kShapeFinite = SHAPE_FINITE;
+inline constexpr std::uint32_t kNodeLeaf = NODE_LEAF;
+inline constexpr std::uint32_t kPatchBuried = PATCH_BURIED, kPatchMixed = PATCH_MIXED;
+inline constexpr std::uint32_t kPartMask = PART_MASK;
+inline constexpr std::size_t kPartUints = PART_UINTS;
+inline constexpr std::size_t kTileUints = TILE_UINTS;
+inline constexpr std::size_t kContactXi = CONTACT_XI, kContactEta = CONTACT_ETA,
+                             kContactScp = CONTACT_SCP, kContactNormal = CONTACT_NORMAL,
+                             kContactOffset = CONTACT_OFFSET, kContactPush = CONTACT_PUSH,
+                             kContactClear = CONTACT_CLEAR;
+inline constexpr std::size_t kContactState = CONTACT_STATE, kContactPatch = CONTACT_PATCH,
+                             kContactIterations = CONTACT_ITERATIONS,
+                             kContactCrossings = CONTACT_CROSSINGS, kContactFlags = CONTACT_FLAGS;
+
+// instances.h tells these to users without the macros.
+static_assert(kContactReals == CONTACT_REALS && kContactUints == CONTACT_UINTS);
+static_assert(kConverged == FOOT_CONVERGED && kOnBorder == FOOT_BORDER &&
+              kOnCrease == FOOT_CREASE && kUnfinished == FOOT_UNFINISHED);
+static_assert(static_cast<int>(Method::kGregory) == METHOD_GREGORY &&
+              static_cast<int>(Method::kShaded) == METHOD_SHADED &&
+              static_cast<int>(Method::kFlat) == METHOD_FLAT);
+static_assert(static_cast<int>(Solver::kNewton) == SOLVER_NEWTON &&
+              static_cast<int>(Solver::kGaussNewton) == SOLVER_GAUSS_NEWTON &&
+              static_cast<int>(Solver::kPaper) == SOLVER_PAPER);
+static_assert(kNone == NONE);
+
+}  // namespace gliss
+
+#undef NONE
+#undef FORM_EXACT
+#undef FORM_RIBBON
+#undef FORM_BEZIER
+#undef FORM_TABLE
+#undef FORM_SEXTIC
+#undef SIDE_C
+#undef SIDE_T_0
+#undef SIDE_T_1
+#undef SIDE_TWIST_0
+#undef SIDE_TWIST_1
+#undef SIDE_NORMAL
+#undef SIDE_INNER
+#undef SIDE_ACROSS
+#undef SIDE_LENGTH
+#undef SIDE_EASE
+#undef SIDE_REALS
+#undef FAIR_CURVE
+#undef FAIR_NORMAL
+#undef FAIR_SOUND
+#undef FAIR_REALS
+#undef FRAME_NORMAL
+#undef FRAME_TANGENT
+#undef FRAME_REALS
+#undef SHAPE_LOW
+#undef SHAPE_HIGH
+#undef SHAPE_ALONG_LOW
+#undef SHAPE_ALONG_HIGH
+#undef SHAPE_BEND
+#undef SHAPE_TURN
+#undef SHAPE_CURVATURE
+#undef SHAPE_STRETCH2
+#undef SHAPE_SAG2
+#undef SHAPE_FINITE
+#undef SHAPE_REALS
+#undef PATCH_ORIGIN
+#undef PATCH_NORMAL
+#undef PATCH_SCALE
+#undef PATCH_UNSCALE
+#undef PATCH_SAG
+#undef PATCH_TANGENT
+#undef PATCH_LOW
+#undef PATCH_HIGH
+#undef PATCH_BEND
+#undef PATCH_CURVATURE
+#undef PATCH_REALS
+#undef NODE_REALS
+#undef NODE_LEAF
+#undef PATCH_BURIED
+#undef PATCH_MIXED
+#undef PART_MASK
+#undef PART_PARTNERS
+#undef PART_PARTNERS_END
+#undef PART_FIRST
+#undef PART_UINTS
+#undef TILE_CENTRE_XY
+#undef TILE_CENTRE_Z_RADIUS
+#undef TILE_AXIS
+#undef TILE_HALF_CURVES
+#undef TILE_BEND
+#undef TILE_UINTS
+#undef METHOD_GREGORY
+#undef METHOD_SHADED
+#undef METHOD_FLAT
+#undef CONTACT_FREE
+#undef CONTACT_TOUCHING
+#undef SOLVER_NEWTON
+#undef SOLVER_GAUSS_NEWTON
+#undef SOLVER_PAPER
+#undef CONTACT_XI
+#undef CONTACT_ETA
+#undef CONTACT_SCP
+#undef CONTACT_NORMAL
+#undef CONTACT_OFFSET
+#undef CONTACT_PUSH
+#undef CONTACT_CLEAR
+#undef CONTACT_REALS
+#undef CONTACT_STATE
+#undef CONTACT_PATCH
+#undef CONTACT_ITERATIONS
+#undef CONTACT_CROSSINGS
+#undef CONTACT_FLAGS
+#undef CONTACT_UINTS
+#undef FOOT_CONVERGED
+#undef FOOT_BORDER
+#undef FOOT_CREASE
+#undef FOOT_UNFINISHED

@@ -1,0 +1,70 @@
+#include "gliss/surface/patch_cache.h"
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+
+#include "gliss/base/plain_arithmetic.h"
+#include "gliss/surface/instances.h"
+#include "gliss/surface/layout.h"
+
+namespace gliss {
+
+void require_patches(const PatchCache& cache) {
+  if (cache.patch_count() == 0)
+    throw std::invalid_argument("the cache has no patches: it is empty, or was moved from");
+}
+
+double PatchCache::smallest_rho() const {
+  require_patches(*this);
+  return *std::min_element(rho_min.begin(), rho_min.end());
+}
+
+Box PatchCache::bounds() const {
+  require_patches(*this);
+  const PlainArithmetic plain;
+  return std::visit(
+      [&](const auto& s) {
+        Box box{Vec3::Constant(std::numeric_limits<double>::infinity()),
+                Vec3::Constant(-std::numeric_limits<double>::infinity())};
+        for (std::uint32_t p = 0; p < s.patch_count(); ++p) {
+          const auto* numbers = &s.patch[p * kPatchReals];
+          const Vec3 at(numbers[0], numbers[1], numbers[2]);
+          for (std::uint32_t side = s.side_begin[p]; side < s.side_begin[p + 1]; ++side) {
+            const auto* c = &s.corner[6 * side];
+            const Vec3 x =
+                origin +
+                (at + Vec3(c[0], c[1], c[2]) * static_cast<double>(numbers[kPatchUnscale])) / scale;
+            box.low = box.low.cwiseMin(x);
+            box.high = box.high.cwiseMax(x);
+          }
+        }
+        return box;
+      },
+      surface);
+}
+
+std::size_t PatchCache::bytes() const {
+  const auto size = [](const auto& v) { return v.size() * sizeof(v[0]); };
+  return std::visit(
+      [&](const auto& s) {
+        return size(s.domain) + size(s.domain_begin) + size(s.side_begin) + size(s.side_patch) +
+               size(s.side_twin) + size(s.control) + size(s.control_begin) + size(s.form) +
+               size(s.corner) + size(s.patch) + size(s.triangle) + size(s.node) + size(s.child) +
+               size(s.tile) + size(s.tile_begin) + size(s.part) + size(s.part_table) +
+               size(s.partner) + size(s.part_box) + size(patch_face) + size(face_patch) +
+               size(kind) + size(folded) + size(rho_min) + size(corner_of_face) +
+               size(face_valence);
+      },
+      surface);
+}
+
+bool has_border(const PatchCache& cache) {
+  return std::visit(
+      [](const auto& s) {
+        return std::find(s.side_twin.begin(), s.side_twin.end(), kNone) != s.side_twin.end();
+      },
+      cache.surface);
+}
+
+}  // namespace gliss

@@ -1,0 +1,91 @@
+// The prebuilt surface: patches, base polygons, hierarchy, and what is known of each patch.
+// Everything that evaluates, projects, sweeps or runs the device loop reads one of these.
+#pragma once
+
+#include <cstdint>
+#include <variant>
+#include <vector>
+
+#include "gliss/base/export.h"
+#include "gliss/base/vector.h"
+#include "gliss/surface/surface.h"
+
+namespace gliss {
+
+enum class Precision { kFloat, kDouble };
+
+// How patches are made from polygons and vertex normals.
+enum class Construction : std::uint32_t {
+  kPaper,  // Wu et al., eq. 2 to 14
+  kFair,   // triangles and quads as Gregory patches that bend little, on irregular meshes too
+           // (kernels/fair.h); the paper's patch for faces of more sides
+};
+
+// Which surface stands for the construction's: a trade of accuracy for speed and memory. All but
+// tables keep G1, with the boundary curves and boundary normals of the exact patch. Triangles and
+// quads of the fair construction are polynomials at every level but that of tables.
+struct Level {
+  enum Kind : std::uint32_t {
+    kExact,   // the construction's own equations
+    kRibbon,  // cross tangents as polynomials that have the exact ones' ends, slopes and middles
+    kBezier,  // Gregory quads and triangles; ribbons for faces of more sides
+    kTable    // samples with bicubic interpolation: G1 but for a gap
+  };
+  Kind kind = kExact;
+  std::uint32_t cells = 0;  // of a table, along half a side; else 0
+  Construction construction = Construction::kPaper;
+
+  bool operator==(const Level&) const = default;
+};
+inline constexpr std::uint32_t kTableCells = 4, kMostTableCells = 64;  // usual, at most
+
+// How the patch of a face was made.
+enum class PatchKind : std::uint8_t {
+  kExact,  // the construction's
+  kEased,  // folded: tamer cross tangents; boundary curves and normals as they were
+  kSplit,  // folded: its face is cut into triangles, each a patch; boundary curves and normals as
+           // they were
+  kBent,   // folded or degenerate beyond that: boundary curves as they were, boundary normals not
+};
+
+// Invariants: every index in range, every number finite, hierarchy a binary tree over all patches.
+// A patch is a face of the mesh, in the order of faces, except that a split face has a patch for
+// each of its triangles. A cache that was moved from has no patches: patch_count() is 0, and all
+// that needs some throws std::invalid_argument. Any number of threads may read one that none
+// changes.
+struct GLISS_EXPORT PatchCache {
+  double unit = 1.0;           // metres per unit of the mesh
+  Vec3 origin = Vec3::Zero();  // of the mesh frame, in the mesh's unit
+  double scale = 1.0;          // mesh-frame length of one unit: a power of two
+  Level level{};
+  // True if the mesh has no open border: where the nearest point's normal says inside, a HIP is.
+  bool is_closed = true;
+  std::uint32_t mesh_face_count = 0;
+  std::uint64_t mesh_hash = 0;  // XXH3 of the mesh's arrays and unit
+  std::variant<Surface<float>, Surface<double>> surface;
+  LargeArray<std::uint32_t> patch_face;  // [patch]
+  LargeArray<std::uint32_t> face_patch;  // [face], its first patch; kNone: not built
+  LargeArray<PatchKind> kind;            // [patch]
+  LargeArray<std::uint8_t> folded;       // [patch], 1: the exact patch folds or degenerates
+  LargeArray<double> rho_min;            // [patch], least radius of curvature, mesh's unit
+  LargeArray<std::uint32_t>
+      corner_of_face;  // [side], which corner of its face it starts at; valence: the centre
+  LargeArray<std::uint32_t> face_valence;  // [face]
+
+  Precision precision() const {
+    return surface.index() == 0 ? Precision::kFloat : Precision::kDouble;
+  }
+  std::uint32_t patch_count() const { return static_cast<std::uint32_t>(patch_face.size()); }
+  double smallest_rho() const;
+  // Largest |coordinate| extent, mesh's unit: what "relative to the size" means for a whole mesh.
+  Box bounds() const;
+  std::size_t bytes() const;
+};
+
+// True if a side of a patch has no neighbour.
+GLISS_EXPORT bool has_border(const PatchCache& cache);
+
+// Throws std::invalid_argument unless the cache has patches.
+GLISS_EXPORT void require_patches(const PatchCache& cache);
+
+}  // namespace gliss

@@ -1,0 +1,42 @@
+// The arrays that the kernels read (kernels/view.h), in one precision.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "gliss/base/large_array.h"
+
+namespace gliss {
+
+template <class Real>
+struct Surface {
+  std::vector<Real> domain;                 // tables of the valences in use
+  std::vector<std::uint32_t> domain_begin;  // [valence]
+  LargeArray<std::uint32_t> side_begin;     // [patch + 1]
+  LargeArray<std::uint32_t> side_patch;     // [side]
+  LargeArray<std::uint32_t> side_twin;      // [side], kNone: border
+  LargeArray<Real> control;                 // of all patches, by their forms
+  LargeArray<std::uint32_t> control_begin;  // [patch], where its own begins, in triples
+  LargeArray<std::uint32_t> form;           // [patch], kForm...; of a table with r << 8
+  LargeArray<Real> corner;                  // [side][2][3]
+  LargeArray<Real> patch;                   // [patch][patch_reals]
+  LargeArray<std::uint32_t> triangle;       // [side_begin[p] - 2 p][3]
+  LargeArray<Real> node;                    // [node][2][6]
+  LargeArray<std::uint32_t> child;          // [node][2]
+  LargeArray<std::uint32_t> tile;           // [tile][kTileUints], patch by patch
+  LargeArray<std::uint32_t> tile_begin;     // [patch + 1], tiles before its own
+  // Parts that overlap (kernels/union.h); all empty if no part meets another.
+  LargeArray<std::uint32_t> part;         // [patch], its part and kPatch...
+  std::vector<std::uint32_t> part_table;  // [part][kPartUints]
+  std::vector<std::uint32_t> partner;     // solid parts that may hold a part's points
+  std::vector<Real> part_box;             // [part][6], mesh frame
+
+  std::uint32_t patch_count() const {
+    return side_begin.empty() ? 0 : static_cast<std::uint32_t>(side_begin.size()) - 1;
+  }
+  std::uint32_t valence(std::uint32_t patch) const {
+    return side_begin[patch + 1] - side_begin[patch];
+  }
+};
+
+}  // namespace gliss

@@ -1,0 +1,189 @@
+// Results as HDF5: a group a table, in it an extendible 1-D dataset a column with its unit as
+// attribute.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "gliss/files/atomic_file.h"
+#include "gliss/tables/file_seal.h"
+#include "gliss/tables/hdf5_handle.h"
+#include "gliss/tables/hdf5_types.h"
+#include "gliss/tables/result_formats.h"
+
+namespace gliss {
+namespace {
+
+using hdf5::Handle;
+
+// Measured: chunks of 65,536 rows compress no better and write a third slower.
+constexpr hsize_t kChunkRows = 16384;
+
+class Hdf5File final : public ResultFile {
+ public:
+  explicit Hdf5File(const std::string& path)
+      : output_(path), action_(fmt::format("cannot write '{}'", path)) {
+    // At exit HDF5 crashes on a file that it could not close, in place of our message and exit
+    // code.
+    H5dont_atexit();
+    hdf5::Quiet quiet;
+    // The temporary is ours alone: its lock would only fail on network shares without locks.
+    Handle access = hdf5::properties(H5P_FILE_ACCESS);
+    check(H5Pset_file_locking(access, false, true));
+    check(H5Pset_fclose_degree(access, H5F_CLOSE_STRONG));
+    Handle creation = hdf5::properties(H5P_FILE_CREATE);
+    check(H5Pset_obj_track_times(creation, false));
+    check(H5Pset_link_creation_order(creation, H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED));
+    file_ = {H5Fcreate(output_.temporary_path().c_str(), H5F_ACC_TRUNC, creation, access), H5Fclose,
+             action_};
+    root_ = {H5Gopen2(file_, "/", H5P_DEFAULT), H5Gclose, action_};
+  }
+
+  ~Hdf5File() override {
+    hdf5::Quiet quiet;
+    // Emptied first: on a full disk closing now has room for what HDF5 still wants to write.
+    (void)!truncate(output_.temporary_path().c_str(), 0);
+    datasets_.clear();
+    root_ = {};
+    file_ = {};
+  }
+
+  TableId add_table(const std::string& name, const std::vector<Column>& columns,
+                    const std::vector<Attribute>& attributes,
+                    std::uint64_t expected_rows) override {
+    hdf5::Quiet quiet;
+    close_datasets();
+    const Handle group = open_or_create_group(name);
+    for (const Attribute& attribute : attributes) hdf5::write_attribute(group, attribute, action_);
+    const hsize_t chunk = expected_rows ? std::min<hsize_t>(expected_rows, kChunkRows) : kChunkRows;
+    for (const Column& column : columns) add_column(group, column, chunk);
+    tables_.push_back({name.empty() ? "/" : name, columns, 0, chunk});
+    return tables_.size() - 1;
+  }
+
+  void append(TableId id, std::span<const ColumnData> block) override {
+    hdf5::Quiet quiet;
+    Table& table = tables_.at(id);
+    const hsize_t rows = block_rows(table.columns, block);
+    if (rows == 0) return;
+    open_datasets(id);
+    const hsize_t total = table.rows + rows;
+    const Handle memory(H5Screate_simple(1, &rows, nullptr), H5Sclose, action_);
+    for (std::size_t c = 0; c < block.size(); ++c) {
+      check(H5Dset_extent(datasets_[c], &total));
+      const Handle space(H5Dget_space(datasets_[c]), H5Sclose, action_);
+      check(H5Sselect_hyperslab(space, H5S_SELECT_SET, &table.rows, nullptr, &rows, nullptr));
+      write_block(datasets_[c], table.columns[c].type, memory, space, block[c]);
+    }
+    // Chunks that are full go to disk, so that a full disk is noticed now.
+    const bool full = total / table.chunk > table.rows / table.chunk;
+    table.rows = total;
+    if (full) check(H5Fflush(file_, H5F_SCOPE_GLOBAL));
+  }
+
+  void set_attribute(const Attribute& attribute) override {
+    hdf5::Quiet quiet;
+    hdf5::write_attribute(root_, attribute, action_);
+  }
+
+  void close() override {
+    hdf5::Quiet quiet;
+    close_datasets();
+    root_.close(action_);
+    // Flushed first: a file whose close fails can be closed no more, one whose flush fails can.
+    check(H5Fflush(file_, H5F_SCOPE_GLOBAL));
+    file_.close(action_);
+    append_seal(output_.temporary_path(), output_.path());
+    output_.commit();
+  }
+
+ private:
+  struct Table {
+    std::string name;
+    std::vector<Column> columns;
+    hsize_t rows, chunk;
+  };
+
+  template <class Result>
+  Result check(Result result) const {
+    return hdf5::check(result, action_);
+  }
+
+  Handle open_or_create_group(const std::string& name) const {
+    if (name.empty()) return {H5Gopen2(file_, "/", H5P_DEFAULT), H5Gclose, action_};
+    const hid_t existing =
+        H5Gopen2(file_, name.c_str(), H5P_DEFAULT);  // the parent of another table
+    if (existing >= 0) return {existing, H5Gclose, action_};
+    const Handle links = hdf5::properties(H5P_LINK_CREATE),
+                 creation = hdf5::properties(H5P_GROUP_CREATE);
+    check(H5Pset_create_intermediate_group(links, 1));
+    check(H5Pset_obj_track_times(creation, false));
+    check(H5Pset_link_creation_order(creation, H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED));
+    return {H5Gcreate2(file_, name.c_str(), links, creation, H5P_DEFAULT), H5Gclose, action_};
+  }
+
+  void add_column(hid_t group, const Column& column, hsize_t chunk) const {
+    const hsize_t empty = 0, unlimited = H5S_UNLIMITED;
+    const Handle space(H5Screate_simple(1, &empty, &unlimited), H5Sclose, action_);
+    const Handle creation = hdf5::properties(H5P_DATASET_CREATE);
+    check(H5Pset_chunk(creation, 1, &chunk));
+    check(H5Pset_obj_track_times(creation, false));
+    if (hdf5::representation(column.type).compressed) {
+      check(H5Pset_shuffle(creation));
+      check(H5Pset_deflate(creation, 1));
+    }
+    const Handle dataset(
+        H5Dcreate2(group, column.name.c_str(), hdf5::representation(column.type).in_file, space,
+                   H5P_DEFAULT, creation, H5P_DEFAULT),
+        H5Dclose, fmt::format("{}: column '{}'", action_, column.name));
+    if (!column.unit.empty()) hdf5::write_attribute(dataset, {"unit", column.unit}, action_);
+  }
+
+  // Only the table at hand is open: an open dataset holds a chunk in memory, and tables may be
+  // thousands.
+  void open_datasets(TableId id) {
+    if (open_table_ == id && !datasets_.empty()) return;
+    close_datasets();
+    const Handle group(H5Gopen2(file_, tables_[id].name.c_str(), H5P_DEFAULT), H5Gclose, action_);
+    for (const Column& column : tables_[id].columns) {
+      datasets_.emplace_back(H5Dopen2(group, column.name.c_str(), H5P_DEFAULT), H5Dclose, action_);
+    }
+    open_table_ = id;
+  }
+
+  void close_datasets() {
+    for (Handle& dataset : datasets_) dataset.close(action_);
+    datasets_.clear();
+  }
+
+  void write_block(hid_t dataset, ColumnType type, hid_t memory, hid_t space,
+                   const ColumnData& data) const {
+    std::vector<const char*> texts;
+    const void* values =
+        std::visit([](const auto& span) -> const void* { return span.data(); }, data);
+    if (type == ColumnType::kText) {
+      for (const std::string& text : std::get<std::span<const std::string>>(data)) {
+        texts.push_back(text.c_str());
+      }
+      values = texts.data();
+    }
+    check(H5Dwrite(dataset, hdf5::representation(type).in_memory, memory, space, H5P_DEFAULT,
+                   values));
+  }
+
+  AtomicFile output_;  // first in, last out: removes the temporary after HDF5 has closed it
+  std::string action_;
+  Handle file_, root_;
+  std::vector<Table> tables_;
+  std::vector<Handle> datasets_;  // of open_table_, one a column
+  TableId open_table_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<ResultFile> create_hdf5_file(const std::string& path) {
+  return std::make_unique<Hdf5File>(path);
+}
+
+}  // namespace gliss

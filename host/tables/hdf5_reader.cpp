@@ -1,0 +1,210 @@
+#include "gliss/tables/hdf5_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "gliss/files/open_file.h"
+#include "gliss/tables/file_seal.h"
+#include "gliss/tables/hdf5_types.h"
+
+namespace gliss {
+
+using hdf5::Handle;
+
+namespace {
+
+// Bytes that a column may unpack to: 4.6 hours of a hand at rest, or so many times the whole file.
+constexpr std::uint64_t kSmallColumn = 1 << 27, kMostBytesPerByte = 64;
+constexpr hsize_t kBlockRows = 1 << 20;
+
+// Called by HDF5 where a path leads out of the file, whose name it keeps; below 0 refuses.
+herr_t keep_elsewhere(const char*, const char*, const char* file, const char*, unsigned*, hid_t,
+                      void* elsewhere) {
+  *static_cast<std::string*>(elsewhere) = file;
+  return -1;
+}
+
+// How links are followed: not into other files. `elsewhere` must outlive it.
+Handle within_file(hid_t kind, std::string& elsewhere) {
+  Handle access = hdf5::properties(kind);
+  hdf5::check(H5Pset_elink_cb(access, keep_elsewhere, &elsewhere), "cannot set up HDF5");
+  return access;
+}
+
+void refuse_elsewhere(const std::string& action, const std::string& elsewhere) {
+  if (elsewhere.empty()) return;
+  throw std::runtime_error(
+      fmt::format("{}: it is linked to another file, '{}', which is not read", action, elsewhere));
+}
+
+// Keeps the texts that HDF5 reads, up to a bound: many may be one in the file.
+struct TextArena {
+  std::uint64_t bytes_left;
+  std::vector<std::unique_ptr<char[]>> texts{};
+
+  static void* allocate(std::size_t bytes, void* arena) try {
+    auto& self = *static_cast<TextArena*>(arena);
+    if (bytes > self.bytes_left) return nullptr;
+    self.bytes_left -= bytes;
+    return self.texts.emplace_back(std::make_unique<char[]>(bytes)).get();
+  } catch (const std::bad_alloc&) {
+    return nullptr;  // which HDF5 takes for a failure
+  }
+  static void free(void*, void*) {}
+};
+
+}  // namespace
+
+struct Hdf5Reader::Dataset {
+  std::string action;
+  Handle dataset, space, creation;
+  hsize_t rows, block;  // rows to read at once: whole chunks
+
+  hid_t select(hsize_t begin, hsize_t stride, hsize_t count) const {
+    hdf5::check(H5Sselect_hyperslab(space, H5S_SELECT_SET, &begin, &stride, &count, nullptr),
+                action);
+    return space;
+  }
+};
+
+Hdf5Reader::Hdf5Reader(const std::string& path, const std::string& what, std::function<void()> poll)
+    : action_(fmt::format("cannot read '{}' as {}", path, what)), poll_(std::move(poll)) {
+  const OpenFile file(path);
+  if (file.descriptor() < 0) throw std::runtime_error(action_ + ": " + file.why());
+  file_bytes_ = file.size();
+  if (check_seal(path, poll_) == Seal::kBroken)
+    throw std::runtime_error(action_ + ": damaged, its checksum differs");
+  hdf5::Quiet quiet;
+  file_ = std::make_shared<const Handle>(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT),
+                                         H5Fclose, action_);
+}
+
+bool Hdf5Reader::has(const std::string& name) const {
+  hdf5::Quiet quiet;
+  std::string elsewhere;
+  const Handle access = within_file(H5P_LINK_ACCESS, elsewhere);
+  // A name may be asked for only where the group that it is in is there.
+  for (std::size_t end = 0; end != name.npos;) {
+    end = name.find('/', end + 1);
+    const htri_t found = H5Lexists(*file_, name.substr(0, end).c_str(), access);
+    refuse_elsewhere(fmt::format("{}: '{}'", action_, name), elsewhere);
+    if (found <= 0) return false;
+  }
+  return true;
+}
+
+Hdf5Reader::Dataset Hdf5Reader::open(const std::string& column) const {
+  Dataset d{fmt::format("{}: column '{}'", action_, column), {}, {}, {}, 0, 0};
+  if (!has(column)) throw std::runtime_error(d.action + ": it is not there");
+  std::string elsewhere;
+  const Handle access = within_file(H5P_DATASET_ACCESS, elsewhere);
+  const hid_t dataset = H5Dopen2(*file_, column.c_str(), access);
+  refuse_elsewhere(d.action, elsewhere);
+  d.dataset = {dataset, H5Dclose, d.action};
+  d.creation = {H5Dget_create_plist(d.dataset), H5Pclose, d.action};
+  if (H5Pget_layout(d.creation) == H5D_VIRTUAL || H5Pget_external_count(d.creation) != 0)
+    throw std::runtime_error(d.action + ": its numbers are in another file, which is not read");
+  d.space = {H5Dget_space(d.dataset), H5Sclose, d.action};
+  if (H5Sget_simple_extent_ndims(d.space) != 1) throw std::runtime_error(d.action + ": no list");
+  d.rows = static_cast<hsize_t>(hdf5::check(H5Sget_simple_extent_npoints(d.space), d.action));
+  check_size(d);
+  return d;
+}
+
+// Believes a size as far as something is stored.
+void Hdf5Reader::check_size(Dataset& d) const {
+  const Handle type(H5Dget_type(d.dataset), H5Tclose, d.action);
+  const hsize_t row_bytes = std::max<hsize_t>(H5Tget_size(type), 1);
+  hsize_t stored = H5Dget_storage_size(d.dataset) / row_bytes, chunk = 1;
+  if (H5Pget_layout(d.creation) == H5D_CHUNKED) {
+    hdf5::check(H5Pget_chunk(d.creation, 1, &chunk), d.action);
+    hdf5::check(H5Dget_num_chunks(d.dataset, d.space, &stored), d.action);
+    stored *= chunk;
+  }
+  if (d.rows > stored) {
+    throw std::runtime_error(
+        fmt::format("{}: {} rows, of which {} are stored", d.action, d.rows, stored));
+  }
+  const std::uint64_t bytes = std::max(d.rows * sizeof(double), chunk * row_bytes);
+  if (bytes > most_bytes()) {
+    throw std::runtime_error(fmt::format("{}: {} bytes unpacked, too many for a file of {}",
+                                         d.action, bytes, file_bytes_));
+  }
+  d.block = (kBlockRows + chunk - 1) / chunk * chunk;
+}
+
+std::uint64_t Hdf5Reader::most_bytes() const {
+  return std::max(kSmallColumn, kMostBytesPerByte * file_bytes_);
+}
+
+void Hdf5Reader::poll() const {
+  if (poll_) poll_();
+}
+
+std::size_t Hdf5Reader::rows(const std::string& column) const {
+  hdf5::Quiet quiet;
+  return open(column).rows;
+}
+
+std::vector<double> Hdf5Reader::numbers(const std::string& column, std::size_t stride) const {
+  hdf5::Quiet quiet;
+  const Dataset d = open(column);
+  std::vector<double> values((d.rows + stride - 1) / stride);
+  for (hsize_t begin = 0, next = 0; begin < d.rows; begin += d.block) {
+    poll();
+    const hsize_t end = std::min(d.rows, begin + d.block);
+    const hsize_t count = (end + stride - 1) / stride - next;
+    if (count == 0) continue;
+    const Handle memory(H5Screate_simple(1, &count, nullptr), H5Sclose, d.action);
+    hdf5::check(H5Dread(d.dataset, H5T_NATIVE_DOUBLE, memory,
+                        d.select(next * stride, stride, count), H5P_DEFAULT, &values[next]),
+                d.action);
+    next += count;
+  }
+  return values;
+}
+
+std::vector<std::string> Hdf5Reader::texts(const std::string& column) const {
+  constexpr hsize_t kBlock = 65536;  // bounds what HDF5 allocates
+  hdf5::Quiet quiet;
+  const Dataset d = open(column);
+  const hid_t type = hdf5::representation(ColumnType::kText).in_memory;
+  TextArena arena{most_bytes()};
+  const Handle transfer = hdf5::properties(H5P_DATASET_XFER);
+  hdf5::check(
+      H5Pset_vlen_mem_manager(transfer, TextArena::allocate, &arena, TextArena::free, &arena),
+      d.action);
+  std::vector<std::string> values;
+  values.reserve(d.rows);
+  std::vector<char*> block;
+  for (hsize_t begin = 0; begin < d.rows; begin += kBlock) {
+    poll();
+    const hsize_t count = std::min(kBlock, d.rows - begin);
+    block.assign(count, nullptr);
+    const Handle memory(H5Screate_simple(1, &count, nullptr), H5Sclose, d.action);
+    hdf5::check(H5Dread(d.dataset, type, memory, d.select(begin, 1, count), transfer, block.data()),
+                d.action);
+    for (const char* text : block) values.emplace_back(text ? text : "");
+    arena.texts.clear();
+  }
+  return values;
+}
+
+std::optional<std::string> Hdf5Reader::text_attribute(const std::string& name) const {
+  hdf5::Quiet quiet;
+  const std::string action = fmt::format("{}: attribute '{}'", action_, name);
+  if (H5Aexists(*file_, name.c_str()) <= 0) return std::nullopt;
+  const Handle attribute(H5Aopen(*file_, name.c_str(), H5P_DEFAULT), H5Aclose, action);
+  const Handle space(H5Aget_space(attribute), H5Sclose, action);
+  if (H5Sget_simple_extent_npoints(space) != 1) throw std::runtime_error(action + ": not one text");
+  const hid_t type = hdf5::representation(ColumnType::kText).in_memory;
+  char* text = nullptr;
+  hdf5::check(H5Aread(attribute, type, &text), action);
+  const std::string value = text ? text : "";
+  hdf5::check(H5Dvlen_reclaim(type, space, H5P_DEFAULT, &text), action);
+  return value;
+}
+
+}  // namespace gliss

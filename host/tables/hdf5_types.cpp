@@ -1,0 +1,56 @@
+#include "gliss/tables/hdf5_types.h"
+
+#include <fmt/format.h>
+
+namespace gliss::hdf5 {
+namespace {
+
+// Variable length, UTF-8; made once and kept for the life of the program.
+hid_t text_type() {
+  static const hid_t type = [] {
+    const hid_t text = check(H5Tcopy(H5T_C_S1), "string type");
+    check(H5Tset_size(text, H5T_VARIABLE), "string type");
+    check(H5Tset_cset(text, H5T_CSET_UTF8), "string type");
+    return text;
+  }();
+  return type;
+}
+
+}  // namespace
+
+// Measured on 4e6 rows, one core, shuffle and deflate(1): noise float64 0.89 of the size at 56 MB/s
+// (plain: 2,000), smooth float64 0.57 at 89, noise float32 0.86 at 62; random patch indices 0.36 at
+// 168, sorted ones 0.005 at 758, Newton steps 0.11 at 268, rare flags 0.06 at 457. Deflate(4) gains
+// 1 % more at 2/3 of the speed. So integers are compressed and floats are not.
+Representation representation(ColumnType type) {
+  const Representation of_type[] = {{H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, false},
+                                    {H5T_IEEE_F32LE, H5T_NATIVE_FLOAT, false},
+                                    {H5T_STD_U32LE, H5T_NATIVE_UINT32, true},
+                                    {H5T_STD_U8LE, H5T_NATIVE_UINT8, true},
+                                    {text_type(), text_type(), false}};
+  return of_type[static_cast<std::size_t>(type)];
+}
+
+Handle properties(hid_t kind) { return {H5Pcreate(kind), H5Pclose, "HDF5 property list"}; }
+
+void write_attribute(hid_t object, const Attribute& attribute, const std::string& action) {
+  const char* name = attribute.name.c_str();
+  const std::string failure = fmt::format("{}: attribute '{}'", action, attribute.name);
+  const auto write = [&](hid_t in_file, hid_t in_memory, const void* value) {
+    if (check(H5Aexists(object, name), failure) > 0) check(H5Adelete(object, name), failure);
+    const Handle scalar(H5Screate(H5S_SCALAR), H5Sclose, failure);
+    const Handle written(H5Acreate2(object, name, in_file, scalar, H5P_DEFAULT, H5P_DEFAULT),
+                         H5Aclose, failure);
+    check(H5Awrite(written, in_memory, value), failure);
+  };
+  if (const auto* text = std::get_if<std::string>(&attribute.value)) {
+    const char* characters = text->c_str();
+    write(text_type(), text_type(), &characters);
+  } else if (const auto* number = std::get_if<double>(&attribute.value)) {
+    write(H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, number);
+  } else {
+    write(H5T_STD_I64LE, H5T_NATIVE_INT64, &std::get<std::int64_t>(attribute.value));
+  }
+}
+
+}  // namespace gliss::hdf5

@@ -1,0 +1,21 @@
+// How columns and attributes of results look in HDF5.
+#pragma once
+
+#include "gliss/tables/hdf5_handle.h"
+#include "gliss/tables/result_file.h"
+
+namespace gliss::hdf5 {
+
+struct Representation {
+  hid_t in_file;    // little-endian everywhere: the same results are the same bytes
+  hid_t in_memory;  // this machine's
+  bool compressed;  // whether shuffle and deflate pay
+};
+Representation representation(ColumnType type);
+
+Handle properties(hid_t kind);
+
+// On a file's root, a group or a dataset; one of the same name is replaced.
+void write_attribute(hid_t object, const Attribute& attribute, const std::string& action);
+
+}  // namespace gliss::hdf5

@@ -1,0 +1,61 @@
+#include "gliss/tables/point_table.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "gliss/base/units.h"
+#include "gliss/tables/hdf5_reader.h"
+
+namespace gliss {
+namespace {
+
+std::vector<Vec3> read_recording(const std::string& path, const std::function<void()>& poll) {
+  const std::string action = fmt::format("cannot read '{}' as a recording", path);
+  const Hdf5Reader file(path, "a recording", poll);
+  const auto x = file.numbers("ticks/x"), y = file.numbers("ticks/y"), z = file.numbers("ticks/z");
+  if (y.size() != x.size() || z.size() != x.size())
+    throw std::runtime_error(action + ": x, y and z are not equally long");
+  std::vector<Vec3> points;
+  points.reserve(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    points.emplace_back(x[i], y[i], z[i]);
+    if (!points.back().allFinite())
+      throw std::runtime_error(fmt::format("{}: tick {} is not finite", action, i));
+  }
+  return points;
+}
+
+}  // namespace
+
+PointTable read_points(const std::string& path, double unit,
+                       const std::vector<std::string>& optional,
+                       const std::function<void()>& poll) {
+  PointTable result;
+  if (path.ends_with(".h5") || path.ends_with(".hdf5")) {
+    try {
+      result.points = read_recording(path, poll);
+    } catch (const std::runtime_error& error) {
+      throw RecordingError(error.what());
+    }
+    return result;
+  }
+  const std::vector<std::vector<std::string>> names = {{"x", "y", "z"}, {"x_mm", "y_mm", "z_mm"}};
+  result.table = read_csv(path, {.alternatives = names, .optional = optional, .poll = poll});
+  const std::size_t chosen = result.table.alternative;
+  result.unit = chosen == 0 ? unit : 1e-3;
+  const auto &x = *result.table.find(names[chosen][0]), &y = *result.table.find(names[chosen][1]),
+             &z = *result.table.find(names[chosen][2]);
+  result.points.reserve(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) result.points.emplace_back(x[i], y[i], z[i]);
+  return result;
+}
+
+std::vector<Vec3> points_in_metres(PointTable table) {
+  const UnitChange to_metres(table.unit, 1);
+  std::vector<Vec3> points = std::move(table.points);
+  for (Vec3& point : points) point = to_metres(point);
+  return points;
+}
+
+}  // namespace gliss

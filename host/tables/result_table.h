@@ -1,0 +1,75 @@
+// Tables as commands fill them: a column at a time, from anything indexed by row.
+#pragma once
+
+#include <cstdint>
+#include <initializer_list>
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <variant>
+#include <vector>
+
+#include "gliss/base/export.h"
+#include "gliss/tables/result_file.h"
+
+namespace gliss {
+
+// Columns under construction: add({"x", "y", "z"}, ColumnType::kFloat64, "mm").
+class GLISS_EXPORT Columns {
+ public:
+  Columns& add(std::initializer_list<const char*> names, ColumnType type = ColumnType::kFloat64,
+               const std::string& unit = "");
+  const std::vector<Column>& list() const { return columns_; }
+
+ private:
+  std::vector<Column> columns_;
+};
+
+// Rows that wait for the next write(). The file must outlive the table.
+class GLISS_EXPORT ResultTable {
+ public:
+  ResultTable(ResultFile& file, const std::string& name, const Columns& columns,
+              const std::vector<Attribute>& attributes = {}, std::uint64_t expected_rows = 0);
+
+  // Appends get(0) ... get(rows - 1) to the next column, from the first on, round and round.
+  template <class Get>
+  void fill(std::size_t rows, Get get) {
+    std::visit(
+        [&](auto& values) {
+          using Value = typename std::decay_t<decltype(values)>::value_type;
+          const std::size_t old = values.size();
+          values.resize(old + rows);
+          for (std::size_t i = 0; i < rows; ++i) {
+            // A column of text is filled with text, one of numbers with numbers.
+            if constexpr (std::is_convertible_v<decltype(get(i)), std::string> ==
+                          std::is_same_v<Value, std::string>) {
+              values[old + i] = static_cast<Value>(get(i));
+            }
+          }
+        },
+        columns_[next_]);
+    next_ = (next_ + 1) % columns_.size();
+  }
+
+  // The next three columns from vectors.
+  template <class Get>
+  void fill_vectors(std::size_t rows, Get get) {
+    for (int axis = 0; axis < 3; ++axis) {
+      fill(rows, [&](std::size_t i) { return get(i)[axis]; });
+    }
+  }
+
+  std::size_t rows() const;
+  void write();  // all that was filled in
+
+ private:
+  using Values = std::variant<std::vector<double>, std::vector<float>, std::vector<std::uint32_t>,
+                              std::vector<std::uint8_t>, std::vector<std::string>>;
+
+  ResultFile& file_;
+  ResultFile::TableId id_;
+  std::vector<Values> columns_;
+  std::size_t next_ = 0;
+};
+
+}  // namespace gliss

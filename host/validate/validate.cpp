@@ -1,0 +1,147 @@
+// The strict check of every mesh before anything is built from it. Findings, by code:
+//
+//   error, from the readers
+//   unreadable            the file cannot be opened or read
+//   unsupported           a kind of file, version or element that no reader knows
+//   syntax                a word is missing or is not what has to be there
+//   truncated             the file ends before all it announces
+//   extra-data            the file has more than it announces
+//   count-mismatch        another number of faces or corners was read than the file has
+//   error
+//   bad-unit              the unit is not a positive number, or no length of anything
+//   inconsistent-arrays   the arrays of a mesh made in memory do not fit together
+//   too-large             more corners than 32 bits can number
+//   no-faces              nothing to touch
+//   non-finite            NaN or infinity in a coordinate or normal
+//   huge-coordinate       beyond 1e60, where areas and volumes would overflow
+//   vertex-index          no such vertex
+//   normal-index          no such normal
+//   too-few-vertices      a face with fewer than 3 distinct vertices
+//   too-many-sides        a face with more than kMaxValence sides
+//   self-touching-face    a face that comes back to one of its vertices
+//   zero-length-side      a side whose ends are at one place
+//   zero-area-face        a face that is a line or a point
+//   non-orientable        a part whose faces cannot all be turned one way (a Moebius strip)
+//   error; repaired with LoadOptions::split_non_manifold
+//   non-manifold-edge     an edge of three or more faces
+//   non-manifold-vertex   a vertex where faces meet that share no edge there (a bow-tie)
+//   repaired
+//   repeated-corner       a face that names a vertex twice in a row; once is kept
+//   duplicate-face        the same cycle of vertices again; the first is kept
+//   flipped-face          a face turned against most of its part; turned back
+//   inside-out-part       a closed part of negative volume; turned outward
+//   zero-normal           a normal of no length; computed from the faces around
+//   missing-normal        a face without normals among others with; computed likewise
+//   non-unit-normal       a length off 1 by more than 1e-5; made 1
+//   warning
+//   unknown-statement     an OBJ statement that is not known; skipped
+//   ignored-weight        an OBJ vertex with w other than 1
+//   extra-columns         further numbers after a vertex, or one after a face; skipped
+//   unused-normals        normals that no face uses, or of fewer than three numbers; dropped
+//   unused-vertices       vertices that no face uses; kept
+//   coincident-vertices   vertices at the place of another one (unwelded seams)
+//   several-parts         parts that share no edge; the count is that of the parts
+//   parts-intersect       a closed part and another one intersect or touch; the count is that of
+//   the
+//                         pairs, up to a million. Contact takes closed parts as a union of solids
+//   part-inside-part      parts that lie within closed ones; the count is that of the parts
+//   no-volume             closed parts that enclose nothing, such as a face and its reverse
+//   open-border           sides without a face beyond
+//   concave               faces with a reflex corner, or that cross themselves
+//   non-planar            faces off their plane by more than 5 % of the root of their area
+//   sharp-normals         vertices whose faces have different normals there
+//   normals-against-face  corners whose normal is more than 90 degrees off their face's
+#include "gliss/validate/validate.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "gliss/base/plain_arithmetic.h"
+#include "gliss/validate/validate_steps.h"
+
+namespace gliss {
+namespace {
+
+void check_arrays(const Mesh& mesh, double unit, Report& report) {
+  const std::size_t corners = mesh.corner_vertex.size();
+  if (!(unit >= kLeastUnit && unit <= kMostUnit)) {
+    report.fail("bad-unit", {}, "the unit must be a length from {} to {} m, not {} m", kLeastUnit,
+                kMostUnit, unit);
+  }
+  const bool consistent = !mesh.face_begin.empty() && mesh.face_begin.front() == 0 &&
+                          mesh.face_begin.back() == corners &&
+                          std::is_sorted(mesh.face_begin.begin(), mesh.face_begin.end()) &&
+                          mesh.corner_normal.size() == (mesh.normals.empty() ? 0 : corners) &&
+                          (mesh.face_line.empty() || mesh.face_line.size() == mesh.face_count());
+  if (!consistent) report.fail("inconsistent-arrays", {}, "the arrays do not fit together");
+  if (std::max({corners, mesh.positions.size(), mesh.normals.size()}) >= kNone) {
+    report.fail("too-large", {}, "more than {} corners, vertices or normals", kNone - 1);
+  }
+  if (mesh.face_count() == 0) report.fail("no-faces", {}, "there are no faces");
+}
+
+void check_numbers(const Mesh& mesh, Report& report) {
+  for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) {
+    const Vec3& p = mesh.positions[v];
+    if (!p.allFinite()) {
+      report.add(Severity::kError, "non-finite", {.vertex = v}, "({}, {}, {}) is not finite", p.x(),
+                 p.y(), p.z());
+    } else if (p.cwiseAbs().maxCoeff() > kMostCoordinate) {
+      report.add(Severity::kError, "huge-coordinate", {.vertex = v}, "({}, {}, {}) is beyond {}",
+                 p.x(), p.y(), p.z(), kMostCoordinate);
+    }
+  }
+  for (std::size_t i = 0; i < mesh.normals.size(); ++i) {
+    const Vec3& n = mesh.normals[i];
+    if (!n.allFinite()) {
+      report.add(Severity::kError, "non-finite", {}, "normal {} ({}, {}, {}) is not finite", i,
+                 n.x(), n.y(), n.z());
+    }
+  }
+}
+
+void check_indices(const Mesh& mesh, Report& report) {
+  for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
+    for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c) {
+      if (mesh.corner_vertex[c] >= mesh.positions.size()) {
+        report.add(Severity::kError, "vertex-index", {.face = face},
+                   "vertex index {} is out of range ({} vertices)", mesh.corner_vertex[c],
+                   mesh.positions.size());
+      }
+      if (mesh.corner_normal.empty() || mesh.corner_normal[c] == kNone) continue;
+      if (mesh.corner_normal[c] >= mesh.normals.size()) {
+        report.add(Severity::kError, "normal-index", {.face = face},
+                   "normal index {} is out of range ({} normals)", mesh.corner_normal[c],
+                   mesh.normals.size());
+      }
+    }
+  }
+}
+
+}  // namespace
+
+void validate(Mesh& mesh, const LoadOptions& options, Report& report) {
+  const PlainArithmetic plain;
+  check_arrays(mesh, mesh.unit, report);
+  check_numbers(mesh, report);
+  check_indices(mesh, report);
+  report.stop_on_error();
+  repair_faces(mesh, report);
+  warn_of_vertices(mesh, report);  // before copies of split vertices add to the coincident ones
+  refuse_faces(mesh, report);
+  check_sizes(mesh, report);
+  repair_manifold(mesh, options.split_non_manifold, report);
+  report.stop_on_error();
+  repair_orientation(mesh, report);
+  report.stop_on_error();
+  repair_normals(mesh, report);
+  warn_of_shapes(mesh, report);
+  warn_of_parts(mesh, report);
+}
+
+void validate(Mesh& mesh, const LoadOptions& options, std::vector<Finding>* findings) {
+  Report report(mesh, findings, options.poll);
+  validate(mesh, options, report);
+}
+
+}  // namespace gliss

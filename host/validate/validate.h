@@ -1,0 +1,43 @@
+// The strict check of every mesh before anything is built from it, and its findings.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "gliss/base/export.h"
+#include "gliss/mesh/mesh.h"
+
+namespace gliss {
+
+enum class Severity { kError, kRepaired, kWarning };
+
+// One thing that a check found. `code` is stable ("non-manifold-edge"), so that scripts can rely on
+// it. face, vertex and line name the first occurrence (kNone / 0: not applicable), count says how
+// many. Faces are numbered from 0 as in the file, before any duplicate was removed.
+struct Finding {
+  std::string code;
+  Severity severity = Severity::kWarning;
+  std::string message;  // one line, for people; names the place
+  std::uint32_t face = kNone;
+  std::uint32_t vertex = kNone;
+  std::size_t line = 0;
+  std::size_t count = 1;
+};
+
+struct LoadOptions {
+  double unit = 1.0;                // metres per unit of the file
+  bool split_non_manifold = false;  // duplicate vertices instead of refusing
+  // Asked many times a second, on the thread that reads and checks; what it throws ends that.
+  std::function<void()> poll = nullptr;
+};
+
+// The checks behind every reader, for meshes made in memory: repairs in place, appends findings,
+// throws MeshError where any is of severity kError. mesh.unit stays; a corner_normal of kNone
+// (missing) is filled in.
+GLISS_EXPORT void validate(Mesh& mesh, const LoadOptions& options = {},
+                           std::vector<Finding>* findings = nullptr);
+
+}  // namespace gliss

@@ -1,0 +1,109 @@
+// Normals from a file: unit length at every corner in the end, and warnings of odd ones.
+#include <cmath>
+#include <limits>
+#include <unordered_map>
+
+#include "gliss/mesh/topology.h"
+#include "gliss/validate/validate_steps.h"
+
+namespace gliss {
+namespace {
+
+constexpr double kZeroLength = 1e-30;
+constexpr double kUnitTolerance = 1e-5;   // what files of six digits need
+constexpr double kSharpTolerance = 1e-5;  // rad, below it two normals are one, printed twice
+
+// [normal], the first face that has it at a corner.
+std::vector<std::uint32_t> first_faces(const Mesh& mesh) {
+  std::vector<std::uint32_t> first(mesh.normals.size(), kNone);
+  for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
+    for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c) {
+      const std::uint32_t normal = mesh.corner_normal[c];
+      if (normal != kNone && first[normal] == kNone) first[normal] = face;
+    }
+  }
+  return first;
+}
+
+// Normals of no length become z, for the corners that use them are given others.
+std::vector<bool> normalise(Mesh& mesh, Report& report) {
+  constexpr double kExact = 4 * std::numeric_limits<double>::epsilon();
+  const std::vector<std::uint32_t> face = first_faces(mesh);
+  std::vector<bool> zero(mesh.normals.size(), false);
+  for (std::size_t i = 0; i < mesh.normals.size(); ++i) {
+    Vec3& normal = mesh.normals[i];
+    const double length = normal.stableNorm();
+    if (length < kZeroLength) {
+      report.add(Severity::kRepaired, "zero-normal", {.face = face[i]}, "normal {} has no length",
+                 i);
+      zero[i] = true;
+      normal = Vec3::UnitZ();
+    } else if (std::abs(length - 1) > kExact) {
+      if (std::abs(length - 1) > kUnitTolerance) {
+        report.add(Severity::kRepaired, "non-unit-normal", {.face = face[i]},
+                   "normal {} has length {:.6g}", i, length);
+      }
+      normal.stableNormalize();
+    }
+  }
+  return zero;
+}
+
+void complete(Mesh& mesh, const std::vector<bool>& zero, Report& report) {
+  std::vector<Vec3> computed;                                // [vertex], once needed
+  std::unordered_map<std::uint32_t, std::uint32_t> replace;  // [vertex], its new normal
+  for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
+    report.poll();
+    bool missing = false;
+    for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c) {
+      std::uint32_t& normal = mesh.corner_normal[c];
+      missing = missing || normal == kNone;
+      if (normal != kNone && (normal >= zero.size() || !zero[normal])) continue;
+      if (computed.empty()) computed = vertex_normals(mesh);
+      const std::uint32_t vertex = mesh.corner_vertex[c];
+      const auto next = static_cast<std::uint32_t>(mesh.normals.size());
+      const auto [known, is_new] = replace.try_emplace(vertex, next);
+      if (is_new) mesh.normals.push_back(computed[vertex]);
+      normal = known->second;
+    }
+    if (missing) {
+      report.add(Severity::kRepaired, "missing-normal", {.face = face},
+                 "has corners without a normal");
+    }
+  }
+}
+
+void warn(const Mesh& mesh, Report& report) {
+  std::vector<std::uint32_t> first(mesh.positions.size(), kNone);  // [vertex], a normal there
+  std::vector<bool> sharp(mesh.positions.size(), false);
+  for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
+    report.poll();
+    const Vec3 face_normal = newell_normal(mesh, face);
+    for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c) {
+      const std::uint32_t vertex = mesh.corner_vertex[c];
+      const Vec3& normal = mesh.normals[mesh.corner_normal[c]];
+      if (first[vertex] == kNone) first[vertex] = mesh.corner_normal[c];
+      const double apart = (normal - mesh.normals[first[vertex]]).norm();
+      if (apart > kSharpTolerance && !sharp[vertex]) {
+        sharp[vertex] = true;
+        report.add(Severity::kWarning, "sharp-normals", {.face = face, .vertex = vertex},
+                   "has another normal at vertex {} than a neighbour", vertex);
+      }
+      if (normal.dot(face_normal) < 0) {
+        report.add(Severity::kWarning, "normals-against-face", {.face = face, .vertex = vertex},
+                   "the normal at vertex {} points to its back", vertex);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+void repair_normals(Mesh& mesh, Report& report) {
+  if (mesh.normals.empty()) return;
+  const std::vector<bool> zero = normalise(mesh, report);
+  complete(mesh, zero, report);
+  warn(mesh, report);
+}
+
+}  // namespace gliss

@@ -1,0 +1,372 @@
+// The fair construction: sides that curve no more than their polygons ask for, the Gregory triangle
+// between three of them and the Gregory quad between four. On the host only, in scalars.
+//
+// As in the paper a side knows its two ends alone, but for three things that it shares with the
+// face beyond: its normals turn about the edge at mid-side by the angle at which the cross sections
+// of both faces lean least (fair_turn); at a vertex all sides have the curvature and the twist of
+// one shape operator (solve_fit); and so their curves are of degree 5 and their normals of degree 4
+// (fair_side). Between two quads curves are cubic and normals quadratic: there the shape operators
+// say how the normal turns at mid-side (smooth_turn). Normals along a side are those of C' x T for
+// T = k C' + h m, as in ribbon.h, so that patches join with G1 continuity whatever k and h are.
+
+// How far a mid-side normal turns (rad), how much sides bend and twist for the vertex's sake:
+// beyond, they do more harm than good. Below FAIR_SMOOTH_TURN a turn fades. Between two quads it is
+// at most FAIR_MOST_SMOOTH_TURN.
+#define FAIR_MOST_TURN K(0.625f)
+#define FAIR_SMOOTH_TURN K(0.1875f)
+#define FAIR_MOST_SMOOTH_TURN K(0.15625f)
+#define FAIR_MOST_BEND K(2.5f)
+#define FAIR_MOST_TWIST K(1.25f)
+
+FN real clamp_to(real x, real most) { return larger(smaller(x, most), -most); }
+
+// A cubic curve and a quadratic normal along it: what is known of a side before its vertices are.
+typedef struct {
+  real3 p0, p1, n0, n1;  // ends
+  real3 edge, t0, t1;    // p1 - p0, C'(0), C'(1)
+  real3 turn;            // n(t) = (1 - t) n_0 + t n_1 + t (1 - t) turn
+  real sound;
+} fair_curve;
+
+// Tangents of eq. 7 and 8. `by_arc`: as long as those of the circle with their directions, which is
+// longer than the edge, whose length they have in the paper.
+FN fair_curve fair_curve_of(corner start, corner end, int by_arc, real3 turn) {
+  fair_curve r;
+  r.p0 = start.p;
+  r.p1 = end.p;
+  r.n0 = start.n;
+  r.n1 = end.n;
+  const side_ends ends = side_ends_of(start, end);
+  r.edge = ends.edge;
+  r.sound = ends.sound;
+  r.t0 = ends.ts;
+  r.t1 = ends.te;
+  if (by_arc) {
+    const real cosine = dot3(unit3(r.t0), unit3(r.t1));
+    const real longer = K(2) / (K(1) + sqrt(larger(K(0.5f) * (K(1) + cosine), K(0))));
+    r.t0 = mul3(longer, r.t0);
+    r.t1 = mul3(longer, r.t1);
+  }
+  r.turn = turn;
+  return r;
+}
+
+// C''(0) and C''(1).
+FN real3 second_at_start(fair_curve c) {
+  return sub3(mul3(K(6), c.edge), fma3(K(4), c.t0, mul3(K(2), c.t1)));
+}
+FN real3 second_at_end(fair_curve c) {
+  return sub3(fma3(K(2), c.t0, mul3(K(4), c.t1)), mul3(K(6), c.edge));
+}
+
+// One face beside an edge, over its height h above the edge: how its cross section leans, and what
+// a turn of the normal by 1 does to that.
+typedef struct {
+  real lean, gain;
+} fair_section;
+
+// The cross section runs from the edge, where it is tangent to the plane across the normal, to the
+// corner beyond. alpha is the slope of its chord, beta how far the normal has turned when it gets
+// there: 2 alpha + beta is 0 for any quadratic surface, whose sections are arcs.
+FN fair_section fair_section_of(fair_curve side, corner beyond) {
+  const real length = larger(norm3(side.edge), TINY);
+  const real3 e = mul3(K(1) / length, side.edge);
+  const real t = larger(smaller(dot3(sub3(beyond.p, side.p0), e) / length, K(0.75f)), K(0.25f));
+  // The side's cubic at t, its tangent c, the normal n there and b across both.
+  const real3 c2 = cubic_2(side.edge, side.t0, side.t1), c3 = cubic_3(side.edge, side.t0, side.t1);
+  const real3 at = fma3(t, fma3(t, fma3(t, c3, c2), side.t0), side.p0),
+              along = fma3(t, fma3(K(3) * t, c3, mul3(K(2), c2)), side.t0),
+              second = fma3(K(6) * t, c3, mul3(K(2), c2));
+  const real3 c = unit3(along), l = fma3(t, sub3(side.n1, side.n0), side.n0);
+  const real3 n = unit3(fma3(-dot3(l, c), c, l)), b = cross3(c, n);
+  const real bend = -dot3(n, second) / larger(dot3(along, along), TINY);
+  const real twist = dot3(sub3(side.n1, side.n0), b) / length;
+  // The corner lies `aside` along the side and `across` it. What the side's own bend and twist
+  // explain is taken away.
+  const real3 r = sub3(beyond.p, at);
+  const real aside = dot3(r, c), across = dot3(r, b), sign = across < K(0) ? K(-1) : K(1);
+  const real h = larger(sign * across, K(1e-6f) * length);
+  const real alpha = (dot3(n, r) + aside * (K(0.5f) * bend * aside + twist * across)) / h;
+  const real beta = sign * (dot3(beyond.n, b) - twist * aside);
+  const fair_section f = {sign * (K(2) * alpha + beta) / h, K(2) / h};
+  return f;
+}
+
+// The `turn` of a side between two triangles, whose corners beyond it are `left` and `right`: by
+// the angle at which the sections of both together lean least, each the more the lower it is. On a
+// smooth surface that angle is noise, which it is not allowed to add.
+FN real3 fair_turn(corner start, corner end, corner left, corner right) {
+  const real3 none = {K(0), K(0), K(0)};
+  const fair_curve side = fair_curve_of(start, end, 1, none);
+  const fair_section a = fair_section_of(side, left), b = fair_section_of(side, right);
+  real angle = clamp_to(-(a.lean + b.lean) / (a.gain + b.gain), FAIR_MOST_TURN);
+  const real x = smaller(fabs(angle) / FAIR_SMOOTH_TURN, K(1));
+  angle *= x * x * (K(3) - K(2) * x);
+  const real3 sum = add3(start.n, end.n);
+  return mul3(K(2) * norm3(sum) * angle, unit3(cross3(side.edge, sum)));
+}
+
+// A symmetric operator on the plane across a vertex's normal: what the normal turns by along a
+// tangent.
+typedef struct {
+  real3 x, y;       // unit tangents
+  real xx, xy, yy;  // the operator in them
+} shape_operator;
+
+FN real3 turn_along(shape_operator s, real3 t) {
+  const real x = dot3(t, s.x), y = dot3(t, s.y);
+  return fma3(fma(s.xx, x, s.xy * y), s.x, mul3(fma(s.xy, x, s.yy * y), s.y));
+}
+
+// Least squares over the sides that leave a vertex: t'S t = kappa and b'S t = tau along each.
+typedef struct {
+  real3 x, y;
+  real m[6], v[3];  // normal equations: xx, x y, x z, yy, yz, zz; right-hand side
+  int count;
+} shape_fit;
+
+FN shape_fit start_fit(real3 normal, real3 tangent) {
+  shape_fit f = {};
+  f.x = unit3(fma3(-dot3(tangent, normal), normal, tangent));
+  f.y = cross3(normal, f.x);
+  return f;
+}
+
+FN void add_row(shape_fit* f, real a, real b, real c, real value) {
+  f->m[0] = fma(a, a, f->m[0]);
+  f->m[1] = fma(a, b, f->m[1]);
+  f->m[2] = fma(a, c, f->m[2]);
+  f->m[3] = fma(b, b, f->m[3]);
+  f->m[4] = fma(b, c, f->m[4]);
+  f->m[5] = fma(c, c, f->m[5]);
+  f->v[0] = fma(a, value, f->v[0]);
+  f->v[1] = fma(b, value, f->v[1]);
+  f->v[2] = fma(c, value, f->v[2]);
+}
+
+FN void add_side(shape_fit* f, fair_curve side) {
+  const real speed = larger(norm3(side.t0), TINY);
+  const real3 t = mul3(K(1) / speed, side.t0), b = cross3(side.n0, t);
+  const real bend = -dot3(side.n0, second_at_start(side)) / (speed * speed),
+             twist = dot3(b, add3(sub3(side.n1, side.n0), side.turn)) / speed;
+  const real x = dot3(t, f->x), y = dot3(t, f->y);
+  add_row(f, x * x, K(2) * x * y, y * y, bend);
+  add_row(f, -x * y, x * x - y * y, x * y, twist);
+  ++f->count;
+}
+
+// By Cholesky; a little is added to the diagonal, for sides that do not span all directions.
+FN shape_operator solve_fit(shape_fit f) {
+  const real more = K(0x1p-44f) * K(f.count);
+  const real l0 = sqrt(f.m[0] + more), l1 = f.m[1] / l0, l2 = f.m[2] / l0;
+  const real l3 = sqrt(f.m[3] + more - l1 * l1), l4 = (f.m[4] - l1 * l2) / l3;
+  const real l5 = sqrt(f.m[5] + more - l2 * l2 - l4 * l4);
+  const real a = f.v[0] / l0, b = (f.v[1] - l1 * a) / l3, c = (f.v[2] - l2 * a - l4 * b) / l5;
+  const real z = c / l5, y = (b - l4 * z) / l3, x = (a - l1 * y - l2 * z) / l0;
+  const shape_operator s = {f.x, f.y, x, y, z};
+  return s;
+}
+
+// The changes that a shape operator asks of the end of a side: of its curve along the normal, and
+// of its normal across the curve.
+typedef struct {
+  real bend, twist;
+} fair_change;
+
+// `t`, `second`: C' and C'' at the end; `own`: n' there; `e`: the edge's direction. As n_c = C' x
+// (n x e), the change of n has to be measured along n x e, which is not quite across C'.
+FN fair_change fair_change_of(shape_operator s, real3 n, real3 e, real3 t, real3 second,
+                              real3 own) {
+  const real3 asked = turn_along(s, t), m = cross3(n, e);
+  const fair_change r = {
+      clamp_to(-dot3(t, asked) - dot3(n, second), FAIR_MOST_BEND * norm3(t)),
+      clamp_to(dot3(m, sub3(asked, own)) / larger(dot3(m, cross3(n, unit3(t))), TINY),
+               FAIR_MOST_TWIST)};
+  return r;
+}
+
+// The `turn` of a side between two quads, for whose normals there is no more than degree 2: that of
+// the shape operators of its ends at mid-side.
+FN real3 smooth_turn(fair_curve c, shape_operator s0, shape_operator s1) {
+  const real3 e = unit3(c.edge), rise = sub3(c.n1, c.n0), sum = add3(c.n0, c.n1);
+  const real a = fair_change_of(s0, c.n0, e, c.t0, second_at_start(c), rise).twist,
+             b = fair_change_of(s1, c.n1, e, c.t1, second_at_end(c), rise).twist;
+  return mul3(K(0.5f) * clamp_to(a - b, K(4) * FAIR_MOST_SMOOTH_TURN), unit3(cross3(sum, e)));
+}
+
+// f a + g b
+FN real3 sum_of(real f, real g, real3 a, real3 b) { return fma3(f, a, mul3(g, b)); }
+
+// The side with the shape operators of its ends, or without (`shaped` 0).
+FN void fair_side(fair_curve c, shape_operator s0, shape_operator s1, int shaped,
+                  GLOBAL_OUT scalar* out) {
+  const real3 none = {K(0), K(0), K(0)};
+  fair_change a = {K(0), K(0)}, b = a;
+  const real3 rise = sub3(c.n1, c.n0);
+  if (shaped) {
+    const real3 e = unit3(c.edge);
+    a = fair_change_of(s0, c.n0, e, c.t0, second_at_start(c), add3(rise, c.turn));
+    b = fair_change_of(s1, c.n1, e, c.t1, second_at_end(c), sub3(rise, c.turn));
+  }
+  // C + (a / 2) n_0 t^2 (1-t)^3 + (b / 2) n_1 t^3 (1-t)^2
+  const real3 p = mul3(K(0.5f) * a.bend, c.n0), q = mul3(K(0.5f) * b.bend, c.n1);
+  real3 curve[6] = {c.p0, c.t0, cubic_2(c.edge, c.t0, c.t1), cubic_3(c.edge, c.t0, c.t1),
+                    none, none};
+  curve[2] = add3(curve[2], p);
+  curve[3] = add3(curve[3], sum_of(K(-3), K(1), p, q));
+  curve[4] = sum_of(K(3), K(-2), p, q);
+  curve[5] = sum_of(K(-1), K(1), p, q);
+  // n + f(t) x - f(1-t) y,  f(t) = t (1-t)^2 (1-2t)
+  const real3 x = mul3(a.twist, cross3(c.n0, unit3(c.t0))),
+              y = mul3(b.twist, cross3(c.n1, unit3(c.t1)));
+  // f(t) = t - 4 t^2 + 5 t^3 - 2 t^4,  f(1-t) = -t^2 + 3 t^3 - 2 t^4
+  real3 normal[5] = {c.n0, add3(add3(rise, c.turn), x), sub3(sum_of(K(-4), K(1), x, y), c.turn),
+                     sum_of(K(5), K(-3), x, y), sum_of(K(-2), K(2), x, y)};
+  for (int i = 0; i < 6; ++i) store3(out + 3 * (FAIR_CURVE + i), 1, curve[i]);
+  for (int i = 0; i < 5; ++i) store3(out + 3 * (FAIR_NORMAL + i), 1, normal[i]);
+  out[FAIR_SOUND] = c.sound;
+}
+
+// Bezier point `i` of degree `degree` of the polynomial of `count` triples in powers of t.
+FN real3 bezier_point(const real3* power, int count, int degree, int i) {
+  real3 sum = power[0];
+  real f = K(1);  // binomial(i, j) / binomial(degree, j)
+  for (int j = 1; j < count && j <= i; ++j) {
+    f *= K(i - j + 1) / K(degree - j + 1);
+    sum = fma3(f, power[j], sum);
+  }
+  return sum;
+}
+
+// A side's C, C' and T in powers of t.
+typedef struct {
+  real3 curve[6], slope[5], t[6];
+  real turned;  // the least share of T that points into the face, at the ends: never below 0 unless
+                // the patch doubles back along the side
+} fair_tangent;
+
+// `start` and `end`: T(0) and T(1). `flat`: a unit normal that T shall lie across, for patches that
+// give up their neighbours' normals: T goes straight from one end to the other, `length` times as
+// long. Else null.
+FN fair_tangent fair_tangent_of(GLOBAL scalar* side, real3 start, real3 end, GLOBAL scalar* flat,
+                                real length) {
+  fair_tangent r;
+  for (int i = 0; i < 6; ++i) r.curve[i] = load3(side, FAIR_CURVE + i);
+  for (int i = 0; i < 5; ++i) r.slope[i] = mul3(K(i + 1), r.curve[i + 1]);
+  real3 edge = r.curve[1], last = r.slope[0];  // C(1) - C(0), C'(1)
+  for (int i = 2; i < 6; ++i) edge = add3(edge, r.curve[i]);
+  for (int i = 1; i < 5; ++i) last = add3(last, r.slope[i]);
+  if (flat) {
+    const real3 n = load3(flat, 0);
+    const real3 a = mul3(length, fma3(-dot3(start, n), n, start)),
+                b = mul3(length, fma3(-dot3(end, n), n, end));
+    for (int i = 0; i < 6; ++i) r.t[i] = i == 0 ? a : mul3(i == 1 ? K(1) : K(0), sub3(b, a));
+    r.turned = K(1);
+    return r;
+  }
+  const real3 e = unit3(edge);
+  real3 m[5], m1 = {K(0), K(0), K(0)};
+  for (int i = 0; i < 5; ++i) {
+    m[i] = cross3(load3(side, FAIR_NORMAL + i), e);
+    m1 = add3(m1, m[i]);
+  }
+  const ribbon_part a = ribbon_part_of(start, r.curve[1], m[0]), b = ribbon_part_of(end, last, m1);
+  const real dk = b.k - a.k, dh = b.h - a.h;
+  for (int i = 0; i < 6; ++i) {
+    r.t[i] = mul3(K(0), edge);
+    if (i < 5) r.t[i] = fma3(a.k, r.slope[i], mul3(a.h, m[i]));
+    if (i > 0) r.t[i] = add3(r.t[i], fma3(dk, r.slope[i - 1], mul3(dh, m[i - 1])));
+  }
+  r.turned = smaller(a.h / larger(norm3(start), TINY), b.h / larger(norm3(end), TINY));
+  return r;
+}
+
+// The same of side k of n [n][FAIR_REALS].
+FN fair_tangent fair_tangent_at(GLOBAL scalar* sides, int n, int k, GLOBAL scalar* flat,
+                                real length) {
+  GLOBAL scalar *before = sides + wrap(k - 1, n) * FAIR_REALS,
+                *after = sides + wrap(k + 1, n) * FAIR_REALS;
+  real3 back = load3(before, FAIR_CURVE + 1);
+  for (int i = 2; i < 6; ++i) back = fma3(K(i), load3(before, FAIR_CURVE + i), back);
+  return fair_tangent_of(sides + k * FAIR_REALS, mul3(K(-1), back), load3(after, FAIR_CURVE + 1),
+                         flat, length);
+}
+
+// Control data of the quad between four sides, whose curves are cubic and whose normals quadratic,
+// in FORM_BEZIER; `flat` and `length` as above. Returns fair_tangent::turned of the worst.
+FN_LARGE real bake_fair_quad(GLOBAL scalar* sides, GLOBAL scalar* flat, real length,
+                             GLOBAL_OUT scalar* out) {
+  bezier_side s[4];
+  real turned = K(1);
+  for (int k = 0; k < 4; ++k) {
+    const fair_tangent f = fair_tangent_at(sides, 4, k, flat, length);
+    for (int i = 0; i < 4; ++i) {
+      s[k].c[i] = f.curve[i];
+      s[k].t[i] = f.t[i];
+    }
+    to_bezier(s[k].c);
+    to_bezier(s[k].t);
+    turned = smaller(f.turned, turned);
+  }
+  store_quad(s, out);
+  return turned;
+}
+
+// A side's control points: of the boundary, raised to degree 6, and of the row within.
+typedef struct {
+  real3 rim[6], inner[6];
+} sextic_side;
+
+FN sextic_side sextic_side_of(fair_tangent f) {
+  // T + t C', the derivative towards the corner that is not on the side.
+  for (int i = 1; i < 6; ++i) f.t[i] = add3(f.t[i], f.slope[i - 1]);
+  sextic_side r;
+  for (int i = 0; i < 6; ++i) {
+    r.rim[i] = bezier_point(f.curve, 6, 6, i);
+    r.inner[i] = fma3(K(1) / K(6), bezier_point(f.t, 6, 5, i), r.rim[i]);
+  }
+  return r;
+}
+
+// The point of powers i, j, k of the coordinates of side's start, its end, the corner beyond.
+FN int sextic_point_of(int side, int i, int j, int k) {
+  const int power[3] = {side == 0   ? i
+                        : side == 1 ? k
+                                    : j,
+                        side == 0   ? j
+                        : side == 1 ? i
+                                    : k,
+                        side == 0   ? k
+                        : side == 1 ? j
+                                    : i};
+  return sextic_point(power[1], power[2]);
+}
+
+// Control data of the triangle between three sides; `flat` and `length` as above. Returns
+// fair_tangent::turned of the worst.
+FN_LARGE real bake_fair_triangle(GLOBAL scalar* sides, GLOBAL scalar* flat, real length,
+                                 GLOBAL_OUT scalar* out) {
+  sextic_side s[3];
+  real turned = K(1);
+  for (int k = 0; k < 3; ++k) {
+    const fair_tangent f = fair_tangent_at(sides, 3, k, flat, length);
+    s[k] = sextic_side_of(f);
+    turned = smaller(f.turned, turned);
+  }
+  const real half = K(0.5f);
+  real3 near = {K(0), K(0), K(0)}, far = near;  // sums of the points 411 and of the points 321
+  for (int k = 0; k < 3; ++k) {
+    for (int i = 0; i < 6; ++i) store3(out + 3 * sextic_point_of(k, 6 - i, i, 0), 1, s[k].rim[i]);
+    const real3 a = s[k].inner[1], b = s[wrap(k - 1, 3)].inner[4];
+    const real3 mean = mul3(half, add3(a, b));
+    store3(out + 3 * sextic_point_of(k, 4, 1, 1), 1, mean);
+    store3(out + 3 * (SEXTIC_DIFFERENCE + k), 1, mul3(K(15), sub3(a, b)));
+    store3(out + 3 * sextic_point_of(k, 3, 2, 1), 1, s[k].inner[2]);
+    store3(out + 3 * sextic_point_of(k, 2, 3, 1), 1, s[k].inner[3]);
+    near = add3(near, mean);
+    far = add3(far, add3(s[k].inner[2], s[k].inner[3]));
+  }
+  // The middle goes on as the points before it do: m6 + (m6 - m3) / 2.
+  store3(out + 3 * sextic_point_of(0, 2, 2, 2), 1, fma3(K(0.25f), far, mul3(K(-1) / K(6), near)));
+  return turned;
+}

@@ -1,0 +1,134 @@
+// Places of the numbers in the arrays that the host and the kernels share, and the words' meanings.
+// OpenCL C and C++ both read it: plain numbers only. A triple is three numbers; offsets are in
+// triples where they say so.
+
+#define NONE 0xFFFFFFFFu
+
+// Forms of control data. Whatever their patches' forms, neighbours have one normal along their
+// edge, that of eq. 10; but for tables, which come near to it.
+#define FORM_EXACT 0u   // the paper's patch
+#define FORM_RIBBON 1u  // the same blend of sides whose cross tangents are polynomials (ribbon.h)
+#define FORM_BEZIER 2u  // a Gregory quad or triangle (bezier.h)
+#define FORM_TABLE 3u   // samples (table.h)
+#define FORM_SEXTIC 4u  // a Gregory triangle of degree 6 (sextic.h)
+
+// Control data of a side, in the patch's local frame. Polynomials ascend in powers of t. What both
+// forms that blend sides (forms.h) begin with:
+#define SIDE_C 0        // boundary curve, cubic: 4 triples
+#define SIDE_T_0 4      // T(0), the corner's Q'(0): 1 triple (eq. 1)
+#define SIDE_T_1 5      // T(1), the next corner's P'(0): 1 triple
+#define SIDE_TWIST_0 6  // T'(0): 1 triple
+#define SIDE_TWIST_1 7  // T'(1): 1 triple
+// And the paper's T:
+#define SIDE_NORMAL 8   // n_c divided by the square of the edge's length, cubic: 4 triples (eq. 10)
+#define SIDE_INNER 12   // (1-t) n_(s-) + t n_(e+): 2 triples (eq. 13)
+#define SIDE_ACROSS 14  // v_(s-) - v_s, v_(e+) - v_e: 2 triples (eq. 12)
+#define SIDE_LENGTH 48  // size of T: (1-t) L_prev + t L_next: 2 numbers (eq. 14)
+// 0 for the paper's patch; a tamer one shortens T to (1 - ease) of it at mid-side.
+#define SIDE_EASE 50
+#define SIDE_REALS 51
+
+// A side as the construction gives it, in any frame: the curve C and the normal n in powers of t,
+// and its soundness (build.h).
+#define FAIR_CURVE 0   // 6 triples
+#define FAIR_NORMAL 6  // 5 triples
+#define FAIR_SOUND 33  // 1 number
+#define FAIR_REALS 34
+
+// Unit normal and unit tangent of the base polygon, local frame: 2 triples.
+#define FRAME_NORMAL 0
+#define FRAME_TANGENT 1
+#define FRAME_REALS 6
+
+// Numbers of a shape as stored, local frame. LOW to BEND count in triples.
+#define SHAPE_LOW 0         // box of the probes and of the base polygon: 1 triple
+#define SHAPE_HIGH 1        // 1 triple
+#define SHAPE_ALONG_LOW 2   // the same along tangent, normal x tangent, normal: 1 triple
+#define SHAPE_ALONG_HIGH 3  // 1 triple
+// Second fundamental form n . (G_xixi, G_xieta, G_etaeta) at the centre: 1 triple.
+#define SHAPE_BEND 4
+#define SHAPE_TURN 15       // least cosine between the patch's normal and the base polygon's
+#define SHAPE_CURVATURE 16  // largest |principal curvature|
+#define SHAPE_STRETCH2 17   // largest squared length of G_xi and G_eta
+#define SHAPE_SAG2 18       // largest squared distance to the base polygon
+#define SHAPE_FINITE 19     // 1: every probe has a position and a normal; else 0
+#define SHAPE_REALS 20
+
+// Numbers of a patch besides its sides. ORIGIN, NORMAL, TANGENT, LOW and HIGH count in triples.
+#define PATCH_ORIGIN 0   // origin in the mesh frame: 1 triple
+#define PATCH_NORMAL 1   // unit normal of the base polygon: 1 triple
+#define PATCH_SCALE 6    // local length of a mesh-frame length of 1, a power of two
+#define PATCH_UNSCALE 7  // its inverse
+// No point of the patch is farther than this from the base polygon, local frame.
+#define PATCH_SAG 8
+#define PATCH_TANGENT 3  // unit tangent of the base polygon: triple 3
+// Oriented box of the patch along tangent, normal x tangent, normal, local frame: triple 4.
+#define PATCH_LOW 4
+#define PATCH_HIGH 5  // triple 5
+// Second fundamental form n . (G_xixi, G_xieta, G_etaeta) at the centre, local frame.
+#define PATCH_BEND 18
+#define PATCH_CURVATURE 21  // largest |principal curvature|, local frame
+#define PATCH_REALS 22
+
+// Numbers of a hierarchy node: the boxes of its two children, mesh frame, low and high corner each.
+#define NODE_REALS 12
+#define NODE_LEAF 0x80000000u  // a child with this bit is a patch
+
+// A patch lies in a solid part other than its own, or may do so in places; else nowhere.
+#define PATCH_BURIED 0x40000000u
+#define PATCH_MIXED 0x80000000u
+#define PART_MASK 0x3FFFFFFFu
+// Numbers of a part: where its partners begin and end, its first patch.
+#define PART_PARTNERS 0
+#define PART_PARTNERS_END 1
+#define PART_FIRST 2
+#define PART_UINTS 3
+
+// Words of a tile. Lengths are local, directions are along tangent, normal x tangent and normal of
+// the base polygon.
+#define TILE_CENTRE_XY 0        // 16 bits each, from the low to the high corner of the patch's box
+#define TILE_CENTRE_Z_RADIUS 1  // the same, and of the cylinder in 2 / 65535 of the box's length
+#define TILE_AXIS 2  // x and y of the unit axis, (bits - 32768) / 32768; z is not negative
+// Half the height, as the radius; 8 bits each: least and largest curvature, ((bits - 128) / 127)^3
+// of PATCH_CURVATURE.
+#define TILE_HALF_CURVES 3
+// Mean second fundamental form n . (G_xixi, G_xieta, G_etaeta): (9 bits - 256) each, times
+// 2^(the highest 5 bits - 24).
+#define TILE_BEND 4
+#define TILE_UINTS 5
+
+// Methods and solvers.
+#define METHOD_GREGORY 0  // this library's
+#define METHOD_SHADED 1   // force shading on the base polygons (Morgenbesser and Srinivasan 1996)
+#define METHOD_FLAT 2     // god-object on the base polygons (Zilles and Salisbury 1995)
+
+#define CONTACT_FREE 0
+#define CONTACT_TOUCHING 1
+
+// Gauss-Newton with a secant estimate of the curvature term (Dennis, Gay, Welsch 1981).
+#define SOLVER_NEWTON 0
+#define SOLVER_GAUSS_NEWTON 1  // tangent plane only
+#define SOLVER_PAPER 2         // section 4.2 as printed: secants of 0.1, no safeguard
+
+// A contact in memory: CONTACT_REALS rows of numbers and CONTACT_UINTS of whole ones.
+#define CONTACT_XI 0
+#define CONTACT_ETA 1
+#define CONTACT_SCP 2
+#define CONTACT_NORMAL 5
+#define CONTACT_OFFSET 8
+#define CONTACT_PUSH 11
+#define CONTACT_CLEAR 14
+#define CONTACT_REALS 15
+#define CONTACT_STATE 0
+#define CONTACT_PATCH 1
+#define CONTACT_ITERATIONS 2
+#define CONTACT_CROSSINGS 3
+#define CONTACT_FLAGS 4
+#define CONTACT_UINTS 5
+
+// A contact's flags, of its foot.
+#define FOOT_CONVERGED 1u  // the next step is shorter than the tolerance
+#define FOOT_BORDER 2u     // held by an open border
+#define FOOT_CREASE 4u     // held by an edge that is not smooth, or by a corner
+// The budget of the search was spent: a point may be nearer, but none is nearer than clear2.
+#define FOOT_UNFINISHED 16u

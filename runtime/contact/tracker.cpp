@@ -1,0 +1,84 @@
+#include "gliss/contact/tracker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "gliss/base/plain_arithmetic.h"
+
+namespace gliss {
+namespace {
+
+QueryOptions query_of(const SceneObject& object) {
+  return {{object.solver, object.max_iterations, object.tolerance}, object.method};
+}
+
+// Why nothing can be touched of an object, as the end of a sentence about it; null: it can.
+const char* fault_of(const SceneObject& object) {
+  if (!object.pose.matrix().allFinite()) return "has a pose that is not finite";
+  if (!std::isfinite(object.stiffness)) return "has a stiffness that is not finite";
+  if (object.cache != nullptr)
+    return object.cache->patch_count() == 0 ? "has a cache without patches" : nullptr;
+  if (object.lazy == nullptr)
+    return "has no surface: set its cache, or lazy to build patches near the HIP";
+  return object.method == Method::kGregory ? nullptr
+                                           : "is lazy, which is for the method gregory alone";
+}
+
+void check(std::span<const SceneObject> objects) {
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    if (const char* fault = fault_of(objects[i]))
+      throw std::invalid_argument("SceneObject " + std::to_string(i) + " " + fault);
+  }
+}
+
+}  // namespace
+
+Tracker::Tracker(std::span<const SceneObject> objects, std::span<const Vec3> hips) {
+  check(objects);
+  for (const Vec3& hip : hips) {
+    if (!hip.allFinite()) throw std::invalid_argument("hips: one is not finite");
+  }
+  static const Vec3 at_the_device = Vec3::Zero();
+  if (hips.empty()) hips = {&at_the_device, 1};
+  for (const Vec3& hip : hips) {
+    for (const SceneObject& object : objects) {
+      tracked_.push_back({object, hip, object.pose.inverse(), object.unit(), {}, {}});
+      Tracked& tracked = tracked_.back();
+      if (object.cache != nullptr) {
+        tracked.whole.emplace(*object.cache, query_of(object));
+      } else {
+        tracked.lazy = std::make_unique<LazyContact>(object.lazy, query_of(object), object.worker);
+      }
+    }
+  }
+  steps_.resize(tracked_.size());
+}
+
+Vec3 Tracker::step(const Vec3& position) noexcept {
+  const PlainArithmetic plain;
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t i = 0; i < tracked_.size(); ++i) {
+    Tracked& tracked = tracked_[i];
+    ObjectStep& step = steps_[i];
+    const Vec3 at = tracked.to_object * (position + tracked.hip) / tracked.unit;
+    if (tracked.lazy) tracked.lazy->post(at);
+    step.searched = !tracked.is_clear(at);
+    step.force.setZero();
+    if (!step.searched) continue;
+    step.contact = tracked.tick(at);
+    if (step.contact.push.isZero(0)) continue;
+    const Vec3 force = tracked.object.stiffness * tracked.unit * step.contact.push;
+    step.force = tracked.object.pose.linear() * force;
+    sum += step.force;
+  }
+  return sum;
+}
+
+bool Tracker::touching() const {
+  return std::any_of(tracked_.begin(), tracked_.end(),
+                     [](const Tracked& t) { return t.touching(); });
+}
+
+}  // namespace gliss

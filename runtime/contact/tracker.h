@@ -1,0 +1,81 @@
+// A device's HIPs among the objects of a scene: what a device loop calls each tick. The same
+// contacts as ContactTracker's (host/query/query.h), in metres and the world's frame; a step
+// allocates nothing, takes no lock, and its work is bounded.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "gliss/base/export.h"
+#include "gliss/contact/lazy_contact.h"
+#include "gliss/contact/pose.h"
+#include "gliss/query/contact_tracker.h"
+
+namespace gliss {
+
+// An object that a hand can touch. It needs a cache or `lazy`.
+struct SceneObject {
+  std::shared_ptr<const PatchCache> cache;  // null: its patches are built near the HIP, of `lazy`
+  double stiffness = 500;                   // N/m
+  Method method = Method::kGregory;
+  Solver solver = Solver::kNewton;
+  Pose pose = Pose::Identity();
+  // The mesh of an object without a cache, for kGregory alone. Each HIP has a thread that builds
+  // for it.
+  std::shared_ptr<const LazyMesh> lazy = nullptr;
+  LazyWorkerOptions worker = {};
+  int max_iterations = 64;  // these two as SolverOptions has them
+  double tolerance = 0;
+
+  // The mesh's unit in m. Requires a cache or `lazy`.
+  double unit() const { return cache != nullptr ? cache->unit : lazy->base().unit; }
+};
+
+// One object in a step.
+struct ObjectStep {
+  bool searched = false;      // false: too far to touch, nothing was computed, `contact` is older
+  Contact contact;            // in the object's frame and its mesh's unit
+  Vec3 force = Vec3::Zero();  // N, world
+};
+
+// One thread's at a time. It keeps copies of the objects, and with them their caches. A second hand
+// is a second Tracker; caches are shared.
+class GLISS_EXPORT Tracker {
+ public:
+  // `hips`: where the tool's HIPs are from the device's position (m, world); none: one, there.
+  // Throws std::invalid_argument, one line with the object's index, for an object without a surface
+  // (neither cache nor `lazy`, or a cache without patches) and for a lazy one with another method
+  // than kGregory, or numbers that are not finite; and for such HIPs.
+  explicit Tracker(std::span<const SceneObject> objects, std::span<const Vec3> hips = {});
+
+  // The force on the hand at a position (m, world), in N: the sum over HIPs and objects. What is
+  // farther than the HIP has moved since its last search costs a comparison. NaN where a surface is
+  // at fault, for the guard to see.
+  Vec3 step(const Vec3& position) noexcept;
+  // The last step of the first HIP's objects, then of the next one's. Valid as long as
+  // the tracker.
+  std::span<const ObjectStep> objects() const { return steps_; }
+  double unit(std::size_t i) const { return tracked_[i].unit; }  // m, of objects()[i]
+  bool touching() const;
+
+ private:
+  struct Tracked {
+    SceneObject object;
+    Vec3 hip;        // from the device's position, m
+    Pose to_object;  // of points in m
+    double unit;     // m, of the object's mesh
+    // One of them.
+    std::optional<ContactTracker> whole;
+    std::unique_ptr<LazyContact> lazy;
+
+    bool is_clear(const Vec3& at) const { return whole ? whole->is_clear(at) : lazy->is_clear(at); }
+    Contact tick(const Vec3& at) noexcept { return whole ? whole->tick(at) : lazy->tick(at); }
+    bool touching() const { return whole ? whole->touching() : lazy->touching(); }
+  };
+  std::vector<Tracked> tracked_;
+  std::vector<ObjectStep> steps_;  // [tracked_]
+};
+
+}  // namespace gliss

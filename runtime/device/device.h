@@ -1,0 +1,50 @@
+// A haptic device as a loop needs it. Positions in m, velocities in m/s, forces in N on the hand,
+// all in the world's frame.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <limits>
+#include <string>
+
+#include "gliss/base/export.h"
+#include "gliss/base/vector.h"
+#include "gliss/thread/clock.h"
+
+namespace gliss {
+
+struct DeviceInfo {
+  std::string name;                                                // "udp:10002"
+  double max_force = std::numeric_limits<double>::infinity();      // N
+  double max_stiffness = std::numeric_limits<double>::infinity();  // N/m
+  Eigen::AlignedBox3d workspace;                                   // m; empty: not known
+  bool has_velocity = false;                                       // else velocities are zero
+  bool real_time = true;  // false: it lives in the loop's time, however fast that runs
+};
+
+// The latest that the device has measured.
+struct DeviceState {
+  std::uint64_t sequence = 0;  // grows with each measurement, by more than 1 where some were lost;
+                               // 0: there is none yet, and nothing else here counts
+  Nanoseconds measured{};      // on the loop's clock; no later than the loop first saw it
+  Vec3 position = Vec3::Zero();
+  Vec3 velocity = Vec3::Zero();
+  bool fault = false;  // the device says that it failed; the force is to end
+  bool ended = false;  // nothing comes after this
+};
+
+// One thread's, the loop's, which calls read() and then write() in each tick and passes its clock
+// (`now`, never backwards). Neither waits, locks or allocates. A device that is destroyed leaves
+// no force on the hand; one whose program was killed takes it away within 20 ms.
+class GLISS_EXPORT HapticDevice {
+ public:
+  virtual ~HapticDevice() = default;
+  virtual const DeviceInfo& info() const noexcept = 0;
+  virtual DeviceState read(Nanoseconds now) noexcept = 0;
+  // False where the force cannot be handed on; it then counts as a fault.
+  virtual bool write(const Vec3& force, Nanoseconds now) noexcept = 0;
+  // Tells a person how the device failed; not called in the loop.
+  virtual std::string fault_text() const { return "the device reports a fault"; }
+};
+
+}  // namespace gliss

@@ -1,0 +1,57 @@
+// A haptic device that lives in another process of this machine (runtime/device/udp_server.h serves
+// one) and speaks runtime/device/udp_protocol.h. Where that has a pass (runtime/device/udp_pass.h),
+// each force brings it.
+#pragma once
+
+#include <optional>
+
+#include "gliss/base/export.h"
+#include "gliss/device/device.h"
+#include "gliss/device/udp_pass.h"
+#include "gliss/device/udp_protocol.h"
+#include "gliss/device/udp_socket.h"
+
+namespace gliss {
+
+class GLISS_EXPORT UdpDevice final : public HapticDevice {
+ public:
+  static constexpr int kDrain = 64;  // datagrams that one read() takes at most
+
+  // Asks at 127.0.0.1:port until the first state arrives. Throws LoopError where none does within
+  // `patience` or the device refuses this loop, std::invalid_argument for port 0.
+  explicit UdpDevice(std::uint16_t port, Nanoseconds patience = std::chrono::seconds(2));
+  ~UdpDevice() override;  // says zero and bye
+  UdpDevice(const UdpDevice&) = delete;
+  UdpDevice& operator=(const UdpDevice&) = delete;
+
+  const DeviceInfo& info() const noexcept override { return info_; }
+  // A device whose process stands still or died is one whose states age. One that was started again
+  // goes on with new states.
+  DeviceState read(Nanoseconds now) noexcept override;
+  // `now` is CLOCK_MONOTONIC's. A force that is not finite goes out as zero. False too from when
+  // the device's process is known to have died until a state arrives.
+  bool write(const Vec3& force, Nanoseconds now) noexcept override;
+  std::string fault_text() const override;
+
+  // Datagrams that are none of ours, or say that they were measured after they arrived.
+  std::uint64_t rejected() const noexcept { return rejected_; }
+  std::uint64_t outdated() const noexcept { return outdated_; }  // states older than one before
+
+ private:
+  void receive() noexcept;
+  void take(const udp::StateDatagram& datagram) noexcept;
+  bool send(const Vec3& force, Nanoseconds now, std::uint16_t flags) noexcept;
+
+  std::uint16_t port_;
+  udp::Socket socket_;
+  std::optional<udp::FoundPass> pass_;
+  DeviceInfo info_;
+  udp::StateDatagram last_;
+  DeviceState state_;
+  std::uint64_t before_ = 0;  // sequence that the sessions before this one reached
+  std::uint64_t sent_ = 0;
+  bool unreachable_ = false, refused_ = false;
+  std::uint64_t rejected_ = 0, outdated_ = 0;
+};
+
+}  // namespace gliss

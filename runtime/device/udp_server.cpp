@@ -1,0 +1,174 @@
+#include "gliss/device/udp_server.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "gliss/thread/periodic.h"
+
+namespace gliss {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Nanoseconds kLongestWatchdog = 20ms;
+constexpr int kFarewells = 3;  // a datagram may be lost
+
+UdpServerOptions checked(UdpServerOptions options, const DeviceInfo& device) {
+  if (options.watchdog <= 0ns || options.watchdog > kLongestWatchdog)
+    throw std::invalid_argument("watchdog: must be positive and at most 20 ms");
+  if (options.period <= 0ns || options.period >= options.watchdog)
+    throw std::invalid_argument("period: must be positive and shorter than the watchdog");
+  if (options.guard) {
+    options.guard->max_force = std::min(options.guard->max_force, device.max_force);
+    Guard{*options.guard};  // checks them
+  }
+  return options;
+}
+
+// Takes the same time however much of them is the same.
+bool is_same(const udp::Pass& a, const udp::Pass& b) {
+  std::byte differ{0};
+  for (std::size_t i = 0; i < a.size(); ++i) differ |= a[i] ^ b[i];
+  return differ == std::byte{0};
+}
+
+}  // namespace
+
+UdpServer::UdpServer(HapticDevice& device, std::uint16_t port, const UdpServerOptions& options)
+    : device_(device),
+      options_(checked(options, device.info())),
+      socket_(port),
+      pass_(socket_.port()),
+      session_(static_cast<std::uint64_t>(monotonic_time().count())) {}
+
+UdpServer::~UdpServer() { end(); }
+
+void UdpServer::run(const std::function<bool()>& stop) {
+  struct End {
+    UdpServer& server;
+    ~End() { server.end(); }
+  } const end_of_run{*this};
+  PeriodicTimer timer(options_.period);
+  while (!stop()) {
+    timer.wait();
+    step(monotonic_time());
+  }
+}
+
+// The state goes out first: what became of the loop since is then known when its force is decided.
+void UdpServer::step(Nanoseconds now) noexcept {
+  now_ = now;
+  publish(now);
+  receive(now);
+  if (peer_ != 0 && !silent_ && late(heard_, now)) {
+    ++counts_.watchdog_trips;
+    silent_ = true;
+    force_ = Vec3::Zero();
+  }
+  if (peer_ != 0 && now - heard_ > udp::kPlaceKept) forget();
+  written_ = device_.write(guarded(now), now);
+}
+
+Vec3 UdpServer::guarded(Nanoseconds now) noexcept {
+  if (peer_ == 0 || !guard_) return force_;
+  const GuardOutput out = guard_->step(now, {force_, heard_});
+  if (out.state == GuardState::kSafe && may_reengage(out.reason)) guard_->engage();
+  return silent_ ? Vec3(Vec3::Zero()) : out.force;
+}
+
+void UdpServer::end() noexcept {
+  const Nanoseconds now = std::max(now_, monotonic_time());
+  device_.write(Vec3::Zero(), now);
+  if (peer_ == 0) return;
+  last_.flags |= udp::kEnded;
+  for (int i = 0; i < kFarewells && last_.sequence > 0; ++i) socket_.send(udp::encode(last_));
+  forget();
+}
+
+void UdpServer::publish(Nanoseconds now) noexcept {
+  DeviceState state = device_.read(now);
+  if (peer_ == 0) return;
+  state.fault = state.fault || !written_;
+  const udp::StateDatagram datagram = udp::datagram_of(device_.info(), state, session_);
+  // The loop sees the states age, as it does where there is none.
+  if (!udp::is_valid(datagram)) return;
+  last_ = datagram;
+  const udp::Outcome outcome = socket_.send(udp::encode(datagram));
+  if (outcome == udp::Outcome::kDone) ++counts_.sent;
+  if (outcome == udp::Outcome::kRefused) {
+    ++counts_.lost;
+    forget();
+  }
+}
+
+void UdpServer::receive(Nanoseconds now) noexcept {
+  const auto dead = [&] {
+    if (peer_ != 0) ++counts_.lost;
+    forget();
+  };
+  udp::drain<udp::kLargest>(socket_, kDrain, dead, [&](auto bytes, std::uint16_t port) {
+    const auto passed = udp::decode<udp::PassedForceDatagram>(bytes);
+    if (passed && port != 0 && is_same(passed->pass, pass_.value())) {
+      take(passed->force, port, now);
+    } else if (port != 0 && (passed || udp::decode<udp::ForceDatagram>(bytes))) {
+      ++counts_.refused;
+      if (peer_ == 0) socket_.send_to(port, udp::encode(udp::RefusalDatagram{}));
+    } else {
+      ++counts_.rejected;
+    }
+  });
+}
+
+// A process that stood still finds the oldest datagrams in its queue: when they were sent counts,
+// not when they are read.
+void UdpServer::take(const udp::ForceDatagram& datagram, std::uint16_t port,
+                     Nanoseconds now) noexcept {
+  // This tick may be as late as that.
+  if (Nanoseconds(datagram.sent) > now + options_.watchdog) {
+    ++counts_.rejected;
+    return;
+  }
+  const Nanoseconds sent = std::min(Nanoseconds(datagram.sent), now);
+  const bool bye = (datagram.flags & udp::kBye) != 0;
+  const bool old = late(sent, now);
+  const bool known = peer_ != 0 && port == peer_ && datagram.sequence > newest_;
+  const bool joins = peer_ == 0 && !bye && !old;
+  if ((!known && !joins) || (old && !bye)) {
+    ++counts_.ignored;
+    return;
+  }
+  ++counts_.received;
+  if (bye) return forget();
+  if (joins && !socket_.connect(port)) return;
+  if (joins) join(port);
+  if (joins || silent_) ++counts_.peers;
+  silent_ = false;
+  newest_ = datagram.sequence;
+  heard_ = sent;
+  counts_.answered = datagram.answers;
+  force_ =
+      motor_force(udp::vector(datagram.force), device_.info().max_force).value_or(Vec3::Zero());
+}
+
+// A tick later would be too late.
+bool UdpServer::late(Nanoseconds sent, Nanoseconds now) const noexcept {
+  return now - sent > options_.watchdog - options_.period;
+}
+
+void UdpServer::join(std::uint16_t port) noexcept {
+  peer_ = port;
+  if (options_.guard) guard_.emplace(*options_.guard);
+}
+
+// No force without a loop.
+void UdpServer::forget() noexcept {
+  force_ = Vec3::Zero();
+  silent_ = false;
+  guard_.reset();
+  if (peer_ == 0) return;
+  peer_ = 0;
+  newest_ = 0;
+  socket_.disconnect();
+}
+
+}  // namespace gliss

@@ -1,0 +1,94 @@
+// The other side of runtime/device/udp_device.h: gives a haptic device of this process to one loop
+// in another. The device has no force unless that loop sent one in the last 20 ms, and then what a
+// guard of its own lets through. What does not bring the pass of this user
+// (runtime/device/udp_pass.h) is refused.
+#pragma once
+
+#include <functional>
+#include <optional>
+
+#include "gliss/base/export.h"
+#include "gliss/device/device.h"
+#include "gliss/device/guard.h"
+#include "gliss/device/udp_pass.h"
+#include "gliss/device/udp_protocol.h"
+#include "gliss/device/udp_socket.h"
+
+namespace gliss {
+
+struct UdpServerOptions {
+  Nanoseconds period = std::chrono::milliseconds(1);
+  // A force is gone this long after it was sent: at most 20 ms, which a HapticDevice owes, and more
+  // than a period, for the last tick before takes it away.
+  Nanoseconds watchdog = std::chrono::milliseconds(20);
+  // Between the loop's force and the device, which may limit it further. It starts anew with each
+  // loop, and engages again by itself where a loop that was late or silent asks for little force.
+  // None: the loop's own guard is all there is, and the device's largest force.
+  std::optional<GuardLimits> guard = GuardLimits{};
+};
+
+struct UdpServerCounts {
+  std::uint64_t received = 0;        // datagrams that the loop sent
+  std::uint64_t sent = 0;            // to it
+  std::uint64_t rejected = 0;        // are none of ours, or were sent after they arrived
+  std::uint64_t refused = 0;         // bring no pass, or another
+  std::uint64_t ignored = 0;         // a stranger's, or too old
+  std::uint64_t peers = 0;           // loops that came, or came back from silence
+  std::uint64_t watchdog_trips = 0;  // loops that went silent
+  std::uint64_t lost = 0;            // loops whose process was found dead
+  std::uint64_t answered = 0;        // sequence of the state that the last force answers
+};
+
+// One thread's. The device must outlive it. The loop that sends first has the device until it says
+// bye, dies, or is silent for udp::kPlaceKept; others are refused as if nobody were here.
+class GLISS_EXPORT UdpServer {
+ public:
+  static constexpr int kDrain = 64;  // datagrams that one tick takes at most
+
+  // Port 0: any that is free. Throws LoopError where the port or its pass cannot be had,
+  // std::invalid_argument for options that are none.
+  UdpServer(HapticDevice& device, std::uint16_t port, const UdpServerOptions& options = {});
+  ~UdpServer();
+  UdpServer(const UdpServer&) = delete;
+  UdpServer& operator=(const UdpServer&) = delete;
+
+  std::uint16_t port() const noexcept { return socket_.port(); }
+  const udp::Pass& pass() const noexcept { return pass_.value(); }
+
+  // Ticks until `stop`, asked before each, says so. However it ends, the device has no force then
+  // and the loop is told that nothing comes after.
+  void run(const std::function<bool()>& stop);
+
+  // One tick at `now`, of CLOCK_MONOTONIC, never backwards; neither waits nor allocates.
+  void step(Nanoseconds now) noexcept;
+  void end() noexcept;  // as where run() ends
+
+  const UdpServerCounts& counts() const noexcept { return counts_; }
+
+ private:
+  void publish(Nanoseconds now) noexcept;
+  void receive(Nanoseconds now) noexcept;
+  void take(const udp::ForceDatagram& datagram, std::uint16_t port, Nanoseconds now) noexcept;
+  void join(std::uint16_t port) noexcept;
+  void forget() noexcept;
+  Vec3 guarded(Nanoseconds now) noexcept;
+  bool late(Nanoseconds sent, Nanoseconds now) const noexcept;
+
+  HapticDevice& device_;
+  UdpServerOptions options_;
+  udp::Socket socket_;
+  udp::OwnPass pass_;
+  std::uint64_t session_;
+  udp::StateDatagram last_;   // that was sent
+  std::uint16_t peer_ = 0;    // its port, 0: there is none
+  std::uint64_t newest_ = 0;  // sequence of its last force
+  Nanoseconds heard_{};       // when it sent that
+  bool silent_ = false;       // it is, and has no force
+  Vec3 force_ = Vec3::Zero();
+  std::optional<Guard> guard_;  // where there is a peer
+  Nanoseconds now_{};
+  bool written_ = true;
+  UdpServerCounts counts_;
+};
+
+}  // namespace gliss

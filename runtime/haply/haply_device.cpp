@@ -1,0 +1,47 @@
+#include "gliss/haply/haply_device.h"
+
+#include <stdexcept>
+
+#include "gliss/device/guard.h"
+#include "gliss/haply/haply_link.h"
+
+namespace gliss {
+
+HaplyDevice::HaplyDevice(const HaplyOptions& options) {
+  if (options.connect_timeout <= Nanoseconds(0) || options.connect_timeout > std::chrono::hours(1))
+    throw std::invalid_argument("haply: the time to connect in must be over 0 and at most 1 h");
+  if (!(options.max_force > 0) || !(options.max_stiffness > 0))
+    throw std::invalid_argument("haply: the largest force and stiffness must be positive");
+  link_ = std::make_unique<HaplyLink>(options);
+  info_.name = "haply:" + link_->device_id();
+  info_.max_force = options.max_force;
+  info_.max_stiffness = options.max_stiffness;
+  info_.workspace = options.workspace;
+  info_.has_velocity = true;
+}
+
+HaplyDevice::~HaplyDevice() = default;
+
+DeviceState HaplyDevice::read(Nanoseconds) noexcept {
+  if (const auto sample = link_->states.load()) {
+    const HaplyMeasured& now = sample->value;
+    last_.sequence = now.sequence;
+    last_.measured = now.time;
+    last_.position = now.position.value();
+    last_.velocity = now.velocity.value();
+    last_.fault = now.fault;
+  }
+  return last_;
+}
+
+bool HaplyDevice::write(const Vec3& force, Nanoseconds now) noexcept {
+  const auto given = motor_force(force, info_.max_force);
+  link_->forces.store({HaplyVector::of(given.value_or(Vec3::Zero())), now});
+  return given && !link_->failed.load(std::memory_order_relaxed);
+}
+
+std::uint64_t HaplyDevice::malformed() const noexcept {
+  return link_->malformed.load(std::memory_order_relaxed);
+}
+
+}  // namespace gliss

@@ -1,0 +1,142 @@
+#include "gliss/loop/loop.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace gliss {
+namespace {
+
+GuardLimits limits_of(const LoopOptions& options, const DeviceInfo& device) {
+  GuardLimits limits = options.guard;
+  limits.max_force = std::min(limits.max_force, device.max_force);
+  return limits;
+}
+
+struct ZeroAtTheEnd {
+  HapticDevice& device;
+  const Nanoseconds& now;
+  ~ZeroAtTheEnd() { device.write(Vec3::Zero(), now); }
+};
+
+// Deadlines on the timer's grid, or one after the other in a time of their own.
+class Pace {
+ public:
+  explicit Pace(const LoopOptions& options) : period_(options.period) {
+    PeriodicTimer timer(options.period);  // checks the period
+    if (options.wait) timer_ = timer;
+  }
+  Wake wait() noexcept {
+    if (timer_) return timer_->wait();
+    return {next_ += period_, {}, 0};
+  }
+  Nanoseconds start() const noexcept { return start_; }
+
+ private:
+  std::optional<PeriodicTimer> timer_;
+  Nanoseconds period_, start_ = monotonic_time(), next_ = start_;
+};
+
+// The record's error of a tick whose force was not the tracker's, or its limited one.
+int error_of(GuardReason reason) { return is_failure(reason) ? static_cast<int>(reason) : 0; }
+
+}  // namespace
+
+const char* loop_end_text(LoopEnd end) noexcept {
+  switch (end) {
+    case LoopEnd::kStopped:
+      return "stopped";
+    case LoopEnd::kDeviceEnded:
+      return "the device has ended";
+    case LoopEnd::kDeviceFault:
+      return "the device reports a fault";
+  }
+  return "?";
+}
+
+HapticLoop::HapticLoop(HapticDevice& device, Tracker& tracker, const LoopOptions& options)
+    : device_(device),
+      tracker_(tracker),
+      options_(options),
+      guard_(limits_of(options, device.info())) {
+  PeriodicTimer{options.period};
+}
+
+void HapticLoop::feel(Nanoseconds now, LoopTick& tick) noexcept {
+  if (tick.input.sequence > 0 && tick.input.position.allFinite()) {
+    tick.rendered = tracker_.step(tick.input.position);
+  } else {
+    tick.rendered.setConstant(std::numeric_limits<double>::quiet_NaN());
+  }
+  if (failed_ || tick.input.fault) guard_.trip(GuardReason::kDeviceFault);
+  const GuardOutput out = guard_.step(now, {tick.rendered, tick.input.measured});
+  tick.sent = out.force;
+  tick.state = out.state;
+  tick.reason = out.reason;
+  failed_ = !device_.write(tick.sent, now) || tick.input.fault;
+  if (options_.reengage && out.state == GuardState::kSafe && may_reengage(out.reason))
+    guard_.engage();
+}
+
+void HapticLoop::describe(LoopTick& tick) const noexcept {
+  const auto steps = tracker_.objects();
+  tick.touching = tracker_.touching();
+  double best = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    if (!steps[i].searched) continue;
+    const double distance = steps[i].contact.distance * tracker_.unit(i);
+    const double rank = steps[i].contact.touching ? -steps[i].force.norm() : distance;
+    if (!(rank < best)) continue;
+    best = rank;
+    tick.object = static_cast<std::uint32_t>(i);
+    const Contact& contact = steps[i].contact;
+    tick.face = contact.at.face;
+    tick.distance = distance;
+    tick.iterations = contact.iterations;
+    tick.crossings = contact.crossings;
+    tick.flags = contact.flags;
+  }
+}
+
+LoopEnd HapticLoop::run(const std::function<bool(const LoopTick&)>& on_tick) {
+  Nanoseconds now = monotonic_time();
+  const ZeroAtTheEnd zero{device_, now};
+  const clockid_t clock = options_.cpu_time ? CLOCK_THREAD_CPUTIME_ID : CLOCK_MONOTONIC;
+  std::optional<LoopEnd> end;
+  std::uint64_t last_sequence = 0;
+  Nanoseconds arrived = now;
+  Pace pace(options_);
+  for (std::uint64_t number = 0;; ++number) {
+    const Wake wake = pace.wait();
+    now = wake.deadline + wake.lateness;
+    const Nanoseconds began = read_clock(clock);
+    LoopTick tick;
+    tick.number = number;
+    tick.input = device_.read(now);
+    if (tick.input.ended) {
+      end = end.value_or(LoopEnd::kDeviceEnded);
+      if (tick.input.sequence == last_sequence) return *end;  // nobody is there to be let down
+    }
+    // Whatever the device stamps: what brings nothing new grows old.
+    if (tick.input.sequence != last_sequence) arrived = now;
+    tick.input.measured = std::min(tick.input.measured, arrived);
+    last_sequence = tick.input.sequence;
+    tick.age = now - tick.input.measured;
+    if (end && !failed_) guard_.trip(GuardReason::kStopRequested);
+    feel(now, tick);
+    tick.compute = read_clock(clock) - began;
+    tick.time = wake.deadline - pace.start();
+    tick.lateness = wake.lateness;
+    tick.missed = wake.missed;
+    describe(tick);
+    record_.add({wake.deadline, tick.lateness, tick.compute, error_of(tick.reason)}, tick.missed);
+    if (failed_) end = LoopEnd::kDeviceFault;
+    if (!on_tick(tick)) end = end.value_or(LoopEnd::kStopped);
+    // A guard that was safe before a force could not be handed on has that fault still to count.
+    const bool counted = !failed_ || guard_.count(GuardReason::kDeviceFault) > 0;
+    if (end && counted && tick.state == GuardState::kSafe) return *end;
+  }
+}
+
+}  // namespace gliss

@@ -1,0 +1,82 @@
+// The device loop: each tick reads the device, follows the contact, guards the force and writes it.
+#pragma once
+
+#include <functional>
+
+#include "gliss/base/export.h"
+#include "gliss/contact/tracker.h"
+#include "gliss/device/device.h"
+#include "gliss/device/guard.h"
+#include "gliss/thread/timing.h"
+
+namespace gliss {
+
+struct LoopOptions {
+  Nanoseconds period = std::chrono::milliseconds(1);
+  // False: ticks follow each other at once, in a time of their own in which each takes a period.
+  bool wait = true;
+  // Tells the computing of a tick by the thread's CPU clock, blind to pre-emption: two more system
+  // calls a tick. Else by the monotonic clock.
+  bool cpu_time = false;
+  // Once late inputs or numbers that are not finite have made the guard safe, engage it again as
+  // soon as it permits. Else it stays safe.
+  bool reengage = false;
+  GuardLimits guard = {};
+};
+
+// The doings of one tick.
+struct LoopTick {
+  std::uint64_t number = 0;  // from 0
+  Nanoseconds time{};        // of the deadline, since the loop's start
+  Nanoseconds lateness{}, compute{};
+  std::uint64_t missed = 0;  // periods skipped before it
+  DeviceState input;
+  Nanoseconds age{};             // of the input, when it was read
+  Vec3 rendered = Vec3::Zero();  // N, as the tracker has it; NaN without a usable position
+  Vec3 sent = Vec3::Zero();      // N, as the guard let it out
+  GuardState state = GuardState::kStart;
+  GuardReason reason = GuardReason::kNone;
+  // The object that pushes most, or else is nearest; kNothing: none is near enough to ask.
+  static constexpr std::uint32_t kNothing = ~0u;
+  std::uint32_t object = kNothing;  // index in Tracker::objects()
+  bool touching = false;            // any of them
+  std::uint32_t face = 0;           // of its mesh
+  double distance = 0;              // m, signed; negative inside
+  int iterations = 0, crossings = 0;
+  std::uint32_t flags = 0;  // Contact::flags
+};
+
+enum class LoopEnd { kStopped, kDeviceEnded, kDeviceFault };
+GLISS_EXPORT const char* loop_end_text(LoopEnd end) noexcept;  // "the device has ended"
+
+// It keeps references to device and tracker, which must outlive it, and takes no temporaries. While
+// run() is under way they are its thread's alone; one thread runs it.
+class GLISS_EXPORT HapticLoop {
+ public:
+  // Throws std::invalid_argument for limits of the guard or a period that are none. The largest
+  // force is the smaller one of the guard's and the device's.
+  HapticLoop(HapticDevice& device, Tracker& tracker, const LoopOptions& options = {});
+
+  // Ticks until on_tick returns false, or the device ends or fails: then on to where the guard is
+  // safe, ten ticks or so. Zero force is the last that is written, also where on_tick throws. It is
+  // called after each tick's force has gone out and is part of the loop: it must not wait.
+  // Runs once: the guard stays safe, so that another run would give no force. A later session is
+  // another loop.
+  LoopEnd run(const std::function<bool(const LoopTick&)>& on_tick);
+
+  const TickRecord& record() const { return record_; }  // errors: of GuardReason
+  const Guard& guard() const { return guard_; }
+
+ private:
+  void feel(Nanoseconds now, LoopTick& tick) noexcept;
+  void describe(LoopTick& tick) const noexcept;
+
+  HapticDevice& device_;
+  Tracker& tracker_;
+  LoopOptions options_;
+  Guard guard_;
+  TickRecord record_;
+  bool failed_ = false;  // the device, in the last tick
+};
+
+}  // namespace gliss

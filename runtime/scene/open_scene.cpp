@@ -1,0 +1,69 @@
+#include "gliss/scene/open_scene.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "gliss/files/cache_file.h"
+#include "gliss/files/mesh_file.h"
+#include "gliss/surface/names.h"
+
+namespace gliss {
+namespace {
+
+Mesh read_mesh(const ObjectDescription& described, const SceneOpening& opening) {
+  if (opening.read_mesh) return opening.read_mesh(described);
+  return load_mesh(described.surface, {.unit = described.unit, .poll = opening.poll});
+}
+
+PatchCache open_surface(const ObjectDescription& described, const SceneOpening& opening) {
+  if (described.from_cache || is_cache_file(described.surface))
+    return load_cache_of(described.surface,
+                         {described.precision, described.level, described.construction},
+                         opening.poll);
+  BuildOptions options;
+  options.precision = described.precision.value_or(Precision::kDouble);
+  options.level = chosen_level(described.level, described.construction);
+  const Mesh mesh = read_mesh(described, opening);
+  return opening.build ? opening.build(mesh, options) : build_cache(mesh, options);
+}
+
+}  // namespace
+
+std::vector<SceneObject> open_objects(const Scene& scene, const SceneOpening& opening) {
+  std::vector<SceneObject> objects;
+  for (const ObjectDescription& described : scene.objects) {
+    SceneObject object;
+    object.stiffness = described.stiffness;
+    object.method = described.method;
+    object.solver = described.solver;
+    object.max_iterations = described.max_iterations;
+    object.tolerance = described.tolerance;
+    object.pose = described.pose;
+    if (described.patches == Patches::kLazy) {
+      const Precision precision = described.precision.value_or(Precision::kDouble);
+      object.lazy = std::make_shared<const LazyMesh>(
+          read_mesh(described, opening),
+          LazyOptions{described.rings, precision,
+                      chosen_level(described.level, described.construction)});
+    } else {
+      object.cache = std::make_shared<const PatchCache>(open_surface(described, opening));
+    }
+    objects.push_back(std::move(object));
+  }
+  return objects;
+}
+
+LoopOptions loop_options(const Scene& scene, const DeviceInfo& device) {
+  const double most = std::min(scene.max_stiffness, device.max_stiffness);
+  for (const ObjectDescription& object : scene.objects) {
+    if (object.stiffness <= most) continue;
+    throw SceneError(fmt::format("{}: stiffness is {:g} N/m, and {} renders at most {:g} N/m",
+                                 object.place, object.stiffness, device.name, most));
+  }
+  LoopOptions options = scene.loop;
+  options.guard.max_force = std::min(scene.loop.guard.max_force, scene.max_force);
+  return options;
+}
+
+}  // namespace gliss

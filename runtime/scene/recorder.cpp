@@ -1,0 +1,96 @@
+#include "gliss/scene/recorder.h"
+
+#include <boost/lockfree/spsc_queue.hpp>
+
+namespace gliss {
+namespace {
+
+constexpr std::uint64_t kFlushedTicks = 4096;  // to disk together: a full one is noticed by then
+
+Columns recorded_columns() {
+  using enum ColumnType;
+  return Columns()
+      .add({"tick"}, kUint32)
+      .add({"time", "lateness", "compute", "age"}, kFloat64, "s")
+      .add({"missed"}, kUint32)
+      .add({"x", "y", "z"}, kFloat64, "m")
+      .add({"vx", "vy", "vz"}, kFloat64, "m/s")
+      .add({"fx", "fy", "fz", "sent_x", "sent_y", "sent_z"}, kFloat64, "N")
+      .add({"state", "guard", "reason"}, kText)
+      .add({"object", "patch"}, kUint32)
+      .add({"distance"}, kFloat64, "m")
+      .add({"iterations", "crossings", "flags"}, kUint32);
+}
+
+}  // namespace
+
+struct TickQueue::Queue : boost::lockfree::spsc_queue<LoopTick> {
+  using boost::lockfree::spsc_queue<LoopTick>::spsc_queue;
+};
+
+TickQueue::TickQueue(std::size_t capacity) : queue_(std::make_unique<Queue>(capacity)) {}
+TickQueue::~TickQueue() = default;
+
+bool TickQueue::add(const LoopTick& tick) noexcept {
+  const bool added = queue_->push(tick);
+  if (!added) lost_.fetch_add(1, std::memory_order_relaxed);
+  return added;
+}
+
+bool TickQueue::full() const noexcept { return queue_->write_available() == 0; }
+
+void TickQueue::take(std::vector<LoopTick>& ticks) {
+  ticks.clear();
+  queue_->consume_all([&](const LoopTick& tick) { ticks.push_back(tick); });
+}
+
+RecordingFile::RecordingFile(const std::string& path, const std::vector<Attribute>& attributes)
+    : many_tables_(!path.ends_with(".csv")),
+      file_(create_result_file(path)),
+      table_(*file_, "ticks", recorded_columns(), {}, kFlushedTicks) {
+  for (const Attribute& attribute : attributes) file_->set_attribute(attribute);
+}
+
+void RecordingFile::write(const std::vector<LoopTick>& ticks) {
+  const auto fill = [&](const auto& get) {
+    table_.fill(ticks.size(), [&](std::size_t i) { return get(ticks[i]); });
+  };
+  const auto fill_vectors = [&](const auto& get) {
+    table_.fill_vectors(ticks.size(), [&](std::size_t i) -> const Vec3& { return get(ticks[i]); });
+  };
+  fill([](const LoopTick& t) { return t.number; });
+  fill([](const LoopTick& t) { return in_seconds(t.time); });
+  fill([](const LoopTick& t) { return in_seconds(t.lateness); });
+  fill([](const LoopTick& t) { return in_seconds(t.compute); });
+  fill([](const LoopTick& t) { return in_seconds(t.age); });
+  fill([](const LoopTick& t) { return t.missed; });
+  fill_vectors([](const LoopTick& t) -> const Vec3& { return t.input.position; });
+  fill_vectors([](const LoopTick& t) -> const Vec3& { return t.input.velocity; });
+  fill_vectors([](const LoopTick& t) -> const Vec3& { return t.rendered; });
+  fill_vectors([](const LoopTick& t) -> const Vec3& { return t.sent; });
+  fill([](const LoopTick& t) { return t.touching ? "contact" : "free"; });
+  fill([](const LoopTick& t) { return guard_state_name(t.state); });
+  fill([](const LoopTick& t) { return guard_reason_name(t.reason); });
+  fill([](const LoopTick& t) { return t.object; });
+  fill([](const LoopTick& t) { return t.face; });
+  fill([](const LoopTick& t) { return t.distance; });
+  fill([](const LoopTick& t) { return t.iterations; });
+  fill([](const LoopTick& t) { return t.crossings; });
+  fill([](const LoopTick& t) { return t.flags; });
+  table_.write();
+}
+
+void RecordingFile::add_histogram(const std::string& name, const DurationHistogram& durations) {
+  if (!many_tables_) return;
+  ResultTable table(
+      *file_, "histograms/" + name,
+      Columns().add({"longest"}, ColumnType::kFloat64, "s").add({"count"}, ColumnType::kFloat64));
+  const auto bins = durations.bins();
+  table.fill(bins.size(), [&](std::size_t i) { return in_seconds(bins[i].longest); });
+  table.fill(bins.size(), [&](std::size_t i) { return bins[i].count; });
+  table.write();
+}
+
+void RecordingFile::close() { file_->close(); }
+
+}  // namespace gliss

@@ -1,0 +1,194 @@
+#include "gliss/scene/scene.h"
+
+#include <filesystem>
+#include <numbers>
+
+#include "gliss/base/units.h"
+#include "gliss/scene/toml_table.h"
+#include "gliss/tables/csv_reader.h"
+#include "gliss/tables/point_table.h"
+
+namespace gliss {
+namespace {
+
+constexpr Named<Patches> kPatchesNames[] = {{"all", Patches::kAll}, {"lazy", Patches::kLazy}};
+
+std::string beside(const std::string& scene, const std::string& path) {
+  return (std::filesystem::path(scene).parent_path() / path).string();
+}
+
+// {axis = [x, y, z], angle = "90deg"}
+Eigen::Matrix3d read_rotation(TomlTable table) {
+  Vec3 axis = Vec3::Zero();
+  double degrees = 0;
+  table.get_point("axis", axis);
+  table.get("degrees", degrees);
+  table.done();
+  if (axis.isZero(0)) table.fail("axis", "must be three numbers that are not all zero");
+  // Squares of 1e155 are not finite, those of 1e-165 are zero.
+  return Eigen::AngleAxisd(degrees * std::numbers::pi / 180, axis.stableNormalized()).matrix();
+}
+
+void read_patches(TomlTable& table, ObjectDescription& object, bool from_cache) {
+  table.get("patches", object.patches, kPatchesNames);
+  const bool lazy = object.patches == Patches::kLazy;
+  if (lazy && from_cache) table.fail("patches", "a cache has its patches; lazy needs a mesh");
+  if (lazy && object.method != Method::kGregory)
+    table.fail("patches", "lazy is for the method gregory; the others need no patches");
+  if (table.has("rings") && !lazy) table.fail("rings", "goes with patches = \"lazy\"");
+  table.get("rings", object.rings, 2, 100);
+}
+
+ObjectDescription read_object(TomlTable table, const std::string& scene, std::size_t number) {
+  ObjectDescription object;
+  object.name = fmt::format("{}", number);
+  table.get("name", object.name);
+  object.place = fmt::format("{} '{}'", table.place(""), object.name);
+  std::string mesh, cache;
+  table.get("mesh", mesh);
+  table.get("cache", cache);
+  if (mesh.empty() == cache.empty()) table.fail("", "needs a mesh or a cache, one of them");
+  object.from_cache = mesh.empty();
+  object.surface = beside(scene, mesh.empty() ? cache : mesh);
+  std::error_code unknown;  // a name too long for the system throws without
+  if (!std::filesystem::exists(object.surface, unknown))
+    table.fail(mesh.empty() ? "cache" : "mesh", fmt::format("there is no '{}'", object.surface));
+  std::string unit;
+  table.get("unit", unit);
+  if (!unit.empty()) {
+    if (mesh.empty()) table.fail("unit", "a cache has its own unit");
+    try {
+      object.unit = parse_unit(unit);
+    } catch (const UnitError& error) {
+      table.fail("unit", error.what());
+    }
+  }
+  if (table.has("precision")) table.get("precision", object.precision.emplace(), kPrecisionNames);
+  table.get_positive("stiffness", object.stiffness, parse_stiffness);
+  std::string level;
+  table.get("level", level);
+  if (!level.empty() && !(object.level = find_level(level))) table.fail("level", no_level(level));
+  if (table.has("construction"))
+    table.get("construction", object.construction.emplace(), kConstructionNames);
+  table.get("method", object.method, kMethodNames);
+  table.get("solver", object.solver, kSolverNames);
+  table.get("iterations", object.max_iterations, 1, 10000);
+  table.get("tolerance", object.tolerance);
+  if (!(object.tolerance >= 0 && object.tolerance < 1))
+    table.fail("tolerance", "must be 0 or more and less than 1");
+  read_patches(table, object, mesh.empty());
+  Vec3 position = Vec3::Zero();
+  table.get_point("position", position);
+  object.pose.translation() = position;
+  if (auto rotation = table.table("rotation")) object.pose.linear() = read_rotation(*rotation);
+  table.done();
+  return object;
+}
+
+void read_device(TomlTable table, Scene& scene) {
+  Eigen::AlignedBox3d workspace;
+  table.get_positive("max_force", scene.max_force);
+  table.get_positive("max_stiffness", scene.max_stiffness, parse_stiffness);
+  table.get_points("hips", scene.hips);
+  if (auto box = table.table("workspace")) {
+    Vec3 least, most;
+    if (!box->has("min") || !box->has("max")) table.fail("workspace", "needs min and max");
+    box->get_point("min", least);
+    box->get_point("max", most);
+    box->done();
+    if (!(least.array() < most.array()).all()) table.fail("workspace", "min must be below max");
+    workspace = {least, most};
+  }
+  table.done();
+  if (!scene.sim) return;
+  scene.sim->workspace = workspace;
+  scene.sim->max_force = std::min(scene.sim->max_force, scene.max_force);
+  scene.sim->max_stiffness = std::min(scene.sim->max_stiffness, scene.max_stiffness);
+}
+
+void read_guards(TomlTable table, Scene& scene) {
+  GuardLimits& limits = scene.loop.guard;
+  table.get_positive("max_force", limits.max_force);
+  table.get_positive("max_rate", limits.max_rate);
+  table.get("hold_after", limits.hold_after);
+  table.get("ramp_from", limits.ramp_from);
+  table.get("ramp_to", limits.ramp_to);
+  table.get_positive("engage_below", limits.engage_below);
+  table.get("engage_ramp", limits.engage_ramp);
+  table.get("reengage", scene.loop.reengage);
+  table.done();
+  table.checked([&] { Guard{limits}; });
+}
+
+void read_loop(TomlTable table, Scene& scene) {
+  double rate = 1000;
+  table.get_positive("rate", rate);
+  if (!(rate >= 1 && rate <= 100000)) table.fail("rate", "must be 1 to 100000 Hz");
+  scene.loop.period = Nanoseconds(std::llround(1e9 / rate));
+  table.get("priority", scene.priority, 1, 99);
+  table.done();
+}
+
+HandPath read_hand_path(TomlTable& table, const std::function<void()>& poll,
+                        std::vector<std::string>& files) {
+  std::string path;
+  table.get("path", path);
+  std::vector<Vec3> waypoints;
+  table.get_points("waypoints", waypoints);
+  double speed = 0.1, interval = 1e-3;
+  table.get_positive("speed", speed);
+  table.get_positive("interval", interval, parse_time);
+  int rounds = 1;
+  table.get("rounds", rounds, 1, 1000000);
+  if (path.empty() == waypoints.empty())
+    table.fail("", "needs a path (a file) or waypoints, one of them");
+  if (path.empty()) return HandPath::along(waypoints, speed, rounds);
+  std::vector<Vec3> points;
+  try {
+    points =
+        points_in_metres(read_points(files.emplace_back(beside(files.front(), path)), 1, {}, poll));
+  } catch (const CsvError&) {
+    throw;  // which names its own file and line
+  } catch (const std::runtime_error& error) {
+    table.fail("path", error.what());
+  }
+  if (points.empty()) table.fail("path", fmt::format("there is no point in '{}'", path));
+  return HandPath::sampled(std::move(points), interval, rounds);
+}
+
+void read_sim(TomlTable table, const std::function<void()>& poll, Scene& scene) {
+  table.checked([&] { scene.sim_path = read_hand_path(table, poll, scene.files); });
+  SimOptions& sim = scene.sim.emplace();
+  table.get_positive("mass", sim.mass);
+  table.get_positive("hand_stiffness", sim.hand_stiffness, parse_stiffness);
+  table.get("hand_damping", sim.hand_damping, nullptr);
+  table.get("resolution", sim.resolution, parse_length);
+  table.get("noise", sim.noise, parse_length);
+  table.get("delay", sim.delay);
+  int seed = 1;
+  table.get("seed", seed, 0, std::numeric_limits<int>::max());
+  sim.seed = static_cast<std::uint64_t>(seed);
+  table.done();
+  table.checked([&] { SimDevice(scene.sim_path, sim); });
+}
+
+}  // namespace
+
+Scene read_scene(const std::string& path, const std::function<void()>& poll) {
+  toml::table storage;
+  TomlTable root = TomlTable::read(path, storage);
+  Scene scene;
+  scene.files.push_back(path);
+  for (const TomlTable& table : root.tables("object")) {
+    scene.objects.push_back(read_object(table, path, scene.objects.size() + 1));
+    scene.files.push_back(scene.objects.back().surface);
+  }
+  if (auto table = root.table("guards")) read_guards(*table, scene);
+  if (auto table = root.table("loop")) read_loop(*table, scene);
+  if (auto table = root.table("sim")) read_sim(*table, poll, scene);
+  if (auto table = root.table("device")) read_device(*table, scene);
+  root.done();
+  return scene;
+}
+
+}  // namespace gliss

@@ -1,0 +1,63 @@
+// A scene: the objects and the rules that a TOML file gives a loop; docs/scenes.md has an example.
+// Objects and features that a scene does not list cost nothing.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "gliss/base/export.h"
+#include "gliss/contact/pose.h"
+#include "gliss/device/device.h"
+#include "gliss/device/sim_device.h"
+#include "gliss/loop/loop.h"
+#include "gliss/query/query.h"
+#include "gliss/surface/patch_cache.h"
+
+namespace gliss {
+
+// what() names the file, the line and the key.
+struct GLISS_EXPORT SceneError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+// Which patches of an object are built: all before the loop begins, or in it those near the hand.
+enum class Patches { kAll, kLazy };
+
+// An [[object]]. Numbers without a unit are SI.
+struct ObjectDescription : SolverOptions {
+  std::string place;  // "scene.toml:3: object 'knot'", for messages
+  std::string name;
+  std::string surface;  // path of a mesh or a cache, from the scene's folder
+  bool from_cache = false;
+  double unit = 1;                           // m, of a mesh's coordinates
+  std::optional<Precision> precision;        // as the cache has it, or double
+  std::optional<Level> level;                // as the cache has it, or exact
+  std::optional<Construction> construction;  // as the cache has it, or the paper's
+  double stiffness = 500;                    // N/m
+  Method method = Method::kGregory;
+  Pose pose = Pose::Identity();
+  Patches patches = Patches::kAll;
+  int rings = 3;  // around the contact, with kLazy
+};
+
+struct Scene {
+  std::vector<ObjectDescription> objects;
+  std::vector<Vec3> hips;  // m, from the device's position; empty: one, there
+  LoopOptions loop;        // of [loop] and [guards]
+  int priority = 80;       // of SCHED_FIFO
+  // Limits of [device], besides the device's own.
+  double max_force = std::numeric_limits<double>::infinity();      // N
+  double max_stiffness = std::numeric_limits<double>::infinity();  // N/m
+  std::optional<SimOptions> sim;
+  HandPath sim_path;
+  std::vector<std::string> files;  // paths: the scene's own, of meshes, caches and the sim's path
+};
+
+// Throws SceneError, CsvError for the table of a path. `poll` is asked many times a second while
+// that is read, and what it throws ends the reading.
+GLISS_EXPORT Scene read_scene(const std::string& path, const std::function<void()>& poll = nullptr);
+
+}  // namespace gliss

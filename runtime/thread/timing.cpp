@@ -1,0 +1,75 @@
+#include "gliss/thread/timing.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace gliss {
+
+// The leading kBitsPerDoubling + 1 bits of a number, and how many follow them.
+std::size_t DurationHistogram::bin_of(std::uint64_t ns) noexcept {
+  const int tail = std::max(0, static_cast<int>(std::bit_width(ns)) - kBitsPerDoubling - 1);
+  return (static_cast<std::size_t>(tail) << kBitsPerDoubling) + (ns >> tail);
+}
+
+std::uint64_t DurationHistogram::longest_of(std::size_t bin) noexcept {
+  const std::size_t doubling = bin >> kBitsPerDoubling;
+  const std::size_t tail = doubling > 0 ? doubling - 1 : 0;
+  return ((std::uint64_t{bin} - (tail << kBitsPerDoubling) + 1) << tail) - 1;
+}
+
+void DurationHistogram::add(Nanoseconds duration) noexcept {
+  const Nanoseconds counted = std::clamp(duration, Nanoseconds(0), kLargest);
+  ++bins_[bin_of(static_cast<std::uint64_t>(counted.count()))];
+  ++count_;
+  max_ = std::max(max_, duration);
+}
+
+Nanoseconds DurationHistogram::quantile(double q) const {
+  const auto wanted = static_cast<std::uint64_t>(std::ceil(q * static_cast<double>(count_)));
+  std::uint64_t seen = 0;
+  for (std::size_t bin = 0; bin < bins_.size(); ++bin) {
+    seen += bins_[bin];
+    if (seen >= wanted && seen > 0) {
+      return std::min(max_, Nanoseconds(static_cast<std::int64_t>(longest_of(bin))));
+    }
+  }
+  return max_;
+}
+
+std::vector<DurationHistogram::Bin> DurationHistogram::bins() const {
+  std::vector<Bin> held;
+  for (std::size_t bin = 0; bin < bins_.size(); ++bin) {
+    if (bins_[bin] == 0) continue;
+    held.push_back({Nanoseconds(static_cast<std::int64_t>(longest_of(bin))), bins_[bin]});
+  }
+  return held;
+}
+
+void TickRecord::add(const TickSample& tick, std::uint64_t missed) noexcept {
+  last_[ticks() % kLast] = tick;
+  lateness_.add(tick.lateness);
+  compute_.add(tick.compute);
+  missed_ += missed;
+  longest_missed_ = std::max(longest_missed_, missed);
+  const bool failed = tick.error != 0;
+  errors_ += failed ? 1 : 0;
+  recent_ <<= static_cast<std::size_t>(std::min<std::uint64_t>(missed, kRecent - 1)) + 1;
+  recent_[0] = !failed;
+}
+
+double TickRecord::success() const {
+  const std::uint64_t periods = ticks() + missed_;
+  return periods > 0 ? static_cast<double>(ticks() - errors_) / static_cast<double>(periods) : 1;
+}
+
+double TickRecord::recent_success() const {
+  const std::uint64_t periods = std::min<std::uint64_t>(ticks() + missed_, kRecent);
+  return periods > 0 ? static_cast<double>(recent_.count()) / static_cast<double>(periods) : 1;
+}
+
+const TickSample& TickRecord::last(std::size_t age) const {
+  return last_[(ticks() - 1 - age) % kLast];
+}
+
+}  // namespace gliss

@@ -1,0 +1,162 @@
+// Nothing ends without a word and a zero: broken and full outputs, limits and signals at any moment
+// give a documented exit code, files that are whole or not there, and a force that fades.
+#include <sys/resource.h>
+
+#include <random>
+
+#include "tests/support/run_files.h"
+
+namespace gliss {
+namespace {
+
+using test::Outcome, test::Process;
+using ::testing::HasSubstr;
+
+constexpr int kInterrupted = 130;
+
+class HostileEnds : public test::RunTest {
+ protected:
+  HostileEnds() {
+    folder_.write("hips.csv", "x_mm,y_mm,z_mm\n0,0,9\n0,1,9\n0,2,9\n");
+    folder_.write("points.csv", "patch,xi,eta\n0,0,0\n1,0.1,0.1\n");
+    EXPECT_EQ(go("bake ball.obj --unit mm -o ball.gliss --quiet").code, 0);
+    EXPECT_EQ(go("trace ball.gliss --path hips.csv -o forces.csv --quiet").code, 0);
+  }
+
+  static std::vector<std::string> words_of(const std::string& line) {
+    return test::split(line, ' ');
+  }
+  Outcome go(
+      const std::string& line, const std::function<bool()>& in_child = [] { return true; }) const {
+    return Process(folder_ / "", test::kProgram, words_of(line), in_child).wait();
+  }
+
+  // All commands at work that is soon done.
+  std::vector<std::string> commands() const {
+    return {"generate knot -o made.obj",
+            "check ball.obj --unit mm",
+            "bake ball.obj --unit mm -o made.gliss",
+            "info ball.gliss",
+            "eval ball.gliss --at points.csv",
+            "project ball.gliss --hip hips.csv",
+            "sweep ball.gliss --depth 1mm --samples 1e3 -o made.csv",
+            "trace ball.gliss --path hips.csv",
+            "compare ball.obj --unit mm --levels exact,flat --ticks 100 --walks 1 --dense-limit 0",
+            "devices",
+            "run scene.toml --no-wait --seconds 1 --record made.h5",
+            "serve scene.toml --port 0 --seconds 0.1",
+            "judge --seconds 0.1"};
+  }
+  // Those that say something on standard output.
+  static bool speaks(const std::string& command) { return !command.starts_with("generate"); }
+
+  std::string leftovers() const {
+    std::string names;
+    for (const auto& file : std::filesystem::directory_iterator(folder_ / "")) {
+      const std::string name = file.path().filename();
+      if (name.find("gliss-tmp") != name.npos) names += " " + name;
+    }
+    return names;
+  }
+};
+
+bool become(const char* path, int descriptor) {
+  return dup2(open(path, O_WRONLY), descriptor) == descriptor;
+}
+bool limit_files(rlim_t bytes) {
+  const rlimit limit{bytes, bytes};
+  return setrlimit(RLIMIT_FSIZE, &limit) == 0;
+}
+
+TEST_F(HostileEnds, do_not_come_by_a_standard_error_that_is_full_or_closed) {
+  for (const std::string& command : commands()) {
+    const int code = go(command).code;
+    EXPECT_TRUE(code == 0 || code == 4) << command << ": " << code;
+    EXPECT_EQ(go(command, [] { return become("/dev/full", 2); }).code, code) << command;
+    EXPECT_EQ(go(command, [] { return close(2) == 0; }).code, code) << command;
+    const std::string bad = command + " --nonsense";
+    EXPECT_EQ(go(bad, [] { return become("/dev/full", 2); }).code, 2) << bad;
+    EXPECT_EQ(go(bad, [] { return close(2) == 0; }).code, 2) << bad;
+  }
+  EXPECT_EQ(leftovers(), "");
+}
+
+TEST_F(HostileEnds, are_errors_where_standard_output_is_full_or_closed) {
+  for (const std::string& command : commands()) {
+    if (!speaks(command)) continue;
+    for (const bool full : {true, false}) {
+      const Outcome outcome =
+          go(command, [&] { return full ? become("/dev/full", 1) : close(1) == 0; });
+      EXPECT_EQ(outcome.code, 1) << command;
+      EXPECT_THAT(outcome.err, HasSubstr("standard output")) << command;
+    }
+  }
+  // What has a file of its own wrote it whole before, and not into another's place.
+  EXPECT_EQ(go("sweep ball.gliss --depth 1mm --samples 1e3 -o again.csv").code, 0);
+  EXPECT_EQ(folder_.read("made.csv"), folder_.read("again.csv"));
+  EXPECT_EQ(leftovers(), "");
+}
+
+TEST_F(HostileEnds, are_errors_where_files_may_not_grow) {
+  for (const std::string command :
+       {"generate knot -o made.obj", "bake ball.obj --unit mm -o made.gliss",
+        "sweep ball.gliss --depth 1mm --samples 1e4 -o made.csv",
+        "sweep ball.gliss --depth 1mm --samples 1e4 -o made.h5",
+        "run scene.toml --no-wait --seconds 5 --record made.csv",
+        "run scene.toml --no-wait --seconds 5 --record made.h5"}) {
+    const Outcome outcome = go(command, [] { return limit_files(10'000); });
+    EXPECT_EQ(outcome.code, 1) << command << ": " << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr("File too large")) << command;
+  }
+  EXPECT_EQ(leftovers(), "");
+}
+
+TEST_F(HostileEnds, say_that_the_stack_is_too_small) {
+  const auto small = [] {
+    const rlimit limit{64 << 10, 64 << 10};
+    return setrlimit(RLIMIT_STACK, &limit) == 0;
+  };
+  const Outcome outcome = go("sweep ball.gliss --depth 1mm -o made.csv", small);
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("ulimit -s"));
+}
+
+// Long work that a signal ends at a random moment.
+TEST_F(HostileEnds, leave_whole_files_whenever_a_signal_comes) {
+  std::mt19937 random(5);
+  const int tries = std::getenv("GLISS_LONG_TESTS") ? 20 : 1;
+  for (const std::string command :
+       {"sweep ball.gliss --depth 1mm --samples 1e8 -o made.h5", "judge --seconds 60",
+        "compare ball.obj --unit mm --walks 1000", "serve scene.toml --port 0",
+        "run scene.toml --record made.csv --report made.json"}) {
+    for (const int signal : {SIGHUP, SIGQUIT, SIGXCPU, SIGINT, SIGTERM}) {
+      for (int i = 0; i < tries; ++i) {
+        Process process(folder_ / "", test::kProgram, words_of(command));
+        ASSERT_TRUE(test::await([&] { return process.catches(signal); }));
+        std::this_thread::sleep_for(std::chrono::milliseconds(random() % 600));
+        process.kill(signal);
+        if (i % 2) process.kill(signal);  // an impatient hand
+        const Outcome outcome = process.wait();
+        EXPECT_EQ(outcome.code, kInterrupted) << command << ": " << signal << outcome.err;
+        EXPECT_THAT(outcome.err, HasSubstr("interrupted")) << command;
+        EXPECT_EQ(leftovers(), "") << command;
+      }
+    }
+  }
+}
+
+TEST_F(HostileEnds, let_the_hand_go_and_keep_the_recording_whoever_is_impatient) {
+  for (const int signal : {SIGHUP, SIGQUIT, SIGXCPU, SIGINT}) {
+    const auto loop = start_recording("scene.toml --device sim", "run.csv");
+    loop->kill(signal);
+    loop->kill(signal == SIGHUP ? SIGTERM : signal);
+    EXPECT_EQ(loop->wait().code, kInterrupted) << signal;
+    const test::TextTable felt(folder_.read("run.csv"));
+    EXPECT_GT(felt.rows(), 100u);
+    EXPECT_EQ(felt.sent(felt.rows() - 1), Vec3::Zero()) << signal;
+    EXPECT_EQ(felt["guard"].back(), "safe") << signal;
+  }
+}
+
+}  // namespace
+}  // namespace gliss

@@ -1,0 +1,431 @@
+// The program as outsiders see it: columns, units, exit codes, errors, interruption.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "gliss/build/build_cache.h"
+#include "gliss/files/mesh_file.h"
+#include "gliss/generate/generate.h"
+#include "gliss/query/query.h"
+#include "gliss/study/sweep.h"
+#include "gliss/tables/csv_reader.h"
+#include "tests/support/gliss_process.h"
+#include "tests/support/places.h"
+#include "tests/support/scratch_folder.h"
+
+namespace gliss {
+namespace {
+
+using test::ScratchFolder;
+using ::testing::AllOf;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+using ::testing::MatchesRegex;
+using ::testing::StartsWith;
+
+constexpr char kEvalHeader[] = "patch,xi,eta,x,y,z,dxi_x,dxi_y,dxi_z,deta_x,deta_y,deta_z,nx,ny,nz";
+constexpr char kProjectHeader[] = "patch,xi,eta,x,y,z,nx,ny,nz,distance,iterations,flags";
+constexpr char kTraceHeader[] = "step,method,x,y,z,scp_x,scp_y,scp_z,fx,fy,fz,patch,state";
+
+struct Outcome {
+  int code = -1;
+  std::string out, err;
+};
+
+class Program : public ::testing::Test {
+ protected:
+  Program() {
+    save_obj(knot_, folder_ / "knot.obj");
+    folder_.write("points.csv", "patch,xi,eta\n0,1,0\n3,0.1,-0.25\n77,0,0\n143,-0.3,0.2\n");
+    // From above the surface to 4.5 mm beneath it, below the base polygons too, and on along it.
+    const Generated tube = torus_knot(24, 6);
+    std::string hips = "x_mm,y_mm,z_mm\n";
+    for (int i = 0; i < 60; ++i) {
+      const ExactSurface::Point p = tube.exact->nearest(knot_.positions[0] + Vec3(0, 0.1 * i, 0));
+      const Vec3 hip = p.position - std::min(4.5, 0.2 * (i - 10)) * p.normal;
+      hips += fmt::format("{},{},{}\n", hip.x(), hip.y(), hip.z());
+    }
+    folder_.write("hips.csv", hips);
+  }
+
+  Outcome run(const std::string& words) const {
+    const std::string command = fmt::format("cd '{}' && '{}' {} >out 2>err </dev/null",
+                                            folder_ / "", test::kProgram, words);
+    const int status = std::system(command.c_str());
+    Outcome outcome{WIFEXITED(status) ? WEXITSTATUS(status) : -1, folder_.read("out"),
+                    folder_.read("err")};
+    std::filesystem::remove(folder_ / "out");
+    std::filesystem::remove(folder_ / "err");
+    return outcome;
+  }
+
+  // Standard output of a run that must succeed.
+  std::string output_of(const std::string& words) const {
+    const Outcome outcome = run(words);
+    EXPECT_EQ(outcome.code, 0) << words << ": " << outcome.err;
+    return outcome.out;
+  }
+
+  nlohmann::json json_of(const std::string& words) const {
+    const std::string text = output_of(words + " --json");
+    const auto json = nlohmann::json::parse(text, nullptr, false);
+    EXPECT_FALSE(json.is_discarded()) << words << ": " << text;
+    return json;
+  }
+
+  const Mesh knot_ = torus_knot(24, 6).mesh;
+  const ScratchFolder folder_;
+};
+
+std::vector<std::string> words_of(const std::string& text, char separator) {
+  std::vector<std::string> words;
+  std::istringstream stream(text);
+  for (std::string word; std::getline(stream, word, separator);) words.push_back(word);
+  return words;
+}
+
+// [row][column], without the header.
+std::vector<std::vector<double>> numbers_of(const std::string& csv) {
+  std::vector<std::vector<double>> rows;
+  for (const std::string& line : words_of(csv, '\n')) {
+    rows.emplace_back();
+    for (const std::string& word : words_of(line, ',')) {
+      double value = std::nan("");
+      std::from_chars(word.data(), word.data() + word.size(), value);
+      rows.back().push_back(value);
+    }
+  }
+  if (!rows.empty()) rows.erase(rows.begin());
+  return rows;
+}
+
+std::string header_of(const std::string& csv) { return csv.substr(0, csv.find('\n')); }
+
+TEST_F(Program, EveryCommandHelpsWithAnExample) {
+  EXPECT_THAT(output_of("--version"), MatchesRegex("gliss [0-9]+\\.[0-9]+\\.[0-9]+\n"));
+  for (const char* command : {"bake", "info", "check", "eval", "project", "sweep", "trace",
+                              "generate", "generate knot", "generate fin", "judge", "report"}) {
+    const std::string help = output_of(fmt::format("{} --help", command));
+    EXPECT_THAT(help, HasSubstr(fmt::format("Example: gliss {}", command)));
+  }
+}
+
+TEST_F(Program, EvalWritesWhatTheLibraryFinds) {
+  output_of("eval knot.obj --at points.csv --unit mm -o eval.csv");
+  const std::string csv = folder_.read("eval.csv");
+  EXPECT_EQ(header_of(csv), kEvalHeader);
+  EXPECT_EQ(output_of("eval knot.obj --at points.csv --unit mm"), csv);
+  const auto rows = numbers_of(csv);
+  ASSERT_EQ(rows.size(), 4u);
+  const PatchCache cache = build_cache(load_mesh(folder_ / "knot.obj", {.unit = 1e-3}));
+  for (const auto& row : rows) {
+    ASSERT_EQ(row.size(), 15u);
+    const SurfacePoint p = evaluate(cache, {static_cast<std::uint32_t>(row[0]), row[1], row[2]});
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const int i = static_cast<int>(axis);
+      EXPECT_EQ(row[3 + axis], p.position[i]);
+      EXPECT_EQ(row[6 + axis], p.d_xi[i]);
+      EXPECT_EQ(row[9 + axis], p.d_eta[i]);
+      EXPECT_EQ(row[12 + axis], p.normal[i]);
+    }
+  }
+  const Vec3 corner(rows[0][3], rows[0][4], rows[0][5]);
+  EXPECT_LT((corner - knot_.positions[knot_.corner_vertex[0]]).norm(), 1e-12);
+}
+
+TEST_F(Program, ProjectWritesItsColumns) {
+  output_of("project knot.obj --hip hips.csv --unit mm -o project.csv");
+  const std::string csv = folder_.read("project.csv");
+  EXPECT_EQ(header_of(csv), kProjectHeader);
+  const auto rows = numbers_of(csv);
+  ASSERT_EQ(rows.size(), 60u);
+  EXPECT_GT(rows.front()[9], 0);
+  EXPECT_LT(rows.back()[9], 0);
+  const auto hips = numbers_of(folder_.read("hips.csv"));
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const Vec3 scp(rows[i][3], rows[i][4], rows[i][5]), normal(rows[i][6], rows[i][7], rows[i][8]);
+    const Vec3 hip(hips[i][0], hips[i][1], hips[i][2]);
+    EXPECT_LT((scp + rows[i][9] * normal - hip).norm(), 1e-7) << i;
+    EXPECT_EQ(static_cast<std::uint32_t>(rows[i][11]) & kConverged, kConverged) << i;
+  }
+  for (const char* options : {"--solver gauss-newton", "--solver paper", "--method shaded",
+                              "--method flat", "--precision float", "--backend serial"}) {
+    const std::string other =
+        output_of(fmt::format("project knot.obj --hip hips.csv --unit mm {}", options));
+    EXPECT_EQ(header_of(other), kProjectHeader);
+    EXPECT_NEAR(numbers_of(other).back()[9], rows.back()[9], 3) << options;
+  }
+}
+
+TEST_F(Program, TraceWritesItsColumns) {
+  const std::string table =
+      output_of("trace knot.obj --path hips.csv --unit mm --stiffness 0.5N/mm -o trace.csv");
+  EXPECT_THAT(table, AllOf(HasSubstr("gregory"), HasSubstr("shaded"), HasSubstr("flat")));
+  const std::string csv = folder_.read("trace.csv");
+  EXPECT_EQ(header_of(csv), kTraceHeader);
+  const auto lines = words_of(csv, '\n');
+  ASSERT_EQ(lines.size(), 1u + 3 * 60);
+  EXPECT_THAT(lines[1], AllOf(StartsWith("0,gregory,"), EndsWith(",free")));
+  EXPECT_THAT(lines[180], AllOf(StartsWith("59,flat,"), EndsWith(",contact")));
+  // The HIP is echoed, and pushed out by half a newton a millimetre.
+  const auto hips = numbers_of(folder_.read("hips.csv"));
+  const auto rows = numbers_of(csv);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const Vec3 hip(rows[i][2], rows[i][3], rows[i][4]), scp(rows[i][5], rows[i][6], rows[i][7]),
+        force(rows[i][8], rows[i][9], rows[i][10]);
+    for (int axis = 0; axis < 3; ++axis) {
+      EXPECT_EQ(hip[axis], hips[i / 3][static_cast<std::size_t>(axis)]);
+    }
+    const bool touching = words_of(lines[i + 1], ',').back() == "contact";
+    EXPECT_NEAR(force.norm(), touching ? 0.5 * (scp - hip).norm() : 0, 1e-9);
+  }
+}
+
+TEST_F(Program, TraceKeepsTheStepsOfTheFile) {
+  folder_.write("path.csv", "z,step,x,y\n0,99999,0,0\n0,100000,0,0\n0,1e6,1,0\n");
+  const std::string csv = output_of("trace knot.obj --path path.csv --method flat");
+  EXPECT_THAT(csv, AllOf(HasSubstr("\n99999,flat,0,0,0,"), HasSubstr("\n100000,flat,0,0,0,"),
+                         HasSubstr("\n1000000,flat,1,0,0,")));
+}
+
+TEST_F(Program, CoordinatesAreInTheUnitAskedFor) {
+  output_of("bake knot.obj --unit mm -o knot.gliss");
+  const auto mm = numbers_of(output_of("eval knot.gliss --at points.csv --unit mm"));
+  const auto m = numbers_of(output_of("eval knot.gliss --at points.csv"));
+  ASSERT_EQ(m.size(), mm.size());
+  for (std::size_t row = 0; row < m.size(); ++row) {
+    for (std::size_t c = 0; c < 15; ++c) {
+      EXPECT_EQ(m[row][c], c >= 3 && c < 12 ? mm[row][c] / 1000 : mm[row][c]);
+    }
+  }
+  // Millimetres in the header are millimetres, whatever the unit of the answer.
+  std::string metres = folder_.read("hips.csv");
+  metres.replace(0, metres.find('\n'), "x,y,z");
+  folder_.write("plain.csv", metres);
+  EXPECT_EQ(output_of("project knot.gliss --hip plain.csv --unit mm"),
+            output_of("project knot.gliss --hip hips.csv --unit mm"));
+  const auto in_m = numbers_of(output_of("project knot.gliss --hip hips.csv"));
+  const auto in_mm = numbers_of(output_of("project knot.gliss --hip hips.csv --unit mm"));
+  EXPECT_EQ(in_m[50][9], in_mm[50][9] / 1000);
+  EXPECT_EQ(in_m[50][0], in_mm[50][0]);
+}
+
+TEST_F(Program, ACacheGivesTheBitsOfItsMesh) {
+  for (const char* precision : {"double", "float"}) {
+    output_of(fmt::format("bake knot.obj --unit mm --precision {} -o knot.gliss", precision));
+    for (const char* command :
+         {"eval {} --at points.csv", "project {} --hip hips.csv", "trace {} --path hips.csv",
+          "sweep {} --depth 2mm --rings 2 -o -"}) {
+      const std::string options = fmt::format(" --unit mm --precision {}", precision);
+      EXPECT_EQ(output_of(fmt::format(fmt::runtime(command), "knot.gliss") + options),
+                output_of(fmt::format(fmt::runtime(command), "knot.obj") + options))
+          << command;
+    }
+  }
+}
+
+TEST_F(Program, ARegionHoldsItsFacesOnly) {
+  EXPECT_EQ(json_of("bake knot.obj --faces 0,2-5,3 -o part.gliss")["faces"], 5);
+  EXPECT_EQ(json_of("info part.gliss")["faces"], 5);
+  const Outcome outside = run("eval part.gliss --at points.csv");
+  EXPECT_EQ(outside.code, 2);
+  EXPECT_EQ(outside.err, "gliss: points.csv:4: patch 77 is not in this cache of a region\n");
+  EXPECT_GT(json_of("bake knot.obj --region 0,-99,-99:99,99,99 -o half.gliss")["faces"], 10);
+}
+
+TEST_F(Program, SaysInOneLineWhatIsWrong) {
+  output_of("bake knot.obj -o knot.gliss");
+  folder_.write("cut.gliss", folder_.read("knot.gliss").substr(0, 1000));
+  folder_.write("outside.csv", "patch,xi,eta\n0,0,0\n0,1,1\n");
+  folder_.write("unknown.csv", "patch,xi,eta\n0,0,0\n\n");
+  folder_.write("fraction.csv", "patch,xi,eta\n0.5,0,0\n");
+  folder_.write("beyond.csv", "patch,xi,eta\n144,0,0\n");
+  folder_.write("word.csv", "patch,xi,eta\n0,zero,0\n");
+  folder_.write("bad.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n");
+  const struct {
+    const char *words, *message;
+    int code;
+  } kCases[] = {
+      {"", "a command is wanted", 2},
+      {"fly", "there is no command 'fly'", 2},
+      {"eval knot.obj", "--at is required", 2},
+      {"eval knot.obj --at none.csv", "none.csv", 2},
+      {"eval none.obj --at points.csv", "none.obj", 2},
+      {"eval knot.obj --at outside.csv", "outside.csv:3: (1, 1) is outside", 2},
+      {"eval knot.obj --at fraction.csv", "fraction.csv:2: no patch 0.5", 2},
+      {"eval knot.obj --at beyond.csv", "beyond.csv:2: no patch 144", 2},
+      {"eval knot.obj --at word.csv", "word.csv:2: column 'xi'", 2},
+      {"eval knot.obj --at hips.csv", "missing columns", 2},
+      {"eval knot.obj --at points.csv -o x.txt", "must end in", 2},
+      {"eval knot.obj --at points.csv --unit furlong", "furlong", 2},
+      {"eval knot.obj --at points.csv --threads many", "--threads: 'many'", 2},
+      {"eval knot.obj --at points.csv --backend opencl --device none", "opencl: no ", 4},
+      {"eval knot.gliss --at points.csv --precision float", "--precision float", 3},
+      {"info cut.gliss", "cut.gliss", 3},
+      {"info bad.obj", "bad.obj:4: face 0", 2},
+      {"bake knot.obj -o x.gliss --faces 9-144", "--faces: 144 is beyond", 2},
+      {"bake knot.obj -o x.gliss --faces 5-2", "'5-2'", 2},
+      {"bake knot.obj -o x.gliss --region 1,2", "--region", 2},
+      {"bake knot.obj -o x.gliss --region 90,0,0:91,1,1", "no face meets", 2},
+      {"bake knot.obj -o none/x.gliss", "none/x.gliss", 1},
+      {"sweep knot.obj", "--depth is required", 2},
+      {"sweep knot.obj --depth 2mm,2e-3", "twice", 2},
+      {"sweep knot.obj --depth 0mm", "not positive", 2},
+      {"sweep knot.obj --depth 2mm --vtp x.txt", "must end in .vtp", 2},
+      {"sweep knot.obj --depth 2kg", "kg", 2},
+      {"sweep knot.obj --depth 2mm --method round", "none of gregory, shaded, flat", 2},
+      {"sweep knot.obj --depth 2mm --rings 2 --samples 9", "--samples excludes --rings", 2},
+      {"trace knot.obj --path hips.csv --stiffness 0", "--stiffness", 2},
+      {"generate", "a command is wanted", 2},
+      {"generate prism --sides 2 -o x.obj", "sides", 2},
+      {"generate knot --tube thick -o x.obj", "--tube: 'thick'", 2},
+  };
+  const std::size_t files = folder_.file_count();
+  for (const auto& [words, message, code] : kCases) {
+    const Outcome outcome = run(words);
+    EXPECT_EQ(outcome.code, code) << words;
+    EXPECT_EQ(outcome.out, "") << words;
+    EXPECT_THAT(outcome.err, AllOf(StartsWith("gliss: "), HasSubstr(message), EndsWith("\n")));
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+  }
+  EXPECT_EQ(folder_.file_count(), files);
+}
+
+TEST_F(Program, FiguresComeAsJson) {
+  EXPECT_EQ(json_of("generate goldberg --frequency 2 -o ball.obj")["faces"], 42);
+  EXPECT_EQ(json_of("bake ball.obj --unit mm -o ball.gliss")["patches"], 42);
+  const auto info = json_of("info ball.gliss --unit mm");
+  EXPECT_EQ(info["valences"]["5"], 12);
+  EXPECT_EQ(info["valences"]["6"], 30);
+  EXPECT_EQ(info["vertices"], 80);
+  EXPECT_EQ(info["edges"], 120);
+  EXPECT_EQ(info["border_sides"], 0);
+  EXPECT_EQ(info["parts"], 1);
+  EXPECT_EQ(info["folded_faces"], 0);
+  EXPECT_EQ(json_of("info ball.obj --unit mm")["mesh_hash"], info["mesh_hash"]);
+  EXPECT_TRUE(json_of("check ball.obj")["findings"].empty());
+  EXPECT_EQ(json_of("trace ball.gliss --path hips.csv -o t.csv")["methods"].size(), 3u);
+  EXPECT_EQ(json_of("project ball.gliss --hip hips.csv -o p.csv")["hips"], 60);
+  const auto sweep = json_of("sweep ball.gliss --depth 1mm,2mm --samples 1000 --summary sum.json");
+  EXPECT_GE(sweep["samples_per_depth"], 1000);
+  ASSERT_EQ(sweep["statistics"].size(), 6u);
+  EXPECT_LT(sweep["statistics"][0]["error_N"]["max"], 1e-6);
+  EXPECT_EQ(nlohmann::json::parse(folder_.read("sum.json"))["statistics"], sweep["statistics"]);
+}
+
+TEST_F(Program, CheckListsAllFindingsAndRefuses) {
+  folder_.write("bad.obj",
+                "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 0 -1\nf 1 2 3\nf 1 2 4\nf 1 2 5\n");
+  const Outcome text = run("check bad.obj"), json = run("check bad.obj --json");
+  EXPECT_EQ(text.code, 2);
+  EXPECT_THAT(text.out, AllOf(HasSubstr("error"), HasSubstr("non-manifold-edge")));
+  EXPECT_THAT(text.err, StartsWith("gliss: bad.obj:6: face 0"));
+  EXPECT_EQ(json.code, 2);
+  const auto found = nlohmann::json::parse(json.out);
+  EXPECT_EQ(found["accepted"], false);
+  EXPECT_EQ(found["findings"][0]["code"], "non-manifold-edge");
+  EXPECT_EQ(found["findings"][0]["severity"], "error");
+  EXPECT_EQ(run("check bad.obj --split-non-manifold").code, 0);
+}
+
+TEST_F(Program, AnyNumberOfThreadsSweepsTheSame) {
+  const std::string words = "sweep knot.obj --unit mm --depth 2mm,4mm --rings 9 -o -";
+  const std::string one = output_of(words + " --threads 1");
+  EXPECT_EQ(output_of(words + " --threads 3"), one);
+  EXPECT_EQ(output_of(words + " --backend serial"), one);
+  EXPECT_EQ(header_of(one),
+            "depth,method,patch,xi,eta,hip_x,hip_y,hip_z,scp_x,scp_y,scp_z,fx,fy,fz,"
+            "residual_angle,iterations,crossings,flags");
+}
+
+TEST_F(Program, PythonReadsTheSweep) {
+  if (std::system("/usr/bin/python3 -c 'import h5py' >/dev/null 2>&1") != 0)
+    GTEST_SKIP() << "no h5py";
+  output_of("sweep knot.obj --unit mm --depth 2mm,4.5mm --rings 3 -o s.h5 --vtp s.vtp");
+  EXPECT_THAT(folder_.read("s.vtp"), HasSubstr("\"force_shaded\""));
+  EXPECT_THAT(folder_.read("s_mesh.vtp"), HasSubstr("\"rho_min\""));
+  folder_.write("read.py", R"(import h5py, numpy
+f = h5py.File('s.h5')
+text = lambda v: v.decode() if isinstance(v, bytes) else v
+assert text(f.attrs['unit']) == 'mm' and text(f.attrs['precision']) == 'double'
+assert text(f.attrs['command_line']).startswith('gliss sweep knot.obj')
+assert len(text(f.attrs['mesh_hash'])) == 16 and f.attrs['stiffness_N_per_m'] == 500
+for depth, name in ((2, 'depth_2mm'), (4.5, 'depth_4.5mm')):
+    for method in ('gregory', 'shaded', 'flat'):
+        g = f[name][method]
+        assert g['patch'].shape == (144 * 4 * 6,) and g['patch'][-1] == 143
+        assert g['hip_x'].dtype == 'f8' and g['fx'].dtype == 'f4'
+        assert text(g['hip_x'].attrs['unit']) == 'mm' and text(g['fx'].attrs['unit']) == 'N'
+        assert numpy.isfinite(g['scp_z']).all()
+        assert g['histogram']['residual'][:].sum() == len(g['patch'])
+    g = f[name]['gregory']
+    force = numpy.sqrt(sum(g[c][:].astype('f8')**2 for c in ('fx', 'fy', 'fz')))
+    assert abs(force - 0.5 * depth).max() < 1e-6, force
+assert f['statistics']['samples'][0] == 144 * 4 * 6 and len(f['statistics']['depth']) == 6
+)");
+  const std::string command = fmt::format("cd '{}' && /usr/bin/python3 read.py", folder_ / "");
+  EXPECT_EQ(std::system(command.c_str()), 0);
+}
+
+// Some parts' worth.
+std::vector<std::string> words_of_sweep(const char* samples) {
+  return {"sweep",     "knot.obj", "--unit",   "mm",   "--depth", "2mm",
+          "--samples", samples,    "--method", "flat", "-o",      "s.h5"};
+}
+
+TEST_F(Program, AnInterruptedSweepLeavesNothing) {
+  const std::size_t files = folder_.file_count();
+  test::Process sweep(folder_ / "", test::kProgram, words_of_sweep("1e7"));
+  // The temporary is there once the sweep is about to begin.
+  EXPECT_TRUE(test::await([&] { return folder_.file_count() > files; }));
+  sweep.kill(SIGINT);
+  const test::Outcome outcome = sweep.wait();
+  EXPECT_EQ(outcome.code, 130);
+  EXPECT_THAT(outcome.err, EndsWith("gliss: interrupted\n"));
+  EXPECT_EQ(folder_.file_count(), files);
+}
+
+TEST_F(Program, AKilledSweepGoesOnFromItsParts) {
+  const std::vector<std::string> words = words_of_sweep("2e6");
+  ASSERT_EQ(test::Process(folder_ / "", test::kProgram, words).wait().code, 0);
+  const std::string want = folder_.read("s.h5");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "s.h5.parts"));
+  folder_.write("s.h5", "old");
+
+  const auto parts = [&] {
+    std::error_code none;
+    std::size_t count = 0;
+    for (const auto& file : std::filesystem::directory_iterator(folder_ / "s.h5.parts", none))
+      count += file.path().extension() == ".part";
+    return count;
+  };
+  for (const int signal : {SIGKILL, SIGINT}) {
+    const std::size_t before = parts();
+    test::Process sweep(folder_ / "", test::kProgram, words);
+    EXPECT_TRUE(test::await([&] { return parts() > before; }));
+    sweep.kill(signal);
+    const test::Outcome outcome = sweep.wait();
+    EXPECT_EQ(folder_.read("s.h5"), "old");
+    if (signal == SIGINT) {
+      EXPECT_EQ(outcome.code, 130);
+      EXPECT_THAT(outcome.err, HasSubstr("finished parts are in 's.h5.parts'"));
+    }
+  }
+  const test::Outcome last = test::Process(folder_ / "", test::kProgram, words).wait();
+  EXPECT_EQ(last.code, 0);
+  EXPECT_THAT(last.err, HasSubstr("goes on from 2 finished parts in 's.h5.parts'"));
+  EXPECT_TRUE(folder_.read("s.h5") == want);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "s.h5.parts"));
+}
+
+}  // namespace
+}  // namespace gliss

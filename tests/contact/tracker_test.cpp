@@ -1,0 +1,129 @@
+// One HIP among the objects of a scene.
+#include "gliss/contact/tracker.h"
+
+#include <cstring>
+
+#include "gliss/device/replay_device.h"
+#include "gliss/engine/engine.h"
+#include "gliss/generate/generate.h"
+#include "gliss/loop/loop.h"
+#include "tests/support/surfaces.h"
+
+namespace gliss {
+namespace {
+
+using oracle::Rng, oracle::uniform;
+
+std::shared_ptr<const PatchCache> ball(Precision precision = Precision::kDouble) {
+  return std::make_shared<PatchCache>(test::cache_of(goldberg().mesh, precision));
+}
+
+// A hand that wanders about and through balls of 10 mm, 0 to 2 mm a tick.
+std::vector<Vec3> wandering(std::size_t ticks, double reach) {
+  Rng rng(3);
+  std::vector<Vec3> path{Vec3(0, 0, 0.02)};
+  Vec3 aim = path[0];
+  while (path.size() < ticks) {
+    if ((aim - path.back()).norm() < 0.002)
+      aim = reach * Vec3(uniform(rng, -1, 1), uniform(rng, -1, 1), uniform(rng, -1, 1));
+    path.push_back(path.back() + uniform(rng, 0, 0.002) * (aim - path.back()).normalized());
+  }
+  return path;
+}
+
+TEST(Tracker, gives_the_forces_of_a_contact_tracker) {
+  for (const Precision precision : {Precision::kFloat, Precision::kDouble}) {
+    const auto cache = ball(precision);
+    const SceneObject object{.cache = cache, .stiffness = 700};
+    Tracker tracker({&object, 1});
+    ContactTracker contact(*cache, {});
+    std::size_t touching = 0, searched = 0;
+    const std::vector<Vec3> path = wandering(5000, 0.03);
+    for (const Vec3& hip : path) {
+      const Vec3 got = tracker.step(hip),
+                 want = contact_force(*cache, contact.tick(hip / cache->unit), 700);
+      ASSERT_EQ(std::memcmp(&got, &want, sizeof got), 0) << got << "\n" << want;
+      touching += tracker.touching();
+      searched += tracker.objects()[0].searched;
+    }
+    EXPECT_GT(touching, path.size() / 20);
+    // Most ticks in the open are too far away to matter.
+    EXPECT_LT(searched, touching + (path.size() - touching) / 2);
+    test::record("searches", "{} of {} ticks, {} in contact", searched, path.size(), touching);
+  }
+}
+
+TEST(Tracker, turns_forces_with_the_object) {
+  SceneObject object{.cache = ball()};
+  Tracker still({&object, 1});
+  object.pose =
+      Eigen::Translation3d(0.1, -0.2, 0.3) * Eigen::AngleAxisd(1.1, Vec3(1, 2, -1).normalized());
+  Tracker moved({&object, 1});
+  for (const Vec3& hip : wandering(2000, 0.02)) {
+    const Vec3 want = object.pose.linear() * still.step(hip);
+    EXPECT_LT((moved.step(object.pose * hip) - want).norm(), 1e-7);
+  }
+}
+
+TEST(Tracker, adds_the_forces_of_objects_that_touch) {
+  const auto cache = ball();
+  SceneObject objects[2] = {{.cache = cache}, {.cache = cache, .stiffness = 300}};
+  objects[1].pose = Eigen::Translation3d(0.015, 0, 0) * Eigen::Isometry3d::Identity();
+  Tracker both(objects), first({&objects[0], 1}), second({&objects[1], 1});
+  std::size_t together = 0;
+  for (const Vec3& hip : wandering(5000, 0.02)) {
+    const Vec3 a = first.step(hip), b = second.step(hip);
+    EXPECT_EQ(both.step(hip), a + b);
+    together += a.norm() > 0 && b.norm() > 0;
+  }
+  EXPECT_GT(together, 50u);
+}
+
+// A type that keeps a reference takes nothing that dies at once.
+static_assert(std::is_constructible_v<ContactTracker, const PatchCache&, QueryOptions>);
+static_assert(!std::is_constructible_v<ContactTracker, PatchCache, QueryOptions>);
+static_assert(!std::is_constructible_v<ContactTracker, const PatchCache, QueryOptions>);
+static_assert(std::is_constructible_v<HapticLoop, HapticDevice&, Tracker&>);
+static_assert(!std::is_constructible_v<HapticLoop, HapticDevice&, Tracker>);
+static_assert(!std::is_constructible_v<HapticLoop, ReplayDevice, Tracker&>);
+template <class Cache>
+concept Residing = requires(const Engine& engine, Cache&& cache) {
+  engine.reside(std::forward<Cache>(cache));
+};
+static_assert(Residing<const PatchCache&> && !Residing<PatchCache>);
+
+TEST(Tracker, feels_nothing_of_an_empty_scene) {
+  Tracker tracker({});
+  EXPECT_EQ(tracker.step(Vec3(1, 2, 3)), Vec3::Zero());
+  EXPECT_FALSE(tracker.touching());
+}
+
+// The message for three objects whose second one is this.
+std::string refusal(SceneObject object) {
+  const std::vector<SceneObject> objects{{.cache = ball()}, std::move(object), {.cache = ball()}};
+  try {
+    Tracker tracker(objects);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "none";
+}
+
+TEST(Tracker, refuses_an_object_without_a_surface_and_names_it) {
+  EXPECT_EQ(refusal({}),
+            "SceneObject 1 has no surface: set its cache, or lazy to build patches near the HIP");
+  EXPECT_EQ(refusal({.cache = std::make_shared<const PatchCache>()}),
+            "SceneObject 1 has a cache without patches");
+  SceneObject lazy;
+  lazy.method = Method::kShaded;
+  lazy.lazy = std::make_shared<const LazyMesh>(goldberg().mesh);
+  EXPECT_EQ(refusal(lazy), "SceneObject 1 is lazy, which is for the method gregory alone");
+  lazy.method = Method::kGregory;
+  EXPECT_EQ(refusal(lazy), "none");
+  EXPECT_EQ(refusal({.cache = ball()}), "none");
+  const SceneObject alone{};
+  EXPECT_THROW(Tracker({&alone, 1}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace gliss

@@ -1,0 +1,128 @@
+// The surfaces that the tests at the extremes ask: smooth, thin, sharp, folded, with poles; each
+// with its cache in both precisions and its oracle.
+#pragma once
+
+#include "gliss/build/build_cache.h"
+#include "gliss/generate/generate.h"
+#include "tests/extremes/extremes.h"
+#include "tests/oracle/dense_oracle.h"
+
+namespace gliss::test {
+
+// A sphere of 24 segments: its poles have valence 24.
+inline Mesh lat_long_sphere(int segments = 24, int rings = 12, double radius = 10) {
+  Mesh mesh;
+  mesh.unit = 1e-3;
+  mesh.source = "lat-long sphere";
+  const auto add = [&](double z, double x, double y) {
+    mesh.normals.emplace_back(Vec3(x, y, z).normalized());
+    mesh.positions.push_back(radius * mesh.normals.back());
+  };
+  const auto face = [&](std::initializer_list<int> vertices) {
+    for (const int v : vertices) mesh.corner_vertex.push_back(static_cast<std::uint32_t>(v));
+    mesh.face_begin.push_back(static_cast<std::uint32_t>(mesh.corner_vertex.size()));
+  };
+  for (int i = 1; i < rings; ++i) {
+    const double polar = std::numbers::pi * i / rings;
+    for (int k = 0; k < segments; ++k) {
+      const double angle = 2 * std::numbers::pi * k / segments;
+      add(std::cos(polar), std::sin(polar) * std::cos(angle), std::sin(polar) * std::sin(angle));
+    }
+  }
+  const int top = segments * (rings - 1), bottom = top + 1;
+  add(1, 0, 0), add(-1, 0, 0);
+  for (int k = 0; k < segments; ++k) {
+    const int next = (k + 1) % segments, last = top - segments;
+    face({top, k, next});
+    for (int row = 0; row < last; row += segments)
+      face({row + k, row + segments + k, row + segments + next, row + next});
+    face({bottom, last + next, last + k});
+  }
+  mesh.corner_normal = mesh.corner_vertex;
+  return mesh;
+}
+
+// Two fans of 24 triangles: poles that are blunt, a rim that is sharp.
+inline Mesh two_fans(int segments = 24, double radius = 10, double height = 5) {
+  Mesh mesh;
+  mesh.unit = 1e-3;
+  mesh.source = "two fans";
+  for (int k = 0; k < segments; ++k) {
+    const double angle = 2 * std::numbers::pi * k / segments;
+    mesh.positions.emplace_back(radius * std::cos(angle), radius * std::sin(angle), 0);
+  }
+  mesh.positions.emplace_back(0, 0, height);
+  mesh.positions.emplace_back(0, 0, -height);
+  const auto top = static_cast<std::uint32_t>(segments);
+  for (std::uint32_t k = 0; k < top; ++k) {
+    const std::uint32_t next = (k + 1) % top;
+    for (const std::uint32_t v : {k, next, top, next, k, top + 1}) mesh.corner_vertex.push_back(v);
+    mesh.face_begin.push_back(static_cast<std::uint32_t>(mesh.corner_vertex.size() - 3));
+    mesh.face_begin.push_back(static_cast<std::uint32_t>(mesh.corner_vertex.size()));
+  }
+  return with_normals(mesh);
+}
+
+// A sphere whose vertex normals are tilted so far that patches fold.
+inline Mesh crumpled(double tilt = 1.25) {
+  Mesh mesh = goldberg(3).mesh;
+  mesh.source = "crumpled";
+  oracle::Rng rng(77);
+  for (Vec3& n : mesh.normals) n = oracle::random_tilt(rng, n, tilt);
+  return mesh;
+}
+
+struct Extreme {
+  std::string name;
+  Mesh mesh;
+  Topology topology;
+  BuildReport report;
+  PatchCache cache, narrow;  // double, float
+  DenseOracle oracle;
+  double size, rho;  // diagonal of its box; least radius of curvature
+
+  explicit Extreme(std::string of, Mesh m)
+      : name(std::move(of)),
+        mesh(with_normals(std::move(m))),
+        topology(build_topology(mesh)),
+        cache(cache_of(mesh, Precision::kDouble, true, &report)),
+        narrow(cache_of(mesh, Precision::kFloat)),
+        oracle(cache, mesh.face_count() < 100 ? 16 : 8),
+        size(size_of(mesh)),
+        rho(cache.smallest_rho()) {}
+
+  // Least radius of curvature of a face.
+  double rho_of(std::uint32_t face) const {
+    double least = std::numeric_limits<double>::infinity();
+    for (std::uint32_t patch = cache.face_patch[face];
+         patch < cache.patch_count() && cache.patch_face[patch] == face; ++patch)
+      least = std::min(least, cache.rho_min[patch]);
+    return least;
+  }
+
+  Vec3 middle() const {
+    const Box box = cache.bounds();
+    return 0.5 * (box.low + box.high);
+  }
+};
+
+// Made at the first use.
+inline const Extreme& extreme(const std::string& name) {
+  static std::map<std::string, Extreme> made;
+  if (const auto found = made.find(name); found != made.end()) return found->second;
+  const auto mesh = [&]() -> Mesh {
+    if (name == "knot") return torus_knot(60, 8).mesh;
+    if (name == "torus") return torus().mesh;
+    if (name == "goldberg") return goldberg().mesh;
+    if (name == "banana") return banana().mesh;
+    if (name == "plate") return thin_plate().mesh;
+    if (name == "fin") return fin().mesh;
+    if (name == "sphere") return lat_long_sphere();
+    if (name == "fans") return two_fans();
+    if (name == "crumpled") return crumpled();
+    return load_shared("meshes/" + name);
+  };
+  return made.try_emplace(name, name, mesh()).first->second;
+}
+
+}  // namespace gliss::test

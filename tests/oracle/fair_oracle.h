@@ -1,0 +1,396 @@
+// The oracle of the fair construction: its triangles, slow and literal, in long double.
+//
+// A side's curve C and normal n are polynomials in t, by their powers. A side that is *fair* is a
+// triangle's, and its neighbour is a triangle with the same normals at both ends, or none. All
+// others keep the curve and the normal of Wu et al. (oracle.h, eq. 6 to 10). The steps, by side:
+//   1  end tangents of the length that makes plane arcs exact;
+//   2  a mid-edge normal, turned about the edge to what arcs across both faces ask for;
+//   3  a shape operator at each vertex, least squares over its sides;
+//   4  a quintic curve with the curvature of that shape operator;
+//   5  a quartic normal n with which n_c = C' x (n x e) has its twist;
+//   6  a cross tangent T = k C' + h m with m = n x e, k and h linear;
+//   7  a Gregory triangle of degree 6 with these sides.
+// Every side is made from its own start to its own end: that both faces find one curve and one
+// normal is not assumed. It reads a mesh and its twins as data, and uses nothing else of Gliss.
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "gliss/mesh/topology.h"
+#include "tests/oracle/oracle.h"
+
+namespace gliss::oracle {
+
+/// How often a clamp of the construction acted, by side end or face of a side.
+struct FairClamps {
+  int foot = 0, turn = 0, fade = 0, curvature = 0, twist = 0;
+
+  void operator+=(const FairClamps& other) {
+    foot += other.foot;
+    turn += other.turn;
+    fade += other.fade;
+    curvature += other.curvature;
+    twist += other.twist;
+  }
+};
+
+class Fair {
+ public:
+  using Real = long double;
+  using V = Vec<Real>;
+  /// A vector polynomial of t: coefficient i is that of t^i.
+  using Poly = std::vector<V>;
+
+  struct Side {
+    Poly C, n;
+    V e;  ///< unit, from start to end
+    bool is_fair = false;
+    bool is_clamped = false;  ///< by step 4 or 5, at either end
+    bool has_shape = false;   ///< steps 4 and 5 were taken
+  };
+  /// A point of a patch and its derivatives by each barycentric coordinate, the others held.
+  struct Point {
+    V G;
+    std::array<V, 3> by;
+  };
+
+  Fair(const Mesh& mesh, const Topology& topology) : mesh_(mesh), topology_(topology) {
+    const auto count = static_cast<std::uint32_t>(mesh.corner_vertex.size());
+    for (std::uint32_t s = 0; s < count; ++s) sides_.push_back(first_side(s));
+    for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) shapes_.push_back(shape_of(v));
+    const std::vector<Side> first = sides_;
+    for (std::uint32_t s = 0; s < count; ++s) sides_[s] = last_side(s, first[s]);
+  }
+
+  const Side& side(std::uint32_t s) const { return sides_[s]; }
+  const FairClamps& clamps() const { return clamps_; }
+  /// Maps the directions of the tangent plane; none where the corners have different normals.
+  const std::optional<Eigen::Matrix<Real, 3, 3>>& shape(std::uint32_t vertex) const {
+    return shapes_[vertex];
+  }
+
+  /// The triangle `face` at barycentric coordinates that add up to 1.
+  Point evaluate(std::uint32_t face, const std::array<Real, 3>& at) const {
+    const Net net = net_of(face);
+    Point point{V::Zero(), {V::Zero(), V::Zero(), V::Zero()}};
+    for (int i = 0; i <= 6; ++i) {
+      for (int j = 0; i + j <= 6; ++j) {
+        const std::array<int, 3> index{i, j, 6 - i - j};
+        Real many = 720;
+        for (const int p : index) many /= factorial(p);
+        const V& b = net.points[place(index)];
+        point.G += many * monomial(at, index) * b;
+        for (std::size_t m = 0; m < 3; ++m) {
+          if (index[m] == 0) continue;
+          std::array<int, 3> less = index;
+          --less[m];
+          point.by[m] += many * static_cast<Real>(index[m]) * monomial(at, less) * b;
+        }
+      }
+    }
+    // The points (4, 1, 1) stand in the net with the mean of both sides' demands, A and B; what is
+    // left of 30 a^4 b c (b A + c B) / (b + c) vanishes at the corner with its slopes.
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t l = (k + 1) % 3, m = (k + 2) % 3;
+      const Real a = at[k], b = at[l], c = at[m], sum = b + c;
+      if (sum == 0) continue;
+      const V d = 15 * net.apart[k];
+      const Real f = b * c * (b - c) / sum, a3 = a * a * a;
+      point.G += a3 * a * f * d;
+      point.by[k] += 4 * a3 * f * d;
+      point.by[l] += a3 * a * ((2 * b * c - c * c) / sum - f / sum) * d;
+      point.by[m] += a3 * a * ((b * b - 2 * b * c) / sum - f / sum) * d;
+    }
+    return point;
+  }
+
+  /// The same at a point of the domain, as oracle::evaluate gives it.
+  Sample<Real> evaluate(std::uint32_t face, Real xi, Real eta) const {
+    std::array<Real, 3> at{};
+    std::array<Vec2<Real>, 3> corner;
+    for (int k = 0; k < 3; ++k) {
+      const auto i = static_cast<std::size_t>(k);
+      corner[i] = domain_corner<Real>(3, k);
+      // A point on a side may lie outside by a rounding.
+      at[i] = std::max(Real(0), (1 + 2 * corner[i].dot(Vec2<Real>(xi, eta))) / 3);
+    }
+    const Point p = evaluate(face, at);
+    Sample<Real> sample{p.G, V::Zero(), V::Zero(), V::Zero()};
+    for (std::size_t i = 0; i < 3; ++i) {
+      sample.G_xi += 2 * corner[i].x() / 3 * p.by[i];
+      sample.G_eta += 2 * corner[i].y() / 3 * p.by[i];
+    }
+    sample.normal = sample.G_xi.cross(sample.G_eta).normalized();
+    return sample;
+  }
+
+ private:
+  /// The bounds of steps 2, 4 and 5; a turn below kFullTurn fades.
+  static constexpr Real kMostTurn = 0.625L, kFullTurn = 0.1875L, kMostBend = 2.5L,
+                        kMostTwist = 1.25L;
+
+  /// The Bezier points of a triangle, by place(), and A - B at each corner.
+  struct Net {
+    std::array<V, 49> points;
+    std::array<V, 3> apart;
+  };
+
+  // ---- Polynomials ----
+  static V value(const Poly& p, Real t) {
+    V sum = V::Zero();
+    for (std::size_t i = p.size(); i-- > 0;) sum = sum * t + p[i];
+    return sum;
+  }
+  static Poly derivative(const Poly& p) {
+    Poly result;
+    for (std::size_t i = 1; i < p.size(); ++i) result.push_back(static_cast<Real>(i) * p[i]);
+    return result;
+  }
+  static Poly sum(Poly a, const Poly& b) {
+    if (a.size() < b.size()) a.resize(b.size(), V::Zero());
+    for (std::size_t i = 0; i < b.size(); ++i) a[i] += b[i];
+    return a;
+  }
+  /// (at0 + (at1 - at0) t) p.
+  static Poly times_linear(const Poly& p, Real at0, Real at1) {
+    Poly result(p.size() + 1, V::Zero());
+    for (std::size_t i = 0; i < p.size(); ++i) {
+      result[i] += at0 * p[i];
+      result[i + 1] += (at1 - at0) * p[i];
+    }
+    return result;
+  }
+  static Poly cross(const Poly& p, const V& with) {
+    Poly result;
+    for (const V& a : p) result.push_back(a.cross(with));
+    return result;
+  }
+  /// The polynomial with these scalar coefficients times a vector.
+  static Poly along(const V& v, const std::vector<Real>& coefficients) {
+    Poly result;
+    for (const Real c : coefficients) result.push_back(c * v);
+    return result;
+  }
+  static Real factorial(int n) { return n < 2 ? 1 : static_cast<Real>(n) * factorial(n - 1); }
+  static Real binomial(int n, int k) { return factorial(n) / (factorial(k) * factorial(n - k)); }
+  static std::vector<V> bezier(const Poly& p, int degree) {
+    std::vector<V> points;
+    for (int i = 0; i <= degree; ++i) {
+      V b = V::Zero();
+      for (int j = 0; j <= i && j < static_cast<int>(p.size()); ++j)
+        b += binomial(i, j) / binomial(degree, j) * p[static_cast<std::size_t>(j)];
+      points.push_back(b);
+    }
+    return points;
+  }
+
+  // ---- The mesh ----
+  std::uint32_t face_of(std::uint32_t s) const { return topology_.side_face[s]; }
+  std::uint32_t twin(std::uint32_t s) const { return topology_.side_twin[s]; }
+  bool of_triangle(std::uint32_t s) const { return mesh_.valence(face_of(s)) == 3; }
+  std::uint32_t next(std::uint32_t s) const {
+    const std::uint32_t f = face_of(s);
+    return s + 1 == mesh_.face_begin[f + 1] ? mesh_.face_begin[f] : s + 1;
+  }
+  V position(std::uint32_t corner) const {
+    return mesh_.positions[mesh_.corner_vertex[corner]].cast<Real>();
+  }
+  V normal(std::uint32_t corner) const {
+    return mesh_.normals[mesh_.corner_normal[corner]].cast<Real>().normalized();
+  }
+  bool is_fair(std::uint32_t s) const {
+    const std::uint32_t t = twin(s);
+    if (!of_triangle(s) || t == kNone) return of_triangle(s);
+    return of_triangle(t) && normal(s) == normal(next(t)) && normal(next(s)) == normal(t);
+  }
+
+  // ---- Steps 1 and 2 ----
+  Side first_side(std::uint32_t s) {
+    const V p0 = position(s), p1 = position(next(s)), n0 = normal(s), n1 = normal(next(s));
+    const Real L = (p1 - p0).norm();
+    const V e = (p1 - p0) / L, n_avg = (n0 + n1) / 2;
+    const V t0 = n0.cross(e.cross(n_avg)).normalized(), t1 = n1.cross(e.cross(n_avg)).normalized();
+    Side side;
+    side.e = e;
+    side.is_fair = is_fair(s);
+    const Real length = side.is_fair ? L * 2 / (1 + std::sqrt((1 + t0.dot(t1)) / 2)) : L;
+    const V d0 = length * t0, d1 = length * t1;
+    side.C = {p0, d0, 3 * (p1 - p0) - 2 * d0 - d1, 2 * (p0 - p1) + d0 + d1};
+    side.n = {n0, n1 - n0};
+    if (!side.is_fair || twin(s) == kNone) return side;
+
+    Real above = 0, below = 0;
+    for (const std::uint32_t inner : {s, twin(s)}) {
+      const std::uint32_t corner = next(next(inner));
+      const V o = position(corner), n_o = normal(corner);
+      const Real foot = (o - p0).dot(e) / L;
+      const Real t = std::clamp(foot, Real(1) / 4, Real(3) / 4);
+      if (t != foot) ++clamps_.foot;
+      const V x = value(side.C, t), d = value(derivative(side.C), t);
+      const V dd = value(derivative(derivative(side.C)), t);
+      const V c = d.normalized(), l = (1 - t) * n0 + t * n1;
+      const V n = (l - l.dot(c) * c).normalized(), b = c.cross(n);
+      const Real k = -n.dot(dd) / d.squaredNorm(), w = (n1 - n0).dot(b) / L;
+      const V r = o - x;
+      const Real aside = r.dot(c), across = r.dot(b), h = std::abs(across);
+      const Real g = across < 0 ? -1 : 1;
+      const Real alpha = (n.dot(r) + k * aside * aside / 2 + w * aside * across) / h;
+      const Real beta = g * (n_o.dot(b) - w * aside);
+      above += g * (2 * alpha + beta) / h;
+      below += 2 / h;
+    }
+    const Real wanted = -above / below;
+    Real phi = std::clamp(wanted, -kMostTurn, kMostTurn);
+    if (phi != wanted) ++clamps_.turn;
+    if (const Real x = std::abs(phi) / kFullTurn; x < 1) {
+      phi *= x * x * (3 - 2 * x);
+      ++clamps_.fade;
+    }
+    const V nu = 4 * n_avg.norm() * phi * e.cross(n0 + n1).normalized();
+    side.n = {n0, n1 - n0 + nu, -nu};
+    return side;
+  }
+
+  // ---- Step 3 ----
+  std::optional<Eigen::Matrix<Real, 3, 3>> shape_of(std::uint32_t v) const {
+    // Rows of S = S11 x x' + S12 (x y' + y x') + S22 y y'.
+    Eigen::Matrix<Real, 3, 3> A = Eigen::Matrix<Real, 3, 3>::Zero();
+    V right = V::Zero(), n = V::Zero(), x, y;
+    const auto add = [&](const V& d, const V& dd, const V& dn) {
+      const V t = d.normalized(), b = n.cross(t);
+      const Real kappa = -n.dot(dd) / d.squaredNorm(), tau = b.dot(dn) / d.norm();
+      const Real tx = t.dot(x), ty = t.dot(y), bx = b.dot(x), by = b.dot(y);
+      const V first(tx * tx, 2 * tx * ty, ty * ty), second(bx * tx, bx * ty + by * tx, by * ty);
+      A += first * first.transpose() + second * second.transpose();
+      right += first * kappa + second * tau;
+    };
+    for (std::uint32_t s = 0; s < sides_.size(); ++s) {
+      const bool starts = mesh_.corner_vertex[s] == v;
+      if (starts) {
+        if (n == V::Zero()) {
+          n = normal(s);
+          x = n.unitOrthogonal();
+          y = n.cross(x);
+        }
+        if (normal(s) != n) return std::nullopt;
+      }
+    }
+    if (n == V::Zero()) return std::nullopt;
+    for (std::uint32_t s = 0; s < sides_.size(); ++s) {
+      const Poly d = derivative(sides_[s].C), dd = derivative(d), dn = derivative(sides_[s].n);
+      if (mesh_.corner_vertex[s] == v) add(value(d, 0), value(dd, 0), value(dn, 0));
+      // A border has no side that leaves its end.
+      if (twin(s) == kNone && mesh_.corner_vertex[next(s)] == v)
+        add(-value(d, 1), value(dd, 1), -value(dn, 1));
+    }
+    const V S = A.fullPivLu().solve(right);
+    return S[0] * x * x.transpose() + S[1] * (x * y.transpose() + y * x.transpose()) +
+           S[2] * y * y.transpose();
+  }
+
+  // ---- Steps 4 and 5 ----
+  Side last_side(std::uint32_t s, Side side) {
+    const auto& S0 = shapes_[mesh_.corner_vertex[s]];
+    const auto& S1 = shapes_[mesh_.corner_vertex[next(s)]];
+    if (!side.is_fair || !S0 || !S1) return side;
+    side.has_shape = true;
+    const auto clamped = [&](Real wanted, Real bound, int& count) {
+      const Real held = std::clamp(wanted, -bound, bound);
+      if (held != wanted) {
+        ++count;
+        side.is_clamped = true;
+      }
+      return held;
+    };
+    const Poly C = side.C, n = side.n;
+    const Poly dC = derivative(C), ddC = derivative(dC), dn = derivative(n);
+    // t^2 (1 - t)^3 / 2 and t^3 (1 - t)^2 / 2; t (1 - t)^2 (1 - 2 t) and the same of 1 - t.
+    const std::vector<Real> bend[2] = {{0, 0, 0.5L, -1.5L, 1.5L, -0.5L}, {0, 0, 0, 0.5L, -1, 0.5L}};
+    const std::vector<Real> turn[2] = {{0, 1, -4, 5, -2}, {0, 0, -1, 3, -2}};
+    for (std::size_t i = 0; i < 2; ++i) {
+      const auto end = static_cast<Real>(i);
+      const auto& S = i == 0 ? *S0 : *S1;
+      const V d = value(dC, end), n_i = normal(i == 0 ? s : next(s));
+      const Real curve = clamped(-d.dot(S * d) - n_i.dot(value(ddC, end)), kMostBend * d.norm(),
+                                 clamps_.curvature);
+      side.C = sum(side.C, along(curve * n_i, bend[i]));
+      const V b = n_i.cross(d.normalized()), m = n_i.cross(side.e);
+      const Real twist =
+          clamped(m.dot(S * d - value(dn, end)) / m.dot(b), kMostTwist, clamps_.twist);
+      side.n = sum(side.n, along((i == 0 ? twist : -twist) * b, turn[i]));
+    }
+    return side;
+  }
+
+  // ---- Steps 6 and 7 ----
+  /// The k and h with which k C' + h m is `wanted`, where all three are normal to n.
+  static std::array<Real, 2> shares(const V& wanted, const V& d, const V& m, const V& n) {
+    const Real area = n.dot(d.cross(m));
+    return {n.dot(wanted.cross(m)) / area, n.dot(d.cross(wanted)) / area};
+  }
+
+  /// Side k of a face, 0 to 2, and the sides before and after it.
+  Poly cross_tangent(std::uint32_t s) const {
+    const Side &side = sides_[s], &after = sides_[next(s)], &before = sides_[next(next(s))];
+    const Poly dC = derivative(side.C), m = cross(side.n, side.e);
+    const auto at0 = shares(-value(derivative(before.C), 1), value(dC, 0), value(m, 0), normal(s));
+    const auto at1 =
+        shares(value(derivative(after.C), 0), value(dC, 1), value(m, 1), normal(next(s)));
+    return sum(times_linear(dC, at0[0], at1[0]), times_linear(m, at0[1], at1[1]));
+  }
+
+  static std::size_t place(const std::array<int, 3>& index) {
+    return static_cast<std::size_t>(7 * index[0] + index[1]);
+  }
+  static Real monomial(const std::array<Real, 3>& at, const std::array<int, 3>& index) {
+    Real product = 1;
+    for (std::size_t m = 0; m < 3; ++m) {
+      for (int i = 0; i < index[m]; ++i) product *= at[m];
+    }
+    return product;
+  }
+
+  Net net_of(std::uint32_t face) const {
+    assert(mesh_.valence(face) == 3);
+    Net net;
+    std::array<V, 3> A, B;
+    V six = V::Zero(), three = V::Zero();
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t s = mesh_.face_begin[face] + static_cast<std::uint32_t>(k);
+      const std::vector<V> E = bezier(sides_[s].C, 6);
+      const Poly towards = sum(cross_tangent(s), times_linear(derivative(sides_[s].C), 0, 1));
+      const std::vector<V> D = bezier(towards, 5);
+      const auto at = [&](int start, int end, int opposite) -> V& {
+        std::array<int, 3> index{};
+        index[k] = start;
+        index[(k + 1) % 3] = end;
+        index[(k + 2) % 3] = opposite;
+        return net.points[place(index)];
+      };
+      for (int i = 0; i <= 6; ++i) at(6 - i, i, 0) = E[static_cast<std::size_t>(i)];
+      at(3, 2, 1) = E[2] + D[2] / 6;
+      at(2, 3, 1) = E[3] + D[3] / 6;
+      six += (at(3, 2, 1) + at(2, 3, 1)) / 6;
+      A[k] = E[1] + D[1] / 6;
+      B[(k + 1) % 3] = E[4] + D[4] / 6;
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      std::array<int, 3> index{1, 1, 1};
+      index[k] = 4;
+      net.points[place(index)] = (A[k] + B[k]) / 2;
+      net.apart[k] = A[k] - B[k];
+      three += (A[k] + B[k]) / 6;
+    }
+    net.points[place({2, 2, 2})] = six + (six - three) / 2;
+    return net;
+  }
+
+  const Mesh& mesh_;
+  const Topology& topology_;
+  std::vector<Side> sides_;
+  std::vector<std::optional<Eigen::Matrix<Real, 3, 3>>> shapes_;
+  FairClamps clamps_;
+};
+
+}  // namespace gliss::oracle

@@ -1,0 +1,59 @@
+"""Holds that the pages of the documentation are right where a program can tell: links, anchors and headers that they
+name are there, and whole C++ programs that they show compile.
+
+Usage: pages.py ROOT ROOMS EIGEN COMPILER: ROOMS holds a folder of headers for each room, EIGEN those of Eigen.
+"""
+import pathlib
+import re
+import subprocess
+import sys
+
+root, rooms, eigen = map(pathlib.Path, sys.argv[1:4])
+compiler = sys.argv[4]
+pages = sorted(path for folder in (".", "docs", "bench", "tests") for path in (root / folder).glob("*.md"))
+folders = [folder for folder in rooms.iterdir() if (folder / "gliss").is_dir()]
+
+
+def slug(heading):
+    """The anchor that a heading gets."""
+    return re.sub(r"[^\w\- ]", "", heading.strip().lower()).replace(" ", "-")
+
+
+def anchors(page):
+    text = re.sub(r"^```.*?^```", "", page.read_text(), flags=re.M | re.S)
+    return {slug(heading) for heading in re.findall(r"^#+ (.*)$", text, flags=re.M)}
+
+
+def wrong_links(page):
+    for target in re.findall(r"\]\(([^)\s]+)\)", page.read_text()):
+        if target.startswith(("http:", "https:", "mailto:")):
+            continue
+        path, _, anchor = target.partition("#")
+        there = page.parent / path if path else page
+        if not there.exists():
+            yield f"no file '{path}'"
+        elif anchor and anchor not in anchors(there):
+            yield f"no heading for '{target}'"
+
+
+def wrong_headers(page):
+    for header in re.findall(r"[`<](gliss/\w+/[\w.]+)[`>]", page.read_text()):
+        if not any((folder / header).exists() for folder in folders):
+            yield f"no header '{header}'"
+
+
+def wrong_programs(page):
+    for program in re.findall(r"^```cpp\n(.*?)^```", page.read_text(), flags=re.M | re.S):
+        if "int main" not in program:
+            continue
+        words = [compiler, "-std=c++20", "-fsyntax-only", "-x", "c++", "-", f"-isystem{eigen}"]
+        told = subprocess.run(words + [f"-I{folder}" for folder in folders], input=program, text=True,
+                              capture_output=True)
+        if told.returncode != 0:
+            yield "a program does not compile:\n" + told.stderr
+
+
+faults = [f"{page.relative_to(root)}: {fault}" for page in pages
+          for find in (wrong_links, wrong_headers, wrong_programs) for fault in find(page)]
+print("\n".join(faults) or f"{len(pages)} pages")
+sys.exit(1 if faults or len(pages) < 5 else 0)

@@ -1,0 +1,156 @@
+// Many points and HIPs of many patches: packed into lanes or not, the bytes are those of one at a
+// time.
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "gliss/build/build_cache.h"
+#include "gliss/generate/generate.h"
+#include "gliss/query/contact_tracker.h"
+#include "gliss/surface/names.h"
+#include "tests/oracle/oracle.h"
+#include "tests/support/places.h"
+#include "tests/support/surfaces.h"
+
+namespace gliss {
+namespace {
+
+using oracle::Rng, oracle::uniform;
+
+struct Asked {
+  std::vector<DomainPoint> points;
+  std::vector<Vec3> hips;
+};
+
+Asked asked(const Mesh& mesh, const PatchCache& cache, std::size_t count) {
+  Rng rng(17);
+  Asked a;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto face = static_cast<std::uint32_t>(rng() % mesh.face_count());
+    const int n = static_cast<int>(mesh.valence(face));
+    const int side = static_cast<int>(rng() % static_cast<std::uint64_t>(n));
+    // Near sides too, which tracking crosses, and on them.
+    const double inward = i % 7 == 0 ? 1 : i % 7 == 1 ? 0.999 : uniform(rng, 0, 1);
+    const Eigen::Vector2d X = inward * oracle::on_side(n, side, uniform(rng, 0, 1));
+    a.points.push_back({face, X.x(), X.y()});
+    const SurfacePoint at = evaluate(cache, a.points.back());
+    const double size = test::size_of(mesh);
+    a.hips.push_back(at.position + size * uniform(rng, -0.03, 0.01) * at.normal +
+                     (i % 5 == 0 ? 0.05 : 0.002) * size * oracle::random_unit(rng));
+  }
+  return a;
+}
+
+template <class T>
+void expect_same(const T& one, const T& many, const std::string& what) {
+  ASSERT_EQ(std::memcmp(&one, &many, sizeof one), 0) << what;
+}
+
+// Contacts have bytes between their members that nobody sets.
+void expect_same(const Contact& one, const Contact& many, const std::string& what) {
+  expect_same(one.scp, many.scp, what + ", SCP");
+  expect_same(one.normal, many.normal, what + ", normal");
+  expect_same(one.push, many.push, what + ", push");
+  EXPECT_EQ(one.touching, many.touching) << what;
+  EXPECT_EQ(one.at.face, many.at.face) << what;
+  EXPECT_EQ(one.at.xi, many.at.xi) << what;
+  EXPECT_EQ(one.at.eta, many.at.eta) << what;
+  EXPECT_EQ(one.iterations, many.iterations) << what;
+  EXPECT_EQ(one.crossings, many.crossings) << what;
+  EXPECT_EQ(one.flags, many.flags) << what;
+}
+
+struct Case {
+  const char* level;
+  Precision precision;
+};
+void PrintTo(const Case& c, std::ostream* out) { *out << c.level << precision_name(c.precision); }
+
+class Batch : public ::testing::TestWithParam<Case> {
+ protected:
+  static std::vector<Mesh> meshes() {
+    return {torus_knot(40, 6).mesh, goldberg().mesh, banana().mesh,
+            irregular(torus(16, 8), 1).mesh};
+  }
+  static PatchCache cache_of(const Mesh& mesh) {
+    BuildOptions options;
+    options.level = find_surface(GetParam().level).value();
+    options.precision = GetParam().precision;
+    return build_cache(mesh, options);
+  }
+};
+INSTANTIATE_TEST_SUITE_P(
+    , Batch,
+    ::testing::Values(Case{"exact", Precision::kFloat}, Case{"exact", Precision::kDouble},
+                      Case{"ribbon", Precision::kFloat}, Case{"bezier", Precision::kDouble},
+                      Case{"table:2", Precision::kFloat}, Case{"fair", Precision::kFloat},
+                      Case{"fair", Precision::kDouble}, Case{"fair-ribbon", Precision::kDouble}),
+    [](const auto& info) {
+      std::string name = info.param.level;
+      std::erase(name, ':');
+      std::erase(name, '-');
+      return name + "_" + precision_name(info.param.precision);
+    });
+
+TEST_P(Batch, of_points_has_the_bytes_of_one_at_a_time) {
+  for (const Mesh& mesh : meshes()) {
+    const PatchCache cache = cache_of(mesh);
+    const Asked a = asked(mesh, cache, 200);
+    // Every remainder of every number of lanes, of one valence and of several.
+    for (std::size_t count = 1; count <= a.points.size(); count += count < 40 ? 1 : 53) {
+      std::vector<SurfacePoint> many(count);
+      evaluate(cache, std::span(a.points).first(count), many);
+      for (std::size_t i = 0; i < count; ++i)
+        expect_same(evaluate(cache, a.points[i]), many[i], mesh.source + std::to_string(i));
+    }
+  }
+}
+
+TEST_P(Batch, of_hips_has_the_bytes_of_one_at_a_time) {
+  constexpr Method kAsked[] = {Method::kFlat, Method::kGregory, Method::kShaded};
+  for (const Mesh& mesh : meshes()) {
+    const PatchCache cache = cache_of(mesh);
+    const Asked a = asked(mesh, cache, 150);
+    for (const Solver solver : {Solver::kNewton, Solver::kGaussNewton, Solver::kPaper}) {
+      QueryOptions options;
+      options.solver = solver;
+      const std::size_t count = a.hips.size(), stride = count + 3;
+      std::vector<Contact> found(3 * stride), tracked(count);
+      nearest(cache, a.hips, kAsked, options, stride, found.data());
+      track(cache, a.hips, a.points, options, tracked);
+      for (std::size_t i = 0; i < count; ++i) {
+        const std::string what = mesh.source + ", HIP " + std::to_string(i);
+        for (std::size_t m = 0; m < 3; ++m) {
+          options.method = kAsked[m];
+          expect_same(nearest(cache, a.hips[i], options), found[m * stride + i], what);
+        }
+        options.method = Method::kGregory;
+        ContactTracker tracker(cache, options);
+        expect_same(tracker.track(a.hips[i], a.points[i]), tracked[i], what + " tracked");
+      }
+    }
+  }
+}
+
+// Lanes hold HIPs that a side, a saddle or too long a step stops: as many iterations as are allowed
+// are spent in the same way.
+TEST_P(Batch, stops_after_as_many_iterations) {
+  const Mesh mesh = torus_knot(40, 6).mesh;
+  const PatchCache cache = cache_of(mesh);
+  const Asked a = asked(mesh, cache, 100);
+  for (const int most : {0, 1, 2, 3, 5}) {
+    QueryOptions options;
+    options.max_iterations = most;
+    std::vector<Contact> tracked(a.hips.size());
+    track(cache, a.hips, a.points, options, tracked);
+    for (std::size_t i = 0; i < a.hips.size(); ++i) {
+      ContactTracker tracker(cache, options);
+      expect_same(tracker.track(a.hips[i], a.points[i]), tracked[i],
+                  std::to_string(most) + " iterations, HIP " + std::to_string(i));
+      EXPECT_LE(tracked[i].iterations, most);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace gliss

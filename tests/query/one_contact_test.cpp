@@ -1,0 +1,220 @@
+// One contact, one truth: whoever asks gets the same forces, and a contact ends where the HIP has
+// crossed the surface and not before, on open meshes as on closed ones.
+#include <cstring>
+
+#include "gliss/contact/tracker.h"
+#include "gliss/generate/generate.h"
+#include "gliss/query/trace.h"
+#include "gliss/surface/names.h"
+#include "tests/support/open_meshes.h"
+#include "tests/support/surfaces.h"
+
+namespace gliss {
+namespace {
+
+using oracle::Rng, oracle::uniform, oracle::random_unit;
+
+std::vector<Mesh> meshes() {
+  return {test::sheet(),       test::sheet(1.5),   test::half_torus(),
+          test::fan_of_five(), thin_plate().mesh,  fin().mesh,
+          goldberg(2).mesh,    banana(13, 6).mesh, prism(5).mesh};
+}
+
+// A HIP that wanders in, out, round rims and through, and leaps now and then. Mesh's unit.
+std::vector<Vec3> wild_path(const PatchCache& cache, std::size_t ticks, std::uint64_t seed) {
+  Rng rng(seed);
+  const Box box = cache.bounds();
+  const Vec3 middle = 0.5 * (box.low + box.high), half = 0.5 * (box.high - box.low);
+  const double size = half.norm();
+  const auto anywhere = [&] {
+    Vec3 x = middle + 0.1 * size * random_unit(rng);
+    for (int i = 0; i < 3; ++i) x[i] += uniform(rng, -1.2, 1.2) * half[i];
+    return x;
+  };
+  std::vector<Vec3> path{anywhere()};
+  Vec3 aim = path[0];
+  double pace = 0;
+  while (path.size() < ticks) {
+    if ((aim - path.back()).norm() <= pace || pace == 0) {
+      aim = anywhere();
+      pace = size * std::array{1e-4, 1e-3, 1e-3, 1e-2, 0.1}[rng() % 5];
+    }
+    path.push_back(rng() % 500 == 0 ? anywhere()
+                                    : Vec3(path.back() + uniform(rng, 0, pace) *
+                                                             (aim - path.back()).normalized()));
+  }
+  return path;
+}
+
+TEST(OneContact, trace_and_run_give_the_same_bytes_on_any_mesh_and_path) {
+  const std::size_t ticks = std::getenv("GLISS_LONG_TESTS") ? 200'000 : 4'000;
+  Rng rng(31);
+  for (const Mesh& mesh : meshes()) {
+    for (const Precision precision : {Precision::kDouble, Precision::kFloat}) {
+      auto cache = std::make_shared<PatchCache>(test::cache_of(mesh, precision));
+      cache->unit = 1;  // so that metres are the mesh's unit, and nothing is rounded on the way
+      const std::vector<Vec3> path = wild_path(*cache, ticks, rng());
+      TraceOptions options;
+      options.stiffness = uniform(rng, 100, 1000);
+      std::vector<SceneObject> objects;
+      for (const Method method : options.methods)
+        objects.push_back({.cache = cache, .stiffness = options.stiffness, .method = method});
+      Tracker tracker(objects);
+      std::size_t differ = 0, touching = 0, left_out = 0;
+      trace(*cache, path, options, [&](std::size_t tick, std::span<const TraceStep> steps) {
+        tracker.step(path[tick]);
+        for (std::size_t m = 0; m < steps.size(); ++m) {
+          const ObjectStep& other = tracker.objects()[m];
+          differ += std::memcmp(&steps[m].force, &other.force, sizeof(Vec3)) != 0;
+          touching += steps[m].contact.touching;
+          left_out += !other.searched;
+        }
+        return true;
+      });
+      EXPECT_EQ(differ, 0u) << mesh.source;
+      EXPECT_GT(touching, ticks / 50) << mesh.source;
+      EXPECT_GT(left_out, 0u) << mesh.source;
+    }
+  }
+}
+
+// The largest change of the push from tick to tick, over the HIP's own way.
+struct Slide {
+  double largest_step = 0, last_push = 0;  // mesh's unit
+  std::size_t touching = 0, changes = 0;
+  Contact end;
+};
+
+template <class Path>
+Slide slide(ContactTracker& tracker, int ticks, Path path) {
+  Slide result;
+  Contact last = tracker.tick(path(0));
+  for (int i = 1; i <= ticks; ++i) {
+    const Contact contact = tracker.tick(path(static_cast<double>(i) / ticks));
+    result.largest_step = std::max(result.largest_step, (contact.push - last.push).norm());
+    result.changes += contact.touching != last.touching;
+    result.touching += contact.touching;
+    if (contact.touching) result.last_push = contact.push.norm();
+    last = contact;
+  }
+  result.end = last;
+  return result;
+}
+
+Slide slide(ContactTracker& tracker, const Vec3& from, const Vec3& to, int ticks) {
+  return slide(tracker, ticks, [&](double s) { return Vec3(from + s * (to - from)); });
+}
+
+class Rim : public ::testing::TestWithParam<Method> {
+ protected:
+  QueryOptions query() const {
+    QueryOptions options;
+    options.method = GetParam();
+    return options;
+  }
+};
+
+TEST_P(Rim, lets_a_contact_go_gently_and_once) {
+  for (const double wave : {0.0, 1.0}) {
+    const PatchCache cache = test::cache_of(test::sheet(wave));
+    for (const Vec3& way : {Vec3(9, 1, 0), Vec3(-9, 0.3, 0), Vec3(8, 8.5, 0), Vec3(0.1, -9, 0)}) {
+      ContactTracker tracker(cache, query());
+      const auto beneath = [&](double s) {
+        const double x = (0.5 + s) * way.x(), y = (0.5 + s) * way.y();
+        return Vec3(x, y, test::sheet_height(wave, x, y) - 0.5);
+      };
+      tracker.tick(beneath(0) + Vec3(0, 0, 3));
+      constexpr int kTicks = 3000;
+      const Slide felt = slide(tracker, kTicks, beneath);
+      EXPECT_GT(felt.touching, kTicks / 3u);
+      EXPECT_EQ(felt.changes, 1u) << wave << ": " << way.transpose();
+      EXPECT_FALSE(felt.end.touching);
+      EXPECT_LT(felt.last_push, 0.02) << wave << ": " << way.transpose();
+      // Flat polygons and force shading jump at the edges of a wave.
+      if (GetParam() == Method::kGregory || wave == 0) {
+        EXPECT_LT(felt.largest_step, 1.7 * way.norm() / kTicks) << wave << ": " << way.transpose();
+      }
+    }
+  }
+}
+
+TEST_P(Rim, lets_a_hip_pass_behind_that_came_round_it) {
+  const PatchCache cache = test::cache_of(test::sheet(1.5));
+  ContactTracker tracker(cache, query());
+  tracker.tick({16, 0, 3});
+  EXPECT_EQ(slide(tracker, {16, 0, 3}, {16, 0, -3}, 100).touching, 0u);
+  EXPECT_EQ(slide(tracker, {16, 0, -3}, {1, 2, -3}, 100).touching, 0u);
+  // Out through the sheet, and in again.
+  EXPECT_EQ(slide(tracker, {1, 2, -3}, {1, 2, 4}, 1000).touching, 0u);
+  EXPECT_TRUE(slide(tracker, {1, 2, 4}, {1, 2, -2}, 1000).end.touching);
+}
+
+TEST_P(Rim, keeps_a_leaping_hip_on_the_side_that_it_came_from) {
+  const PatchCache cache = test::cache_of(test::sheet(1.5));
+  Rng rng(8);
+  for (int i = 0; i < 300; ++i) {
+    const auto beside = [&](double z) { return Vec3(uniform(rng, -6, 6), uniform(rng, -6, 6), z); };
+    const Vec3 above = beside(uniform(rng, 2, 60)), below = beside(-uniform(rng, 2, 9));
+    ContactTracker from_above(cache, query()), from_below(cache, query());
+    from_above.tick(above);
+    EXPECT_TRUE(from_above.tick(below).touching) << above.transpose();
+    from_below.tick({40, 0, 5});
+    from_below.tick({40, 0, -40});
+    from_below.tick({0, 0, -40});
+    ASSERT_FALSE(from_below.tick(below).touching);
+    EXPECT_FALSE(from_below.tick(above).touching) << below.transpose();
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, Rim,
+                         ::testing::Values(Method::kGregory, Method::kShaded, Method::kFlat),
+                         [](const auto& info) { return std::string(method_name(info.param)); });
+
+// A leap out of one solid through another is stopped there.
+TEST(OneContact, of_a_hip_that_leaps_out_is_looked_for_along_its_way) {
+  Mesh two = thin_plate(6, 6, 30, 0.5).mesh;
+  const auto count = static_cast<std::uint32_t>(two.positions.size());
+  const Mesh one = two;
+  for (const Vec3& p : one.positions) two.positions.push_back(p + Vec3(0, 0, 20));
+  for (const Vec3& n : one.normals) two.normals.push_back(n);
+  for (const std::uint32_t v : one.corner_vertex) two.corner_vertex.push_back(v + count);
+  for (const std::uint32_t n : one.corner_normal)
+    two.corner_normal.push_back(n + static_cast<std::uint32_t>(one.normals.size()));
+  for (std::size_t f = 1; f < one.face_begin.size(); ++f)
+    two.face_begin.push_back(one.face_begin.back() + one.face_begin[f]);
+  const PatchCache cache = test::cache_of(two);
+  const Vec3 middle = 0.5 * (cache.bounds().low + cache.bounds().high);
+  Rng rng(12);
+  for (int i = 0; i < 300; ++i) {
+    ContactTracker tracker(cache, {});
+    const Vec3 at(uniform(rng, -9, 9), uniform(rng, -9, 9), 0);
+    const double below = middle.z() - 10;  // the lower plate's middle
+    tracker.tick({at.x(), at.y(), below + 2});
+    ASSERT_TRUE(tracker.tick({at.x(), at.y(), below + 0.1}).touching);
+    const Vec3 beyond(uniform(rng, -9, 9), uniform(rng, -9, 9),
+                      middle.z() + 10 + uniform(rng, 1, 200));
+    Contact contact = tracker.tick(beyond);
+    // What a tick may not spend, the next ones do.
+    for (int late = 0; late < 10 && !contact.touching; ++late) contact = tracker.tick(beyond);
+    ASSERT_TRUE(contact.touching) << i;
+    EXPECT_LT(contact.normal.z(), -0.9);
+    EXPECT_NEAR(contact.scp.z(), middle.z() + 10 - 0.25, 0.05);
+  }
+}
+
+TEST(OneContact, survives_a_position_that_is_no_number) {
+  const PatchCache cache = test::cache_of(goldberg(2).mesh);
+  ContactTracker tracker(cache, {});
+  tracker.tick({0, 0, 12});
+  const Contact before = tracker.tick({0, 0, 9.5});
+  ASSERT_TRUE(before.touching);
+  const Contact lost = tracker.tick({0, std::nan(""), 9.5});
+  EXPECT_FALSE(lost.touching);
+  EXPECT_EQ(lost.push, Vec3::Zero());
+  const Contact after = tracker.tick({0, 0, 9.5});
+  EXPECT_TRUE(after.touching);
+  EXPECT_LT((after.push - before.push).norm(), 1e-9);
+}
+
+}  // namespace
+}  // namespace gliss

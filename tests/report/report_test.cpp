@@ -1,0 +1,323 @@
+// Holds what gliss report puts into its page, and what it refuses.
+#include <cstring>
+
+#include "gliss/files/mesh_file.h"
+#include "tests/support/places.h"
+#include "tests/support/run_files.h"
+
+namespace gliss {
+namespace {
+
+using test::Outcome;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::EndsWith;
+using ::testing::HasSubstr;
+
+constexpr char kTraceHeader[] = "step,method,x,y,z,scp_x,scp_y,scp_z,fx,fy,fz,patch,state\n";
+
+std::vector<unsigned char> from_base64(const std::string& text) {
+  const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::vector<unsigned char> bytes;
+  std::uint32_t group = 0;
+  int bits = 0;
+  for (const char c : text.substr(0, text.find('='))) {
+    group = group << 6 | static_cast<std::uint32_t>(digits.find(c));
+    if ((bits += 6) >= 8) bytes.push_back(static_cast<unsigned char>(group >> (bits -= 8)));
+  }
+  return bytes;
+}
+
+std::vector<float> floats(const nlohmann::json& packed) {
+  const auto bytes = from_base64(packed.at("f32"));
+  std::vector<float> values(bytes.size() / sizeof(float));
+  std::memcpy(values.data(), bytes.data(), values.size() * sizeof(float));
+  return values;
+}
+
+class Report : public test::RunTest {
+ protected:
+  Report() { save_obj(goldberg().mesh, folder_ / "ball.obj"); }
+  void SetUp() override {
+#ifndef GLISS_WITH_REPORT
+    GTEST_SKIP() << "this build has no report";
+#endif
+  }
+
+  Outcome gliss(const std::string& command, const std::string& words) const {
+    return start(command, words)->wait();
+  }
+  void make(const std::string& command, const std::string& words) const {
+    const Outcome outcome = gliss(command, words + " --quiet");
+    ASSERT_EQ(outcome.code, 0) << words << ": " << outcome.err;
+  }
+  // The results as the page holds them.
+  nlohmann::json results_of(const std::string& words) const {
+    make("report", words + " -o page.html");
+    const std::string page = folder_.read("page.html");
+    const std::string opening = "<script type=\"application/json\" id=\"results\">";
+    const auto begin = page.find(opening) + opening.size(), end = page.find("</script>", begin);
+    const auto json = nlohmann::json::parse(page.substr(begin, end - begin), nullptr, false);
+    EXPECT_TRUE(json.is_object());
+    return json.value("results", nlohmann::json());
+  }
+  nlohmann::json result_of(const std::string& words) const {
+    const auto results = results_of(words);
+    EXPECT_EQ(results.size(), 1u);
+    return results.at(0);
+  }
+  void expect_refused(const std::string& words, const std::string& what) const {
+    expect_error(gliss("report", words + " -o page.html"), 2, what);
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "page.html")) << words;
+  }
+};
+
+TEST_F(Report, BarsAreTheStepsOfForceToZeroAndBackToo) {
+  folder_.write("forces.csv", std::string(kTraceHeader) +
+                                  "10,flat,0,0,0,0,0,0,0,0,1,3,contact\n"
+                                  "11,flat,0,0,0,0,0,0,0,0,3,3,contact\n"
+                                  "12,flat,0,0,0,0,0,0,0,0,0,3,free\n"
+                                  "13,flat,0,0,0,0,0,0,0,4,0,3,contact\n"
+                                  "14,flat,7,8,9,0,0,0,3,4,0,5,contact\n"
+                                  "10,gregory,0,0,0,0,0,0,0,0,1,3,contact\n"
+                                  "11,gregory,0,0,0,0,0,0,0,0,1.5,3,contact\n");
+  const auto result = result_of("forces.csv");
+  EXPECT_EQ(result["kind"], "trace");
+  EXPECT_EQ(result["file"], "forces.csv");
+  EXPECT_EQ(result["first_step"], 10);
+  EXPECT_EQ(result["last_step"], 14);
+  const auto& flat = result["methods"][0];
+  EXPECT_EQ(flat["method"], "flat");
+  EXPECT_EQ(flat["ticks"], 5);
+  EXPECT_EQ(flat["in_contact"], 4);
+  EXPECT_EQ(flat["mean_change"], 3);
+  EXPECT_EQ(flat["jumps_per_100k"], 1e5);
+  EXPECT_EQ(flat["lost_per_100k"], 0.25e5);
+  EXPECT_EQ(flat["unsound"], 0);
+  EXPECT_EQ(flat["largest_force"], 5);
+  EXPECT_EQ(flat["largest"][0]["step"], 13);
+  EXPECT_EQ(flat["largest"][0]["change"], 4);
+  EXPECT_THAT(floats(flat["step"]), ElementsAre(11, 12, 13, 14));
+  EXPECT_THAT(floats(flat["change"]), ElementsAre(2, 3, 4, 3));
+  EXPECT_THAT(floats(flat["force"]), ElementsAre(3, 0, 4, 5));
+  EXPECT_THAT(floats(flat["z"]), ElementsAre(0, 0, 0, 9));
+  const auto& gregory = result["methods"][1];
+  EXPECT_EQ(gregory["method"], "gregory");
+  EXPECT_THAT(floats(gregory["change"]), ElementsAre(0.5f));
+}
+
+TEST_F(Report, TracesInCsvAndHdf5AreTheSame) {
+  const std::string words = "ball.obj --path hand.csv --unit mm -o ";
+  make("trace", words + "forces.csv");
+  make("trace", words + "forces.h5");
+  auto results = results_of("forces.csv forces.h5");
+  ASSERT_EQ(results.size(), 2u);
+  EXPECT_EQ(results[0]["methods"].size(), 3u);
+  EXPECT_EQ(results[0]["methods"], results[1]["methods"]);
+  EXPECT_EQ(results[1]["origin"]["surface"], "ball.obj");
+  EXPECT_EQ(results[1]["origin"]["unit"], "mm");
+  EXPECT_THAT(results[1]["origin"]["command_line"].get<std::string>(),
+              HasSubstr("gliss trace ball.obj"));
+}
+
+TEST_F(Report, LongPathsAreThinnedToTheirExtremes) {
+  constexpr int kTicks = 200000, kPeak = 123456;
+  std::string rows = kTraceHeader;
+  for (int tick = 0; tick < kTicks; ++tick) {
+    rows += fmt::format("{},gregory,0,0,0,0,0,0,{},0,0,1,contact\n", tick,
+                        tick < kPeak ? 0.001 * (tick % 2) : 2);
+  }
+  folder_.write("long.csv", rows);
+  const auto method = result_of("long.csv")["methods"][0];
+  EXPECT_EQ(method["ticks"], kTicks);
+  const auto step = floats(method["step"]), change = floats(method["change"]);
+  ASSERT_EQ(step.size(), change.size());
+  EXPECT_LE(step.size(), 20000u);
+  EXPECT_GT(step.size(), 10000u);
+  EXPECT_TRUE(std::is_sorted(step.begin(), step.end()));
+  const auto peak = std::max_element(change.begin(), change.end());
+  EXPECT_FLOAT_EQ(*peak, 1.999f);
+  EXPECT_EQ(step[static_cast<std::size_t>(peak - change.begin())], kPeak);
+}
+
+TEST_F(Report, SweepsKeepPointsForcesAndDistributions) {
+  const std::string words = "ball.obj --depth 1mm,2mm --rings 3 --unit mm ";
+  make("sweep", words + "-o ball.h5");
+  make("sweep", words + "-o ball.csv");
+  const auto result = result_of("ball.h5");
+  EXPECT_EQ(result["kind"], "sweep");
+  ASSERT_EQ(result["depths"].size(), 2u);
+  const test::TextTable table(folder_.read("ball.csv"));
+  for (const auto& depth : result["depths"]) {
+    const std::size_t samples = depth["samples"];
+    EXPECT_EQ(depth["shown"], samples);
+    ASSERT_EQ(depth["methods"].size(), 3u);
+    const auto hip = floats(depth["hip"]);
+    ASSERT_EQ(hip.size(), 3 * samples);
+    for (const auto& method : depth["methods"]) {
+      const auto force = floats(method["force"]);
+      ASSERT_EQ(force.size(), 3 * samples);
+      std::size_t point = 0;
+      for (std::size_t row = 0; row < table.rows(); ++row) {
+        if (table["method"][row] != method["method"] ||
+            table.number("depth", row) != depth["depth_m"].get<double>() * 1e3)
+          continue;
+        EXPECT_EQ(force[3 * point + 1], static_cast<float>(table.number("fy", row)));
+        EXPECT_EQ(hip[3 * point + 2], static_cast<float>(table.number("hip_z", row)));
+        ++point;
+      }
+      EXPECT_EQ(point, samples);
+      float pairs = 0;
+      for (const float count : floats(method["histograms"]["edge_step"])) pairs += count;
+      EXPECT_EQ(pairs, method["statistics"]["edge_step"]["count"]);
+      EXPECT_EQ(method["statistics"]["samples"], samples);
+    }
+  }
+}
+
+TEST_F(Report, RunsTellTheSameByReportAndRecording) {
+  make("run", "scene.toml --no-wait --seconds 2 --record run.h5 --report run.json");
+  make("run", "scene.toml --no-wait --seconds 2 --record run.csv");
+  auto results = results_of("run.json run.h5 run.csv");
+  const auto &figures = results[0]["figures"], &recorded = results[1]["figures"];
+  EXPECT_EQ(results[0]["kind"], "run");
+  EXPECT_EQ(results[1]["kind"], "recording");
+  for (const char* key :
+       {"ticks", "missed", "largest_force_step", "largest_sent_step", "largest_sent_force",
+        "in_contact", "entries", "jumps_per_100k", "lost_per_100k", "sent_jumps_per_100k",
+        "sent_lost_per_100k", "unsound"}) {
+    EXPECT_EQ(figures[key], recorded[key]) << key;
+    EXPECT_EQ(figures[key], results[2]["figures"][key]) << key;
+  }
+  EXPECT_EQ(figures["histograms"], recorded["histograms"]);
+  const auto sent = floats(results[1]["sent"]);
+  EXPECT_EQ(sent.size(), results[1]["shown"]);
+  EXPECT_FLOAT_EQ(*std::max_element(sent.begin(), sent.end()),
+                  figures["largest_sent_force"].get<float>());
+}
+
+TEST_F(Report, ComparisonsMayLackFigures) {
+  folder_.write("compare.json", R"({"mesh": "a.obj", "faces": 7, "rows": [{"level": "full",
+    "precision": "double", "solver": "newton", "backend": "tbb", "tick_us": 1.5,
+    "max_force_error": null, "pareto": true}], "dense": [], "recommended": null})");
+  const auto result = result_of("compare.json");
+  EXPECT_EQ(result["kind"], "compare");
+  EXPECT_EQ(result["origin"]["surface"], "a.obj");
+  EXPECT_EQ(result["rows"][0]["tick_us"], 1.5);
+  EXPECT_TRUE(result["rows"][0]["eval_per_s"].is_null());
+  folder_.write("wrong.json", R"({"mesh": "a.obj", "rows": [{}, {"tick_us": "fast"}]})");
+  expect_error(gliss("report", "wrong.json -o other.html"), 2,
+               "wrong.json: 'rows' 1: 'tick_us' is not what gliss compare writes");
+}
+
+TEST_F(Report, GrowthIsOfPositiveFigures) {
+  const auto growth = [&](const char* name, const std::string& sweep, const std::string& mesh) {
+    folder_.write(name, fmt::format(R"({{"growth": {{"machine": "mine", "gliss": "1.2",
+      "sweeps": [{{"samples": 10000, "seconds": 0.02, "ns_per_sample": 2000, "peak_bytes": 4e7}}{}],
+      "meshes": [{{"polygons": 1000, "bake_seconds": 0.05, "us_per_polygon": 50, "peak_bytes": 3e7,
+        "cache_bytes": 2e6, "load_seconds": null}}{}]}}}})",
+                                    sweep, mesh));
+  };
+  growth("growth.json", "", "");
+  const auto result = result_of("growth.json");
+  EXPECT_EQ(result["kind"], "growth");
+  EXPECT_EQ(result["origin"], (nlohmann::json{{"machine", "mine"}, {"gliss", "1.2"}}));
+  EXPECT_EQ(result["sweeps"][0]["ns_per_sample"], 2000);
+  EXPECT_EQ(result["meshes"][0]["cache_bytes"], 2e6);
+  EXPECT_TRUE(result["meshes"][0]["load_seconds"].is_null());
+  const auto expect_row_refused = [&](const char* at) {
+    expect_error(gliss("report", "wrong.json -o other.html"), 2,
+                 fmt::format("wrong.json: 'growth/{} is not what bench/growth.py writes", at));
+  };
+  growth("wrong.json", R"(, {"samples": 1e5, "seconds": 0})", "");
+  expect_row_refused("sweeps' 1: 'seconds'");
+  growth("wrong.json", ", 3", "");
+  expect_row_refused("sweeps' 1: 'samples'");
+  growth("wrong.json", "", R"(, {"polygons": 1e4, "bake_seconds": "fast"})");
+  expect_row_refused("meshes' 1: 'bake_seconds'");
+  growth("wrong.json", "", R"(, {"polygons": 1e4})");
+  expect_row_refused("meshes' 1: 'bake_seconds'");
+  growth("wrong.json", ", 1e999", "");
+  expect_error(gliss("report", "wrong.json -o other.html"), 2, "JSON that is damaged");
+  folder_.write("wrong.json", R"({"growth": {"sweeps": []}})");
+  expect_error(gliss("report", "wrong.json -o other.html"), 2,
+               "wrong.json: 'growth/meshes' is no list");
+}
+
+TEST_F(Report, RefusesWhatItDoesNotKnow) {
+  const std::string page_less =
+      "is not a result of gliss trace, sweep, compare or run, or of bench/growth.py";
+  folder_.write("empty.csv", "");
+  expect_refused("empty.csv", "'empty.csv' " + page_less + ": it is empty");
+  folder_.write("picture.png", "\x89PNG\r\n\x1a\nfx,fy");
+  folder_.write("text.txt", "No result.");
+  expect_refused("text.txt", "'text.txt' " + page_less);
+  folder_.write("other.json", "{\"a\": 1}");
+  expect_refused("other.json", "'other.json' " + page_less);
+  folder_.write("cut.json", "{\"rows\": [");
+  expect_refused("cut.json", "'cut.json' " + page_less + ": JSON that is damaged");
+  folder_.write("run.json", R"({"histograms": {"wake": 3}})");
+  expect_refused("run.json", "run.json: 'histograms/wake' is no list");
+  folder_.write("forces.csv", "step,fx\n1,2\n");
+  expect_refused("forces.csv", "forces.csv:1: missing columns: wanted step,x,y,z");
+  folder_.write("number.csv", std::string(kTraceHeader) + "1,flat,0,0,0,0,0,0,no,0,0,0,free\n");
+  expect_refused("number.csv", "number.csv:2: column 'fx': 'no' is not a number");
+  folder_.write("none.csv", kTraceHeader);
+  expect_refused("none.csv", "none.csv: a trace without a tick");
+
+  folder_.write("points.csv", "patch,xi,eta\n0,0,0\n");
+  make("eval", "ball.obj --at points.csv --unit mm -o eval.h5");
+  expect_refused("eval.h5", "'eval.h5' " + page_less);
+  make("sweep", "ball.obj --depth 1mm --rings 2 --unit mm -o ball.h5");
+  const std::string whole = folder_.read("ball.h5");
+  folder_.write("cut.h5", whole.substr(0, whole.size() / 2));
+  expect_refused("cut.h5", "cannot read 'cut.h5' as a result");
+
+  expect_refused("missing.h5", "there is no file 'missing.h5'");
+  expect_refused("ball.h5 missing.h5", "there is no file 'missing.h5'");
+  expect_refused(".", "'.' is a folder");
+  expect_error(gliss("report", "ball.h5 -o page.txt"), 2, "'page.txt' must end in .html");
+  expect_error(gliss("report", "ball.h5"), 2, "--output is required");
+}
+
+TEST_F(Report, FailuresLeaveTheOldPage) {
+  folder_.write("page.html", "old");
+  folder_.write("text.txt", "No result.");
+  expect_error(gliss("report", "text.txt -o page.html"), 2, "text.txt");
+  EXPECT_EQ(folder_.read("page.html"), "old");
+}
+
+// Nothing that a file says of itself can end the script that holds it, or ask the network.
+TEST_F(Report, PagesStandAlone) {
+  folder_.write("a.json", R"({"mesh": "</script><script>alert(1)</script><!--", "rows": []})");
+  const auto result = result_of("a.json");
+  EXPECT_EQ(result["origin"]["surface"], "</script><script>alert(1)</script><!--");
+  const std::string page = folder_.read("page.html");
+  EXPECT_THAT(page, HasSubstr("default-src 'none'"));
+  EXPECT_EQ(page.find("alert(1)</script>"), page.npos);
+  EXPECT_EQ(page.find("<script src"), page.npos);
+  EXPECT_EQ(page.find("<link"), page.npos);
+  EXPECT_THAT(page, EndsWith("</html>\n"));
+}
+
+TEST_F(Report, TellsWhatItDidAsJson) {
+  folder_.write("a.json", R"({"mesh": "a", "rows": []})");
+  const auto json = json_of(gliss("report", "a.json -o page.html --json"));
+  EXPECT_EQ(json["page"], "page.html");
+  EXPECT_EQ(json["bytes"], folder_.read("page.html").size());
+  EXPECT_EQ(json["results"][0]["kind"], "compare");
+}
+
+#ifndef GLISS_WITH_REPORT
+TEST(ReportLess, SaysHowToGetOne) {
+  const test::ScratchFolder folder;
+  folder.write("a.json", "{}");
+  const Outcome outcome =
+      test::Process(folder / "", test::kProgram, {"report", "a.json", "-o", "page.html"}).wait();
+  EXPECT_EQ(outcome.code, 4);
+  EXPECT_THAT(outcome.err, AllOf(HasSubstr("this build has no report"), HasSubstr("npm")));
+}
+#endif
+
+}  // namespace
+}  // namespace gliss

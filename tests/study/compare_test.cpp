@@ -1,0 +1,229 @@
+// gliss compare as outsiders script against it, and what it is made of: paths, dense meshes, gaps.
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "gliss/files/mesh_file.h"
+#include "gliss/generate/generate.h"
+#include "gliss/study/fidelity.h"
+#include "gliss/study/tessellate.h"
+#include "gliss/surface/names.h"
+#include "tests/support/gliss_process.h"
+#include "tests/support/places.h"
+#include "tests/support/surfaces.h"
+
+namespace gliss {
+namespace {
+
+using Json = nlohmann::json;
+using ::testing::HasSubstr;
+
+class Compare : public ::testing::Test {
+ protected:
+  Compare() { save_obj(torus(12, 8).mesh, folder_ / "torus.obj"); }
+
+  test::Outcome run(std::vector<std::string> words) const {
+    words.insert(words.begin(), {"compare", "torus.obj", "--unit", "mm", "--ticks", "300"});
+    return test::Process(folder_ / "", test::kProgram, words).wait();
+  }
+  Json json_of(std::vector<std::string> words) const {
+    words.insert(words.end(), {"--json", "--quiet"});
+    const test::Outcome ran = run(words);
+    EXPECT_EQ(ran.code, 0) << ran.err;
+    return Json::parse(ran.out, nullptr, false);
+  }
+
+  test::ScratchFolder folder_;
+};
+
+TEST_F(Compare, rows_have_the_columns_that_were_promised) {
+  const Json json = json_of({"--depth", "0.5mm", "--reference", "torus", "--dense-limit", "2000"});
+  ASSERT_EQ(json["rows"].size(), 14);
+  std::set<std::string> levels;
+  for (const Json& row : json["rows"]) {
+    for (const char* text : {"level", "precision", "solver", "backend"})
+      EXPECT_TRUE(row[text].is_string()) << text;
+    for (const char* number :
+         {"bytes_per_patch", "build_per_s", "track_per_s", "max_distance", "p99_distance",
+          "max_normal_gap_deg", "p99_normal_gap_deg", "max_force_step", "p99_force_step",
+          "jumps_per_100k", "lost_per_100k", "unsound", "max_force_error", "p99_force_error",
+          "tick_us", "true_max_distance"})
+      EXPECT_TRUE(row[number].is_number()) << number;
+    const bool patches = row["level"] != "shaded" && row["level"] != "flat";
+    EXPECT_EQ(row["eval_per_s"].is_number(), patches);
+    EXPECT_TRUE(row["pareto"].is_boolean());
+    for (const char* of : {"distance", "normal_gap_deg", "force_step", "force_error"})
+      EXPECT_GE(row[std::string("max_") + of], row[std::string("p99_") + of]);
+    EXPECT_GE(row["jumps_per_100k"], row["lost_per_100k"]);
+    EXPECT_EQ(row["unsound"], 0);
+    levels.insert(row["level"].get<std::string>());
+  }
+  EXPECT_EQ(levels, (std::set<std::string>{"exact", "ribbon", "bezier", "table", "fair", "shaded",
+                                           "flat"}));
+  const auto find = [&](const char* level, const char* key) {
+    for (const Json& row : json["rows"]) {
+      if (row["level"] == level && row["precision"] == "double") return row[key].get<double>();
+    }
+    return -1.0;
+  };
+  // The torus is 80 mm wide; lengths are in metres.
+  EXPECT_LE(find("exact", "max_distance"), 1e-11);
+  EXPECT_GT(find("flat", "max_distance"), 1e-4);
+  EXPECT_LT(find("flat", "max_distance"), 1e-2);
+  EXPECT_LT(find("ribbon", "max_distance"), find("bezier", "max_distance"));
+  EXPECT_LT(find("exact", "true_max_distance"), 0.2 * find("flat", "true_max_distance"));
+  EXPECT_EQ(find("exact", "max_force_error"), 0);
+  EXPECT_LE(find("ribbon", "max_force_error"), find("flat", "max_force_error"));
+  EXPECT_LE(find("ribbon", "max_normal_gap_deg"), 1e-8);
+  EXPECT_GT(find("flat", "max_normal_gap_deg"), 10);
+  EXPECT_LT(find("bezier", "bytes_per_patch"), find("exact", "bytes_per_patch"));
+}
+
+TEST_F(Compare, walks_by_itself_over_the_mesh) {
+  const std::vector<std::string> words = {"--dense-limit", "0",          "--precisions", "double",
+                                          "--levels",      "exact,flat", "--depth",      "0.5mm"};
+  const auto walked = [&](std::vector<std::string> more) {
+    more.insert(more.end(), words.begin(), words.end());
+    return json_of(more);
+  };
+  const Json json = walked({"--walks", "10", "--walk-depth", "0.4mm"});
+  EXPECT_EQ(json["walks"]["walkers"], 10);
+  EXPECT_EQ(json["walks"]["depth_m"], 0.4e-3);
+  EXPECT_EQ(json["rows"][0]["jumps_per_100k"], 0);
+  EXPECT_EQ(json["rows"][0]["lost_per_100k"], 0);
+  EXPECT_GT(json["rows"][1]["jumps_per_100k"], 20);
+  EXPECT_GT(json["rows"][1]["walk_max_force_step"], 0.2 * 0.2);  // 20 % of 0.2 N
+  const Json again = walked({"--walks", "10", "--walk-depth", "0.4mm", "--threads", "3"});
+  const Json other = walked({"--walks", "10", "--walk-depth", "0.4mm", "--seed", "7"});
+  const auto step = [](const Json& of) { return of["rows"][1]["walk_max_force_step"]; };
+  EXPECT_EQ(step(again), step(json));
+  EXPECT_NE(step(other), step(json));
+  const Json percent = walked({"--walks", "1", "--walk-depth", "0.1%"});
+  // The mesh is 80 x 80 x 20 mm.
+  EXPECT_NEAR(percent["walks"]["depth_m"], 0.1149e-3, 2e-6);
+  const Json none = walked({"--walks", "0"});
+  EXPECT_TRUE(none["walks"].is_null());
+  EXPECT_TRUE(none["rows"][0]["walk_max_force_step"].is_null());
+  EXPECT_TRUE(none["rows"][0]["jumps_per_100k"].is_number());
+}
+
+TEST_F(Compare, a_row_is_marked_where_no_other_is_better_in_all) {
+  const Json rows = json_of({"--dense-limit", "0", "--precisions", "float"})["rows"];
+  for (const Json& row : rows) {
+    bool beaten = false;
+    for (const Json& other : rows) {
+      bool no_worse = true, better = false;
+      for (const char* key : {"max_force_error", "tick_us", "bytes_per_patch"}) {
+        no_worse = no_worse && other[key] <= row[key];
+        better = better || other[key] < row[key];
+      }
+      beaten = beaten || (no_worse && better);
+    }
+    EXPECT_EQ(row["pareto"].get<bool>(), !beaten) << row;
+  }
+}
+
+TEST_F(Compare, recommends_what_the_budget_allows) {
+  const std::vector<std::string> words = {"--dense-limit", "0", "--precisions", "double"};
+  const auto recommended = [&](std::vector<std::string> budget) {
+    budget.insert(budget.end(), words.begin(), words.end());
+    return json_of(budget)["recommended"];
+  };
+  EXPECT_EQ(recommended({})["level"], "exact");
+  EXPECT_TRUE(recommended({"--max-memory", "1KiB"}).is_null());
+  EXPECT_TRUE(recommended({"--max-tick", "1ns"}).is_null());
+  // Only the base polygons are so small.
+  const std::string small = recommended({"--max-memory", "80KiB"})["level"];
+  EXPECT_THAT((std::vector<std::string>{"shaded", "flat"}), ::testing::Contains(small));
+  const std::string near = recommended({"--max-force-error", "0.1%"})["level"];
+  EXPECT_THAT((std::vector<std::string>{"exact", "ribbon", "table"}), ::testing::Contains(near));
+}
+
+TEST_F(Compare, dense_triangles_get_as_smooth_or_it_says_that_they_did_not) {
+  const Json dense = json_of({"--levels", "bezier,shaded,flat", "--precisions", "double",
+                              "--dense-limit", "20000"})["dense"];
+  ASSERT_EQ(dense.size(), 2);
+  for (const Json& row : dense) {
+    EXPECT_EQ(row["target_level"], "bezier");
+    EXPECT_GT(row["triangles"], 1000);
+    EXPECT_LE(row["triangles"], 20000);
+    EXPECT_GT(row["memory_ratio"], 1);
+    EXPECT_EQ(row["reached"].get<bool>(), row["max_force_step"] <= row["target_force_step"]);
+    if (row["needed_triangles"].is_number()) {
+      EXPECT_GE(row["needed_triangles"], row["triangles"]);
+    }
+  }
+}
+
+TEST_F(Compare, writes_tables_and_names_what_is_wrong) {
+  for (const char* name : {"rows.csv", "rows.h5"}) {
+    const test::Outcome ran =
+        run({"--dense-limit", "0", "--levels", "flat", "-o", name, "--quiet"});
+    EXPECT_EQ(ran.code, 0) << ran.err;
+    EXPECT_GT(folder_.read(name).size(), 100);
+  }
+  EXPECT_THAT(folder_.read("rows.csv"),
+              HasSubstr("level,precision,solver,backend,bytes_per_patch"));
+  const std::pair<std::vector<std::string>, const char*> wrong[] = {
+      {{"--levels", "exact,best"}, "--levels: 'best' is none of"},
+      {{"--levels", "flat,flat"}, "'flat' is there twice"},
+      {{"--backends", "cuda"}, "--backends: 'cuda' is none of"},
+      {{"--max-force-error", "little"}, "--max-force-error: 'little' is not a number"},
+      {{"--depth", "0"}, "--depth: '0' is not positive"},
+      {{"--walks", "many"}, "--walks: 'many' is not"},
+      {{"--walk-depth", "0%"}, "--walk-depth: '0%' is not positive"},
+      {{"--walk-step", "200%"}, "--walk-step: '200%' is not above 0"},
+      {{"--path", "none.csv"}, "none.csv"}};
+  for (const auto& [words, message] : wrong) {
+    const test::Outcome ran = run(words);
+    EXPECT_NE(ran.code, 0) << message;
+    EXPECT_THAT(ran.err, HasSubstr(message));
+  }
+}
+
+TEST(Fidelity, its_path_stays_at_its_depth_and_goes_in_small_steps) {
+  for (const Generated& made : {torus_knot(), goldberg(), banana()}) {
+    const PatchCache cache = test::cache_of(made.mesh);
+    const std::vector<Vec3> path =
+        path_over(made.mesh, build_topology(made.mesh), cache, 0.5, 0.1, 3000);
+    ASSERT_EQ(path.size(), 3000);
+    std::set<std::uint32_t> faces;
+    for (std::size_t i = 0; i < path.size(); ++i) {
+      const Contact contact = nearest(cache, path[i]);
+      EXPECT_NEAR(contact.distance, -0.5, 1e-6);
+      faces.insert(contact.at.face);
+      if (i > 0) {
+        EXPECT_LE((path[i] - path[i - 1]).norm(), 0.2);
+      }
+    }
+    EXPECT_GT(faces.size(), 20);
+  }
+}
+
+TEST(Fidelity, a_tessellation_lies_on_the_surface_and_is_closed) {
+  for (const Generated& made : {torus_knot(24, 6), goldberg()}) {
+    const PatchCache cache = test::cache_of(made.mesh);
+    for (const std::uint32_t cells : {1, 2, 5}) {
+      const Mesh dense = tessellate(made.mesh, cache, cells);
+      EXPECT_EQ(dense.face_count(), tessellated_count(made.mesh, cells));
+      const Topology topology = build_topology(dense);
+      EXPECT_EQ(topology.border_side_count, 0);
+      EXPECT_EQ(topology.part_count, build_topology(made.mesh).part_count);
+      test::Worst off;
+      for (std::size_t v = 0; v < dense.positions.size(); v += 7) {
+        const Contact contact = nearest(cache, dense.positions[v]);
+        off.add(std::abs(contact.distance));
+        off.add(oracle::angle<double>(contact.normal, dense.normals[v]));
+      }
+      EXPECT_LE(off.value, 1e-6);
+      for (std::size_t f = 0; f < dense.face_count(); ++f) {
+        const Vec3 normal = newell_normal(dense, f);
+        EXPECT_GT(normal.dot(dense.normals[dense.corner_normal[3 * f]]), 0);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace gliss

@@ -1,0 +1,450 @@
+// The fair construction: its triangles against the oracle, smooth across every edge, and as curved
+// as what they stand for.
+#include "tests/oracle/fair_oracle.h"
+
+#include <cstring>
+
+#include "gliss/mesh/regions.h"
+#include "gliss/validate/validate.h"
+#include "tests/support/patch_errors.h"
+#include "tests/support/random_meshes.h"
+
+namespace gliss {
+namespace {
+
+using oracle::Rng;
+using test::at, test::Vec2, test::Worst;
+
+PatchCache fair_cache(const Mesh& mesh, Precision precision = Precision::kDouble, bool tame = true,
+                      BuildReport* report = nullptr) {
+  BuildOptions options;
+  options.precision = precision;
+  options.tame = tame;
+  options.level.construction = Construction::kFair;
+  return build_cache(mesh, options, report);
+}
+
+// Meshes that meet every branch of the construction, and the share of their triangles that may
+// fold.
+struct Case {
+  std::string name;
+  Mesh mesh;
+  double folded = 0;
+};
+std::vector<Case> cases() {
+  Rng rng(19);
+  std::vector<Case> made;
+  const auto add = [&](const std::string& name, Mesh mesh, double folded) {
+    validate(mesh);
+    made.push_back({name, std::move(mesh), folded});
+  };
+  add("sheet", test::random_sheet(rng, {}), 0);
+  add("noisy sheet", test::random_sheet(rng, {.tilt = 0.3}), 0.05);
+  add("steep sheet", test::random_sheet(rng, {.wave = 1.5, .tilt = 0.6}), 0.5);
+  add("sphere", test::random_sphere(rng, 60, 10), 0);
+  add("noisy sphere", test::random_sphere(rng, 60, 10, 0.5), 0.05);
+  add("torus", test::random_torus(rng, 150, 10, 4), 0.05);
+  add("mixed sheet", test::random_sheet(rng, {.tilt = 0.2, .has_quads = true}), 0.05);
+  add("steep mixed sheet", test::random_sheet(rng, {.wave = 1.2, .tilt = 0.5, .has_quads = true}),
+      0.2);
+  add("shaken mixed sheet",
+      test::random_sheet(rng, {.shake = 0.6, .wave = 0.3, .tilt = 0.1, .has_quads = true}), 0.3);
+  add("seam", test::random_sheet(rng, {.tilt = 0.1, .has_seam = true}), 0.05);
+  add("dart", test::random_sheet(rng, {.tilt = 0.1, .has_dart = true}), 0.05);
+  return made;
+}
+
+class FairTest : public ::testing::TestWithParam<Precision> {
+ protected:
+  static bool is_float() { return GetParam() == Precision::kFloat; }
+  static Vec2 held(const Vec2& X) { return is_float() ? X.cast<float>().cast<double>() : X; }
+};
+INSTANTIATE_TEST_SUITE_P(, FairTest, ::testing::Values(Precision::kDouble, Precision::kFloat),
+                         [](const auto& info) {
+                           return info.param == Precision::kFloat ? "float" : "double";
+                         });
+
+// Points inside, near sides, on sides and on corners.
+std::vector<Vec2> points_of_triangle(Rng& rng) {
+  std::vector<Vec2> points{Vec2::Zero()};
+  for (int i = 0; i < 12; ++i) points.push_back(oracle::random_inside<double>(rng, 3));
+  for (int k = 0; k < 3; ++k) {
+    points.push_back(oracle::domain_corner(3, k));
+    for (const double t : {1e-9, 0.25, 0.5, oracle::uniform(rng, 0, 1)})
+      points.push_back(oracle::on_side(3, k, t));
+    for (const double inward : {1e-12, 1e-6, 1e-3}) {
+      points.push_back((1 - inward) * oracle::on_side(3, k, oracle::uniform(rng, 0, 1)));
+      points.push_back((1 - inward) * oracle::domain_corner(3, k));
+    }
+  }
+  return points;
+}
+
+TEST_P(FairTest, triangles_agree_with_the_oracle) {
+  const double bound = is_float() ? 1e-6 : 1e-11;
+  Rng rng(20);
+  oracle::FairClamps all;
+  for (const Case& c : cases()) {
+    const Topology topology = build_topology(c.mesh);
+    const oracle::Fair fair(c.mesh, topology);
+    const PatchCache cache = fair_cache(c.mesh, GetParam(), false);
+    test::Errors errors;
+    int triangles = 0, folded = 0;
+    for (std::uint32_t f = 0; f < c.mesh.face_count(); ++f) {
+      if (c.mesh.valence(f) != 3) continue;
+      ++triangles;
+      if (cache.folded[cache.face_patch[f]] != 0) {
+        ++folded;
+        continue;
+      }
+      const double size = oracle::size_of(test::polygon_of(c.mesh, f));
+      for (const Vec2& X : points_of_triangle(rng)) {
+        const Vec2 Y = held(X);
+        errors.add(at(cache, f, Y), fair.evaluate(f, Y.x(), Y.y()), size);
+      }
+    }
+    EXPECT_GT(triangles, 50) << c.name;
+    EXPECT_LE(folded, c.folded * triangles) << c.name;
+    errors.expect_below(bound, bound, bound, c.name);
+    all += fair.clamps();
+  }
+  // Every branch was met.
+  EXPECT_GE(std::min({all.foot, all.turn, all.fade, all.curvature, all.twist}), 5);
+}
+
+TEST_P(FairTest, corners_have_the_normals_of_their_vertices) {
+  Worst position, normal;
+  for (const Case& c : cases()) {
+    const PatchCache cache = fair_cache(c.mesh, GetParam());
+    const double size = test::size_of(c.mesh);
+    for (std::uint32_t f = 0; f < c.mesh.face_count(); ++f) {
+      if (test::kind_of(cache, f) == PatchKind::kBent) continue;
+      const test::Polygon polygon = test::polygon_of(c.mesh, f);
+      for (int k = 0; k < polygon.size(); ++k) {
+        const SurfacePoint got = at(cache, f, oracle::domain_corner(polygon.size(), k));
+        position.add((got.position - polygon.position(k)).norm() / size);
+        normal.add(oracle::angle<double>(got.normal, polygon.normal(k)));
+      }
+    }
+  }
+  EXPECT_LE(position.value, is_float() ? 3e-7 : 2e-15);
+  EXPECT_LE(normal.value, is_float() ? 1e-5 : 1e-12);
+  test::record("corners", "position {:.2g}, normal {:.2g}", position.value, normal.value);
+}
+
+// ---- Across edges -------------------------------------------------------------------------------
+
+constexpr int kPointsPerEdge = 15;
+
+// Edges by what meets there, and the largest angle between the normals of both sides, rad.
+struct Met {
+  int edges = 0;
+  Worst angle;
+};
+struct Crossing {
+  Met triangles, quad, pentagon, tamed, seam;
+  Worst gap;  // relative to the size of the mesh
+  int bent = 0;
+};
+
+bool is_seam(const Mesh& mesh, const Topology& topology, std::uint32_t side, std::uint32_t twin) {
+  const auto normal = [&](std::uint32_t c) { return mesh.normals[mesh.corner_normal[c]]; };
+  return normal(side) != normal(next_side(mesh, topology, twin)) ||
+         normal(next_side(mesh, topology, side)) != normal(twin);
+}
+
+Crossing cross_all_edges(const Mesh& mesh, const PatchCache& cache) {
+  const Topology topology = build_topology(mesh);
+  std::vector<double> forward, backward;
+  for (int i = 0; i < kPointsPerEdge; ++i) {
+    forward.push_back(i / (kPointsPerEdge - 1.0));
+    backward.push_back(1 - forward.back());
+  }
+  Crossing result;
+  test::for_each_inner_edge(topology, [&](std::uint32_t side, std::uint32_t twin) {
+    const std::uint32_t faces[] = {topology.side_face[side], topology.side_face[twin]};
+    bool tamed = false, bent = false;
+    std::uint32_t most = 0;
+    for (const std::uint32_t f : faces) {
+      tamed = tamed || test::kind_of(cache, f) != PatchKind::kExact;
+      bent = bent || test::kind_of(cache, f) == PatchKind::kBent;
+      most = std::max(most, mesh.valence(f));
+    }
+    const auto a = test::along_side(cache, mesh, topology, side, forward);
+    const auto b = test::along_side(cache, mesh, topology, twin, backward);
+    const bool seam = is_seam(mesh, topology, side, twin);
+    Met& met = seam        ? result.seam
+               : tamed     ? result.tamed
+               : most == 3 ? result.triangles
+               : most == 4 ? result.quad
+                           : result.pentagon;
+    if (bent)
+      ++result.bent;
+    else
+      ++met.edges;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      // Both sides of a seam have curves of their own (7): only the ends meet.
+      if (seam && i != 0 && i + 1 != a.size()) continue;
+      result.gap.add((a[i].position - b[i].position).norm() / test::size_of(mesh));
+      if (!bent) met.angle.add(oracle::angle<double>(a[i].normal, b[i].normal));
+    }
+  });
+  return result;
+}
+
+TEST_P(FairTest, normals_agree_across_every_edge) {
+  const double bound = is_float() ? 1e-5 : 1e-10;
+  Crossing all;
+  int bent = 0;
+  std::uint32_t eased = 0, split = 0;
+  for (const Case& c : cases()) {
+    BuildReport report;
+    const Crossing found = cross_all_edges(c.mesh, fair_cache(c.mesh, GetParam(), true, &report));
+    EXPECT_LE(found.gap.value, is_float() ? 1e-6 : 1e-12) << c.name;
+    for (const auto part :
+         {&Crossing::triangles, &Crossing::quad, &Crossing::pentagon, &Crossing::tamed}) {
+      EXPECT_LE((found.*part).angle.value, bound) << c.name;
+      (all.*part).edges += (found.*part).edges;
+      (all.*part).angle.add((found.*part).angle.value);
+    }
+    all.gap.add(found.gap.value);
+    bent += found.bent;
+    eased += report.eased, split += report.split;
+  }
+  // Each kind of edge was met.
+  EXPECT_GT(all.triangles.edges, 500);
+  EXPECT_GT(all.quad.edges, 20);
+  EXPECT_GE(all.pentagon.edges, 4);
+  EXPECT_GT(all.tamed.edges, 5);
+  test::record("edges",
+               "gap {:.2g}; triangles {} {:.2g}, quad {} {:.2g}, pentagon {} {:.2g}, "
+               "tamed {} {:.2g} ({} eased, {} split); bent {}",
+               all.gap.value, all.triangles.edges, all.triangles.angle.value, all.quad.edges,
+               all.quad.angle.value, all.pentagon.edges, all.pentagon.angle.value, all.tamed.edges,
+               all.tamed.angle.value, eased, split, bent);
+}
+
+// A seam that ends inside the mesh is felt along its sides alone.
+TEST_P(FairTest, a_dart_is_smooth_beyond_its_seam) {
+  for (const bool has_quads : {false, true}) {
+    Rng rng(27);
+    const Mesh mesh =
+        test::random_sheet(rng, {.cells = 9, .has_quads = has_quads, .has_dart = true});
+    const Crossing found = cross_all_edges(mesh, fair_cache(mesh, GetParam()));
+    const double bound = is_float() ? 1e-5 : 1e-10;
+    EXPECT_LE(found.triangles.angle.value, bound);
+    EXPECT_LE(found.quad.angle.value, bound);
+    EXPECT_LE(found.gap.value, is_float() ? 1e-6 : 1e-12);
+    EXPECT_EQ(found.bent, 0);
+    EXPECT_GT(found.triangles.edges, 100);
+    EXPECT_EQ(found.seam.edges, 4);
+    EXPECT_GT(found.seam.angle.value, 0.3);
+    test::record(has_quads ? "dart, mixed" : "dart",
+                 "gap {:.2g}; triangles {} {:.2g}, quad {} {:.2g}", found.gap.value,
+                 found.triangles.edges, found.triangles.angle.value, found.quad.edges,
+                 found.quad.angle.value);
+  }
+}
+
+// ---- At vertices --------------------------------------------------------------------------------
+
+// How far the turn of the normal along the sides at vertices is from what the shape operators there
+// say, relative to these: along a side, its normal curvature, and across it, its twist.
+struct Residual {
+  Worst curvature, twist;
+  int sides = 0;
+};
+Residual residual_at_vertices(const Mesh& mesh, const Topology& topology, const PatchCache& cache,
+                              const oracle::Fair& fair) {
+  const double h = 1e-3;
+  Residual residual;
+  for (std::uint32_t s = 0; s < mesh.corner_vertex.size(); ++s) {
+    if (!fair.side(s).has_shape || fair.side(s).is_clamped) continue;
+    const auto p = test::along_side(cache, mesh, topology, s, {0, h, 2 * h, 3 * h, 4 * h});
+    // One-sided differences along the side, exact up to the fourth power.
+    const auto slope = [&](auto of) {
+      return Vec3((-25 * of(p[0]) + 48 * of(p[1]) - 36 * of(p[2]) + 16 * of(p[3]) - 3 * of(p[4])) /
+                  (12 * h));
+    };
+    const Vec3 d = slope([](const SurfacePoint& q) { return q.position; });
+    const Vec3 turn = slope([](const SurfacePoint& q) { return q.normal; }) / d.norm();
+    const Vec3 t = d.normalized(), b = p[0].normal.cross(t);
+    const Eigen::Matrix3d S = fair.shape(mesh.corner_vertex[s])->cast<double>();
+    residual.curvature.add(std::abs(t.dot(turn - S * t)) / S.norm());
+    residual.twist.add(std::abs(b.dot(turn - S * t)) / S.norm());
+    ++residual.sides;
+  }
+  return residual;
+}
+
+TEST(Fair, sides_at_a_vertex_have_its_second_fundamental_form) {
+  for (const double tilt : {0.0, 0.1}) {
+    Rng rng(21);
+    const Mesh mesh = test::random_sheet(rng, {.cells = 9, .tilt = tilt});
+    const Topology topology = build_topology(mesh);
+    const oracle::Fair fair(mesh, topology);
+    const Residual own = residual_at_vertices(mesh, topology, fair_cache(mesh), fair);
+    const Residual paper = residual_at_vertices(mesh, topology, test::cache_of(mesh), fair);
+    EXPECT_GT(own.sides, 400);
+    EXPECT_LE(own.curvature.value, 1e-8);
+    EXPECT_LE(own.twist.value, 1e-8);
+    EXPECT_GE(paper.curvature.value, 0.1);  // the test sees a difference
+    EXPECT_GE(paper.twist.value, 0.5);
+    test::record(fmt::format("second fundamental form, tilt {}", tilt),
+                 "curvature {:.2g}, twist {:.2g}; paper {:.2g}, {:.2g}", own.curvature.value,
+                 own.twist.value, paper.curvature.value, paper.twist.value);
+  }
+}
+
+// ---- Known shapes -------------------------------------------------------------------------------
+
+// Curvatures over the true one.
+struct Curvatures {
+  double median, p99, largest;
+};
+Curvatures curvatures_of(const PatchCache& cache, double radius) {
+  std::vector<double> ratio;
+  for (std::uint32_t p = 0; p < cache.patch_count(); ++p)
+    ratio.push_back(radius / cache.rho_min[p]);
+  std::sort(ratio.begin(), ratio.end());
+  return {ratio[ratio.size() / 2], ratio[ratio.size() * 99 / 100], ratio.back()};
+}
+
+// The aim on tori is 2.2 at most; thin triangles reach 3.
+constexpr Curvatures kSphere{1.02, 1.05, 1.10}, kTorus{1.1, 2.2, 3.5};
+
+void record(const std::string& name, const Curvatures& fair, const Curvatures& paper) {
+  test::record(name, "{:.3g} / {:.3g} / {:.3g}; paper {:.3g} / {:.3g} / {:.3g}", fair.median,
+               fair.p99, fair.largest, paper.median, paper.p99, paper.largest);
+}
+
+TEST(Fair, random_spheres_are_as_curved_as_spheres) {
+  for (const std::uint64_t seed : {1u, 2u, 3u, 4u}) {
+    Rng rng(seed);
+    const Mesh mesh = test::random_sphere(rng, 400, 10);
+    const Curvatures fair = curvatures_of(fair_cache(mesh), 10);
+    const Curvatures paper = curvatures_of(test::cache_of(mesh), 10);
+    EXPECT_LE(fair.median, kSphere.median);
+    EXPECT_LE(fair.p99, kSphere.p99);
+    EXPECT_LE(fair.largest, kSphere.largest);
+    EXPECT_GE(paper.p99, 50 * fair.p99);
+    record(fmt::format("sphere {}", seed), fair, paper);
+  }
+}
+
+TEST(Fair, random_tori_are_hardly_more_curved_than_tori) {
+  for (const std::uint64_t seed : {1u, 2u, 3u, 4u}) {
+    Rng rng(seed);
+    const Mesh mesh = test::random_torus(rng, 500, 10, 4);
+    const Curvatures fair = curvatures_of(fair_cache(mesh), 4);
+    const Curvatures paper = curvatures_of(test::cache_of(mesh), 4);
+    EXPECT_LE(fair.median, kTorus.median);
+    EXPECT_LE(fair.p99, kTorus.p99);
+    EXPECT_LE(fair.largest, kTorus.largest);
+    EXPECT_GE(paper.p99, 50 * fair.p99);
+    record(fmt::format("torus {}", seed), fair, paper);
+  }
+}
+
+// ---- Invariance ---------------------------------------------------------------------------------
+
+// Points of every face of both caches.
+template <class Visit>
+void for_points(const Mesh& mesh, const PatchCache& a, const PatchCache& b, Visit visit) {
+  Rng rng(22);
+  for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
+    const int n = static_cast<int>(mesh.valence(f));
+    for (int i = 0; i < 6; ++i) {
+      const Vec2 X = i < 3 ? oracle::on_side(n, i, oracle::uniform(rng, 0, 1))
+                           : oracle::random_inside<double>(rng, n);
+      visit(f, at(a, f, X), at(b, f, X));
+    }
+  }
+}
+
+TEST(Fair, rigid_motions_move_the_surface) {
+  Rng rng(23);
+  const Mesh mesh = test::random_sheet(rng, {.tilt = 0.2, .has_quads = true});
+  const Eigen::Matrix3d turn =
+      Eigen::AngleAxisd(oracle::uniform(rng, 0, 6), oracle::random_unit(rng)).toRotationMatrix();
+  const Vec3 shift(3, -8, 5);
+  Mesh moved = mesh;
+  for (Vec3& p : moved.positions) p = turn * p + shift;
+  for (Vec3& n : moved.normals) n = (turn * n).normalized();
+  Worst position, slope;
+  for_points(mesh, fair_cache(mesh), fair_cache(moved),
+             [&](std::uint32_t, const SurfacePoint& a, const SurfacePoint& b) {
+               position.add((b.position - turn * a.position - shift).norm());
+               slope.add((b.d_xi - turn * a.d_xi).norm());
+             });
+  EXPECT_LE(position.value, 1e-12);
+  EXPECT_LE(slope.value, 1e-12);
+  test::record("moved", "position {:.2g}, slope {:.2g}", position.value, slope.value);
+}
+
+bool same_bits(const Vec3& a, const Vec3& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+TEST_P(FairTest, powers_of_two_scale_every_bit) {
+  Rng rng(24);
+  const Mesh mesh = test::random_sheet(rng, {.tilt = 0.3, .has_quads = true});
+  const PatchCache cache = fair_cache(mesh, GetParam());
+  for (const int power : {-90, -1, 1, 60}) {
+    const double scale = std::ldexp(1.0, power);
+    Mesh scaled = mesh;
+    for (Vec3& p : scaled.positions) p *= scale;
+    bool same = true;
+    for_points(mesh, cache, fair_cache(scaled, GetParam()),
+               [&](std::uint32_t, const SurfacePoint& a, const SurfacePoint& b) {
+                 same = same && same_bits(scale * a.position, b.position) &&
+                        same_bits(scale * a.d_xi, b.d_xi) && same_bits(a.normal, b.normal);
+               });
+    EXPECT_TRUE(same) << "2^" << power;
+  }
+}
+
+// Vertices in another order: an edge runs the other way, and a face begins at another corner.
+TEST(Fair, the_order_of_vertices_does_not_matter) {
+  Rng rng(25);
+  const Mesh mesh = test::random_sheet(rng, {.tilt = 0.3, .has_quads = true});
+  Mesh reversed = mesh;
+  std::reverse(reversed.positions.begin(), reversed.positions.end());
+  std::reverse(reversed.normals.begin(), reversed.normals.end());
+  const auto last = static_cast<std::uint32_t>(mesh.positions.size() - 1);
+  for (std::uint32_t& v : reversed.corner_vertex) v = last - v;
+  for (std::uint32_t& n : reversed.corner_normal) n = last - n;
+  Worst position;
+  for_points(mesh, fair_cache(mesh), fair_cache(reversed),
+             [&](std::uint32_t, const SurfacePoint& a, const SurfacePoint& b) {
+               position.add((b.position - a.position).norm());
+             });
+  EXPECT_LE(position.value, 1e-12);
+  test::record("reversed order", "position {:.2g}", position.value);
+}
+
+TEST_P(FairTest, a_region_has_the_bytes_of_the_whole) {
+  Rng rng(26);
+  Mesh mesh = test::random_sheet(rng, {.cells = 9, .wave = 1.0, .tilt = 0.4, .has_quads = true});
+  const Topology topology = build_topology(mesh);
+  const PatchCache whole = fair_cache(mesh, GetParam());
+  for (const std::uint32_t centre : {0u, 40u, 90u}) {
+    BuildOptions options;
+    options.precision = GetParam();
+    options.level.construction = Construction::kFair;
+    options.faces = faces_around(mesh, topology, centre, 2);
+    options.like = &whole;
+    ASSERT_LT(options.faces.size(), mesh.face_count() / 2);
+    const PatchCache region = build_cache(mesh, options);
+    for (const std::uint32_t f : options.faces) {
+      EXPECT_EQ(test::kind_of(region, f), test::kind_of(whole, f));
+      EXPECT_EQ(region.rho_min[region.face_patch[f]], whole.rho_min[whole.face_patch[f]]);
+      for (int i = 0; i < 8; ++i) {
+        const Vec2 X = oracle::random_inside<double>(rng, static_cast<int>(mesh.valence(f)));
+        const SurfacePoint a = at(whole, f, X), b = at(region, f, X);
+        EXPECT_EQ(std::memcmp(&a, &b, sizeof a), 0) << "face " << f;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace gliss

@@ -1,0 +1,53 @@
+// The numbers of caches and contacts, to the last bit, against those of this revision.
+#include <gtest/gtest.h>
+
+#include "gliss/build/build_cache.h"
+#include "gliss/files/cache_format.h"
+#include "gliss/generate/generate.h"
+#include "gliss/query/query.h"
+#include "gliss/surface/revision.h"
+
+namespace gliss {
+namespace {
+
+class Digest {
+ public:
+  void add(const void* data, std::size_t bytes) {
+    const std::uint64_t both[] = {value_, cache_format::checksum(data, bytes)};
+    value_ = cache_format::checksum(both, sizeof(both));
+  }
+  void add(const PatchCache& cache) {
+    cache_format::for_each_section(cache, [&](const char*, const auto& values) {
+      add(values.data(), values.size() * sizeof(values[0]));
+    });
+  }
+  void add(const Contact& contact) {
+    add(contact.scp.data(), sizeof(contact.scp));
+    add(contact.push.data(), sizeof(contact.push));
+  }
+  std::uint64_t value() const { return value_; }
+
+ private:
+  std::uint64_t value_ = 0;
+};
+
+TEST(Revision, changes_where_numbers_do) {
+  Digest digest;
+  for (const Generated& made : {goldberg(2), fin(), prism(5), torus(8, 6)}) {
+    for (const Precision precision : {Precision::kFloat, Precision::kDouble}) {
+      for (const Level& level :
+           {Level{}, Level{Level::kRibbon}, Level{Level::kBezier}, Level{Level::kTable, 1}}) {
+        const PatchCache cache = build_cache(made.mesh, {.precision = precision, .level = level});
+        digest.add(cache);
+        for (const Method method : {Method::kGregory, Method::kShaded, Method::kFlat})
+          digest.add(nearest(cache, {3, 1, 0.5}, {{}, method}));
+      }
+    }
+  }
+  EXPECT_EQ(digest.value(), 0x21e3eb15f98bdd21u)
+      << std::hex << digest.value() << ": raise kNumbersRevision, now " << kNumbersRevision
+      << ", and put this here";
+}
+
+}  // namespace
+}  // namespace gliss

@@ -1,0 +1,96 @@
+// What a loop records: quantiles against sorted values, counts against a plain account.
+#include "gliss/thread/timing.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <memory>
+#include <random>
+#include <vector>
+
+namespace gliss {
+namespace {
+
+using namespace std::chrono_literals;
+
+TEST(DurationHistogram, quantiles_are_right_to_a_hundredth) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> magnitude(0, 10.7);  // 1 ns to 50 s
+  const auto histogram = std::make_unique<DurationHistogram>();
+  std::vector<std::int64_t> values;
+  for (int i = 0; i < 20000; ++i) {
+    values.push_back(static_cast<std::int64_t>(std::pow(10, magnitude(random))));
+    histogram->add(Nanoseconds(values.back()));
+  }
+  std::sort(values.begin(), values.end());
+  EXPECT_EQ(histogram->count(), values.size());
+  EXPECT_EQ(histogram->max().count(), values.back());
+  for (const double q : {0.0, 0.001, 0.01, 0.25, 0.5, 0.9, 0.99, 0.999, 1.0}) {
+    const auto rank = static_cast<std::size_t>(std::ceil(q * static_cast<double>(values.size())));
+    const std::int64_t exact = values[std::max<std::size_t>(rank, 1) - 1];
+    EXPECT_GE(histogram->quantile(q).count(), exact) << q;
+    EXPECT_LE(static_cast<double>(histogram->quantile(q).count()),
+              1.008 * static_cast<double>(exact))
+        << q;
+  }
+}
+
+TEST(DurationHistogram, takes_every_duration) {
+  const auto histogram = std::make_unique<DurationHistogram>();
+  EXPECT_EQ(histogram->quantile(0.5).count(), 0);
+  histogram->add(-5us);
+  EXPECT_EQ(histogram->quantile(1).count(), 0);
+  for (int shift = 0; shift < 63; ++shift) {
+    const Nanoseconds power(std::int64_t{1} << shift);
+    histogram->add(power - 1ns);
+    histogram->add(power);
+    EXPECT_EQ(histogram->max(), power);
+  }
+  histogram->add(Nanoseconds::max());
+  EXPECT_EQ(histogram->max(), Nanoseconds::max());
+  EXPECT_EQ(histogram->count(), 128u);
+}
+
+TEST(TickRecord, agrees_with_a_plain_account) {
+  std::mt19937 random(6);
+  const auto record = std::make_unique<TickRecord>();
+  EXPECT_EQ(record->success(), 1);
+  EXPECT_EQ(record->recent_success(), 1);
+  std::deque<bool> periods;
+  std::vector<TickSample> ticks;
+  std::uint64_t missed = 0, longest = 0, errors = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const std::uint64_t skipped = random() % 50 == 0 ? random() % 300 : 0;
+    const int error = random() % 20 == 0 ? static_cast<int>(random() % 3) : 0;
+    ticks.push_back({i * 1ms, Nanoseconds(random() % 1000), Nanoseconds(random() % 1000), error});
+    record->add(ticks.back(), skipped);
+    missed += skipped;
+    longest = std::max(longest, skipped);
+    errors += error != 0 ? 1 : 0;
+    periods.insert(periods.end(), skipped, false);
+    periods.push_back(error == 0);
+    const auto recent = static_cast<std::ptrdiff_t>(std::min<std::size_t>(periods.size(), 100));
+    ASSERT_DOUBLE_EQ(record->recent_success(),
+                     static_cast<double>(std::count(periods.end() - recent, periods.end(), true)) /
+                         static_cast<double>(recent));
+    for (std::size_t age = 0; age < std::min<std::size_t>(ticks.size(), 50); ++age) {
+      const TickSample &kept = record->last(age), &given = ticks[ticks.size() - 1 - age];
+      ASSERT_EQ(kept.deadline, given.deadline);
+      ASSERT_EQ(kept.lateness, given.lateness);
+      ASSERT_EQ(kept.compute, given.compute);
+      ASSERT_EQ(kept.error, given.error);
+    }
+  }
+  EXPECT_EQ(record->ticks(), ticks.size());
+  EXPECT_EQ(record->missed(), missed);
+  EXPECT_EQ(record->longest_missed(), longest);
+  EXPECT_EQ(record->errors(), errors);
+  EXPECT_DOUBLE_EQ(record->success(),
+                   static_cast<double>(std::count(periods.begin(), periods.end(), true)) /
+                       static_cast<double>(periods.size()));
+}
+
+}  // namespace
+}  // namespace gliss

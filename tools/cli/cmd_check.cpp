@@ -1,0 +1,111 @@
+// gliss check: everything the checks of a mesh find, and the faces whose exact patch folds.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <exception>
+#include <span>
+
+#include "gliss/build/build_cache.h"
+#include "gliss/files/mesh_file.h"
+#include "tools/cli/curvature.h"
+#include "tools/cli/surface_input.h"
+#include "tools/cli/watch.h"
+
+namespace gliss::tools {
+namespace {
+
+constexpr std::size_t kListed = 40;  // flagged faces in the text; --json has all
+
+const char* severity_name(Severity severity) {
+  return severity == Severity::kError      ? "error"
+         : severity == Severity::kRepaired ? "repaired"
+                                           : "warning";
+}
+
+const char* state_of(const std::vector<Finding>& findings, bool refused) {
+  const auto any = [&](Severity severity) {
+    return std::any_of(findings.begin(), findings.end(),
+                       [&](const Finding& finding) { return finding.severity == severity; });
+  };
+  if (refused) return "refused";
+  return any(Severity::kRepaired) ? "repaired" : any(Severity::kWarning) ? "warned" : "accepted";
+}
+
+Json json_of(const Finding& finding) {
+  const auto known = [](auto value, auto none) { return value == none ? Json() : Json(value); };
+  return {{"code", finding.code},
+          {"severity", severity_name(finding.severity)},
+          {"message", finding.message},
+          {"face", known(finding.face, kNone)},
+          {"vertex", known(finding.vertex, kNone)},
+          {"line", known(finding.line, std::size_t{0})},
+          {"count", finding.count}};
+}
+
+void describe(Command& command, SurfaceOptions& options) {
+  add_surface_options(command, options, "MESH");
+}
+
+void run(const SurfaceOptions& options) {
+  std::vector<Finding> findings;
+  BuildReport built;
+  std::size_t faces = 0;
+  std::exception_ptr refusal;
+  try {
+    const Mesh mesh = load_mesh(options.surface,
+                                {.unit = options.unit,
+                                 .split_non_manifold = options.split_non_manifold,
+                                 .poll = stop_if_interrupted},
+                                &findings);
+    faces = mesh.face_count();
+    const PatchCache cache = build(mesh, options, *make_engine(options), {}, &built);
+    tell_tight_curvature(options, cache, usual_depth(cache), "0.5 % of the diagonal");
+  } catch (const MeshError&) {
+    refusal = std::current_exception();
+  }
+
+  std::string text;
+  Json list = Json::array();
+  for (const Finding& finding : findings) {
+    if (text.empty())
+      text = fmt::format("{:<9} {:<20} {:>7}  {}\n", "severity", "code", "count", "first");
+    text += fmt::format("{:<9} {:<20} {:>7}  {}\n", severity_name(finding.severity), finding.code,
+                        finding.count, finding.message);
+    list.push_back(json_of(finding));
+  }
+  if (findings.empty()) text += "nothing found\n";
+  const auto& flagged = built.flagged_faces;
+  text += fmt::format("{}: {}\n", options.surface, state_of(findings, refusal != nullptr));
+  if (!refusal) {
+    text += fmt::format("{} faces; folded {}, degenerate {}; eased {}, split {}, bent {}\n", faces,
+                        built.folded, built.degenerate, built.eased, built.split, built.bent);
+  }
+  if (!flagged.empty()) {
+    const auto shown = std::span(flagged).first(std::min(flagged.size(), kListed));
+    text += fmt::format("flagged: {}{}\n", fmt::join(shown, ","),
+                        shown.size() < flagged.size() ? ",..." : "");
+  }
+  report(options, text,
+         {{"mesh", options.surface},
+          {"accepted", !refusal},
+          {"state", state_of(findings, refusal != nullptr)},
+          {"faces", faces},
+          {"findings", list},
+          {"folded", built.folded},
+          {"degenerate", built.degenerate},
+          {"eased", built.eased},
+          {"split", built.split},
+          {"bent", built.bent},
+          {"flagged_faces", flagged}});
+  if (refusal) std::rethrow_exception(refusal);
+}
+
+}  // namespace
+
+void add_check(Command& program) {
+  add_command<SurfaceOptions>(program, "check", "List all that is wrong or odd about a mesh.",
+                              "gliss check teeth.obj --unit mm", describe, run);
+}
+
+}  // namespace gliss::tools

@@ -1,0 +1,504 @@
+// gliss compare: speed against accuracy of every level, on this mesh and this machine. The keys of
+// its rows are a contract.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "gliss/base/units.h"
+#include "gliss/build/build_cache.h"
+#include "gliss/generate/generate.h"
+#include "gliss/study/compare.h"
+#include "tools/cli/curvature.h"
+#include "tools/cli/outputs.h"
+#include "tools/cli/surface_input.h"
+#include "tools/cli/watch.h"
+
+namespace gliss::tools {
+namespace {
+
+struct ComparingOptions : SurfaceOptions {
+  CompareOptions compare;
+  std::vector<double> depths;  // m; empty: a hundredth of the mesh's diagonal
+  std::string path, reference, output;
+  int ticks = 4000;
+  WalkOptions walk{.walkers = 8};
+  std::string walk_depth = "0.5%";
+  CompareBudget budget;
+  int dense_limit = 500000;
+};
+
+const std::vector<CompareCandidate> kEverything = {
+    {Method::kGregory, {}},
+    {Method::kGregory, {Level::kRibbon, 0}},
+    {Method::kGregory, {Level::kBezier, 0}},
+    {Method::kGregory, {Level::kTable, kTableCells}},
+    {Method::kGregory, {.construction = Construction::kFair}},
+    {Method::kShaded, {}},
+    {Method::kFlat, {}}};
+
+CompareCandidate parse_candidate(const std::string& name) {
+  if (name == "shaded") return {Method::kShaded, {}};
+  if (name == "flat") return {Method::kFlat, {}};
+  return {Method::kGregory, parse_surface("--levels", name)};
+}
+
+// "1%" or 0.01.
+double parse_ratio(const std::string& option, const std::string& text) {
+  const bool percent = text.ends_with('%');
+  return parse_number<double>(option, percent ? text.substr(0, text.size() - 1) : text) /
+         (percent ? 100 : 1);
+}
+
+double parse_memory(const std::string& option, const std::string& text) {
+  for (const auto& [name, bytes] :
+       {std::pair("KiB", 10), std::pair("MiB", 20), std::pair("GiB", 30)}) {
+    if (text.ends_with(name))
+      return std::ldexp(parse_number<double>(option, text.substr(0, text.size() - 3)), bytes);
+  }
+  return parse_number<double>(option, text);
+}
+
+void add_walk_options(Command& command, ComparingOptions& options) {
+  WalkOptions& walk = options.walk;
+  const auto count = [](const char* name, std::size_t least) {
+    return [=](const std::string& text) {
+      const auto number = parse_number<std::size_t>(name, text);
+      if (number < least || number > 100000000)
+        throw InputError(fmt::format("{}: '{}' is not from {} to 100000000", name, text, least));
+      return number;
+    };
+  };
+  command.option(
+      {"--walks", "N",
+       "random walks over the whole mesh, in which jumps and lost contacts are counted; 0: none; "
+       "default 8"},
+      [&walk, read = count("--walks", 0)](const std::string& text) { walk.walkers = read(text); });
+  command.option({"--walk-ticks", "N", "ticks of a walk; default 2500"},
+                 [&walk, read = count("--walk-ticks", 1)](const std::string& text) {
+                   walk.ticks = read(text);
+                 });
+  command.option({"--walk-depth", "DEPTH",
+                  "of walks: a length, or a share of the mesh's diagonal; default 0.5%"},
+                 options.walk_depth);
+  command.option(
+      {"--walk-step", "RATIO",
+       "of the depth, that a walk moves in a tick: 1%, the default, stands for a loop of "
+       "1000 Hz, 2% for 500 Hz, 10% for 100 Hz"},
+      [&walk](const std::string& text) {
+        walk.step = parse_ratio("--walk-step", text);
+        if (!(walk.step > 0 && walk.step <= 1))
+          throw InputError(fmt::format("--walk-step: '{}' is not above 0 and at most 1", text));
+      });
+  command.option({"--seed", "N", "of the walks; default 1"}, [&walk](const std::string& text) {
+    walk.seed = parse_number<std::uint64_t>("--seed", text);
+  });
+}
+
+void describe(Command& command, ComparingOptions& options) {
+  options.compare.candidates = kEverything;
+  CompareOptions& compare = options.compare;
+  add_mesh_options(command, options, "MESH");
+  command.option(
+      {"--levels", "LIST",
+       "of exact, ribbon, bezier, table, table:N, fair, shaded, flat; without table:N all"},
+      [&](const std::string& text) {
+        compare.candidates = parse_list("--levels", text, parse_candidate);
+      });
+  command.option({"--precisions", "LIST", "of float and double; both by default"},
+                 [&](const std::string& text) {
+                   compare.precisions =
+                       parse_list("--precisions", text, [](const std::string& name) {
+                         return parse_name("--precisions", name, kPrecisionNames);
+                       });
+                 });
+  command.option({"--solvers", "LIST", "of newton (default), gauss-newton and paper"},
+                 [&](const std::string& text) {
+                   compare.solvers = parse_list("--solvers", text, [](const std::string& name) {
+                     return parse_name("--solvers", name, kSolverNames);
+                   });
+                 });
+  command.option({"--backends", "LIST", "of tbb (default), serial, opencl and auto"},
+                 [&](const std::string& text) {
+                   compare.backends = parse_list("--backends", text, [](const std::string& name) {
+                     return std::string(parse_name("--backends", name, kBackendNames));
+                   });
+                 });
+  add_step_options(command, compare.solving);
+  command.option({"--depth", "LIST", "of the HIPs; default: 1 % of the mesh's diagonal"},
+                 [&](const std::string& text) { options.depths = parse_depths(text); });
+  command.option({"--path", "FILE", "HIPs, one a tick, instead of a path of its own"},
+                 options.path);
+  command.option(
+      {"--ticks", "N", "of its own path, a thousandth of the diagonal apart; default 4000"},
+      options.ticks, 100, 10000000);
+  add_walk_options(command, options);
+  add_stiffness_option(command, compare.stiffness);
+  command.option(
+      {"--reference", "MESH",
+       "the true surface: a dense mesh in the same unit, or knot, torus, goldberg as generated"},
+      options.reference);
+  command.option({"--max-force-error", "RATIO", "budget: as 1%, of stiffness x depth"},
+                 [&](const std::string& text) {
+                   options.budget.force_error = parse_ratio("--max-force-error", text);
+                 });
+  command.option({"--max-tick", "TIME", "budget: as 5us"},
+                 [&](const std::string& text) { options.budget.tick = parse_time(text); });
+  command.option({"--max-memory", "SIZE", "budget: as 64MiB"}, [&](const std::string& text) {
+    options.budget.memory = parse_memory("--max-memory", text);
+  });
+  command.option(
+      {"--dense-limit", "N",
+       "triangles of the densest mesh tried for flat and shaded; 0: none; default 500000"},
+      options.dense_limit, 0, 100000000);
+  add_output_option(command, options.output, "rows as a table: .h5 or .csv");
+}
+
+double diagonal_of(const PatchCache& cache) {
+  const Box box = cache.bounds();
+  return (box.high - box.low).norm();
+}
+
+std::vector<ComparePath> make_paths(const ComparingOptions& options, const Mesh& mesh,
+                                    const Topology& topology, const PatchCache& exact) {
+  std::vector<ComparePath> paths;
+  if (!options.path.empty()) {
+    std::vector<Vec3> hips =
+        points_in_metres(read_points(options.path, options.unit, {}, stop_if_interrupted));
+    for (Vec3& hip : hips) hip /= mesh.unit;
+    const double depth = options.depths.size() == 1 ? options.depths.front() : 0;
+    if (!(depth > 0)) throw InputError("--path: needs the one --depth that its HIPs have");
+    paths.push_back({depth, std::move(hips), {}});
+  } else {
+    const double diagonal = diagonal_of(exact);
+    std::vector<double> depths = options.depths;
+    if (depths.empty()) depths = {0.01 * diagonal * mesh.unit};
+    for (const double depth : depths) {
+      paths.push_back({depth,
+                       path_over(mesh, topology, exact, depth / mesh.unit, diagonal / 1000,
+                                 static_cast<std::size_t>(options.ticks)),
+                       {}});
+    }
+  }
+  for (ComparePath& path : paths) {
+    if (path.hips.empty()) throw InputError("no path: every edge of the mesh is a border");
+    path.reference = feel_path(exact, {}, path.hips, path.depth / mesh.unit, {}).push;
+  }
+  return paths;
+}
+
+// The depth of walks, m.
+double walk_depth_of(const ComparingOptions& options, const Mesh& mesh) {
+  const std::string& text = options.walk_depth;
+  const double depth =
+      text.ends_with('%') ? parse_ratio("--walk-depth", text) / 0.005 * walk_depth(mesh) * mesh.unit
+                          : parse_length(text);
+  if (!(depth > 0)) throw InputError(fmt::format("--walk-depth: '{}' is not positive", text));
+  return depth;
+}
+
+CompareWalks make_walks(const ComparingOptions& options, const Mesh& mesh, const Topology& topology,
+                        const Engine& engine) {
+  CompareWalks made;
+  if (options.walk.walkers == 0) return made;
+  made.depth = walk_depth_of(options, mesh);
+  WalkOptions walk = options.walk;
+  walk.depth = made.depth / mesh.unit;
+  made.walks = walk_paths(mesh, topology, walk, interruptible(engine));
+  return made;
+}
+
+// From a point in the mesh's unit to the true surface.
+TrueDistance true_distance(const ComparingOptions& options, const Mesh& mesh) {
+  if (options.reference.empty()) return nullptr;
+  for (const auto& [name, make] : {std::pair(
+                                       "knot", +[] { return torus_knot(); }),
+                                   std::pair(
+                                       "torus", +[] { return torus(); }),
+                                   std::pair(
+                                       "goldberg", +[] { return goldberg(); })}) {
+    if (options.reference != name) continue;
+    const Generated made = make();
+    const double scale = mesh.unit / made.mesh.unit;
+    return [exact = made.exact, scale](const Vec3& x) {
+      return std::abs(exact->nearest(x * scale).distance) / scale;
+    };
+  }
+  SurfaceOptions surface = options;
+  surface.surface = options.reference;
+  Mesh reference = read_mesh(surface);
+  add_vertex_normals(reference);
+  const auto base = std::make_shared<PatchCache>(
+      build_base(reference, build_topology(reference), Precision::kDouble));
+  return [base](const Vec3& x) {
+    QueryOptions flat;
+    flat.method = Method::kFlat;
+    return std::abs(nearest(*base, x, flat).distance);
+  };
+}
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
+
+Json json_of(const CompareRow& row) {
+  return {{"level", row.candidate.name()},
+          {"precision", precision_name(row.precision)},
+          {"solver", name_of(kSolverNames, row.solver)},
+          {"backend", row.backend},
+          {"bytes_per_patch", row.bytes_per_patch},
+          {"build_per_s", row.build_per_s},
+          {"eval_per_s", number(row.eval_per_s)},
+          {"track_per_s", row.track_per_s},
+          {"max_distance", row.max_distance},
+          {"p99_distance", row.p99_distance},
+          {"true_max_distance", number(row.true_max_distance)},
+          {"true_p99_distance", number(row.true_p99_distance)},
+          {"max_normal_gap_deg", row.max_normal_gap * 180 / std::numbers::pi},
+          {"p99_normal_gap_deg", row.p99_normal_gap * 180 / std::numbers::pi},
+          {"max_force_step", row.max_force_step},
+          {"p99_force_step", row.p99_force_step},
+          {"walk_max_force_step", number(row.walk_max_force_step)},
+          {"jumps_per_100k", row.jumps_per_100k},
+          {"lost_per_100k", row.lost_per_100k},
+          {"unsound", row.unsound},
+          {"max_force_error", row.max_force_error},
+          {"p99_force_error", row.p99_force_error},
+          {"tick_us", row.tick * 1e6},
+          {"bytes", row.bytes},
+          {"pareto", row.pareto}};
+}
+
+Json json_of(const DenseRow& row, const CompareRow& target) {
+  return {{"method", method_name(row.method)},
+          {"triangles", row.triangles},
+          {"bytes", row.bytes},
+          {"max_force_step", row.max_force_step},
+          {"p99_force_step", row.p99_force_step},
+          {"jumps_per_100k", row.jumps_per_100k},
+          {"lost_per_100k", row.lost_per_100k},
+          {"tick_us", row.tick * 1e6},
+          {"target_level", row.target},
+          {"target_force_step", row.target_step},
+          {"target_bytes", target.bytes},
+          {"target_tick_us", target.tick * 1e6},
+          {"memory_ratio", row.memory_ratio},
+          {"time_ratio", row.time_ratio},
+          {"reached", row.reached},
+          {"needed_triangles", number(row.needed_triangles)}};
+}
+
+Json json_of(const CompareWalks& walks, const WalkOptions& walk) {
+  if (walks.walks.empty()) return {};
+  return {{"walkers", walk.walkers}, {"walks", walks.walks.size()}, {"ticks", walk.ticks},
+          {"depth_m", walks.depth},  {"step", walk.step},           {"seed", walk.seed}};
+}
+
+std::string text_of(const CompareWalks& walks, const WalkOptions& walk) {
+  const std::string jumps = "jumps/, lost/: per 100,000 ticks in contact, ";
+  if (walks.walks.empty()) return jumps + "along the path\n";
+  return jumps +
+         fmt::format(
+             "in {} random walks of {} ticks {:.3g} mm deep, {:.3g} mm a tick; walk, N: the "
+             "largest step there\n",
+             walk.walkers, walk.ticks, walks.depth * 1e3, walks.depth * walk.step * 1e3);
+}
+
+std::string rate_text(double per_second) {
+  return std::isfinite(per_second) ? fmt::format("{:.3g} M", per_second * 1e-6) : "-";
+}
+
+std::string text_of(const CompareRow& row) {
+  return fmt::format(
+             "{} {:<8} {:<6} {:<12} {:<6} {:>8.0f} {:>9} {:>8} {:>8} {:>10.3g} {:>10.3g} {:>9.2g} "
+             "{:>9.2g} {:>9.4g} {:>9.4g} {:>9.4g} {:>8.1f} {:>8.1f} {:>8.3g} {:>8.3g} {:>7.2f}\n",
+             row.pareto ? '*' : ' ', row.candidate.name(), precision_name(row.precision),
+             name_of(kSolverNames, row.solver), row.backend, row.bytes_per_patch,
+             rate_text(row.build_per_s), rate_text(row.eval_per_s), rate_text(row.track_per_s),
+             row.max_distance * 1e3, row.p99_distance * 1e3,
+             row.max_normal_gap * 180 / std::numbers::pi,
+             row.p99_normal_gap * 180 / std::numbers::pi, row.max_force_step, row.p99_force_step,
+             row.walk_max_force_step, row.jumps_per_100k, row.lost_per_100k,
+             100 * row.max_force_error, 100 * row.p99_force_error, row.tick * 1e6) +
+         unsound_text(row.unsound, "steps");
+}
+
+std::string text_of(const DenseRow& row) {
+  std::string text = fmt::format("{} needs ", method_name(row.method));
+  if (row.reached) {
+    text += fmt::format("{} triangles", row.triangles);
+  } else if (std::isfinite(row.needed_triangles)) {
+    text += fmt::format("more than {} triangles, by extrapolation {:.2g},", row.triangles,
+                        row.needed_triangles);
+  } else {
+    text += fmt::format("more than {} triangles", row.triangles);
+  }
+  return text + fmt::format(
+                    " to feel as smooth as {} ({:.4g} N; {:.4g} N, jumps {:.1f} and lost {:.1f} "
+                    "per 100k with {}: {:.3g} x the memory, {:.3g} x the time)\n",
+                    row.target, row.target_step, row.max_force_step, row.jumps_per_100k,
+                    row.lost_per_100k, row.triangles, row.memory_ratio, row.time_ratio);
+}
+
+void write_table(const ComparingOptions& options, const PatchCache& exact,
+                 const std::vector<CompareRow>& rows) {
+  const std::string& path = options.output;
+  const auto file = create_described_file(path, exact, options);
+  ResultTable table(
+      *file, path.ends_with(".csv") ? "" : "rows",
+      Columns()
+          .add({"level", "precision", "solver", "backend"}, ColumnType::kText)
+          .add({"bytes_per_patch", "build_per_s", "eval_per_s", "track_per_s"})
+          .add({"max_distance", "p99_distance", "true_max_distance", "true_p99_distance"},
+               ColumnType::kFloat64, "m")
+          .add({"max_normal_gap_deg", "p99_normal_gap_deg"}, ColumnType::kFloat64, "deg")
+          .add({"max_force_step", "p99_force_step", "walk_max_force_step"}, ColumnType::kFloat64,
+               "N")
+          .add({"jumps_per_100k", "lost_per_100k", "unsound"})
+          .add({"max_force_error", "p99_force_error"})
+          .add({"tick_us"}, ColumnType::kFloat64, "us")
+          .add({"pareto"}, ColumnType::kUint8));
+  const auto texts = [&](auto get) {
+    table.fill(rows.size(), [&](std::size_t i) { return std::string(get(rows[i])); });
+  };
+  texts([](const CompareRow& r) { return r.candidate.name(); });
+  texts([](const CompareRow& r) { return precision_name(r.precision); });
+  texts([](const CompareRow& r) { return name_of(kSolverNames, r.solver); });
+  texts([](const CompareRow& r) { return r.backend; });
+  const auto numbers = [&](auto get) {
+    table.fill(rows.size(), [&](std::size_t i) { return get(rows[i]); });
+  };
+  for (const auto member :
+       {&CompareRow::bytes_per_patch, &CompareRow::build_per_s, &CompareRow::eval_per_s,
+        &CompareRow::track_per_s, &CompareRow::max_distance, &CompareRow::p99_distance,
+        &CompareRow::true_max_distance, &CompareRow::true_p99_distance})
+    numbers([&](const CompareRow& r) { return r.*member; });
+  numbers([](const CompareRow& r) { return r.max_normal_gap * 180 / std::numbers::pi; });
+  numbers([](const CompareRow& r) { return r.p99_normal_gap * 180 / std::numbers::pi; });
+  numbers([](const CompareRow& r) { return r.max_force_step; });
+  numbers([](const CompareRow& r) { return r.p99_force_step; });
+  numbers([](const CompareRow& r) { return r.walk_max_force_step; });
+  numbers([](const CompareRow& r) { return r.jumps_per_100k; });
+  numbers([](const CompareRow& r) { return r.lost_per_100k; });
+  numbers([](const CompareRow& r) { return static_cast<double>(r.unsound); });
+  numbers([](const CompareRow& r) { return r.max_force_error; });
+  numbers([](const CompareRow& r) { return r.p99_force_error; });
+  numbers([](const CompareRow& r) { return r.tick * 1e6; });
+  numbers([](const CompareRow& r) { return r.pareto ? 1.0 : 0.0; });
+  table.write();
+  file->close();
+}
+
+// The patches that dense triangles are to match: exact ones in double, if there are such.
+const CompareRow* smoothest(const std::vector<CompareRow>& rows) {
+  const CompareRow* best = nullptr;
+  for (const CompareRow& row : rows) {
+    if (row.candidate.method != Method::kGregory) continue;
+    if (best == nullptr) best = &row;
+    if (row.candidate.level == Level{} && row.precision == Precision::kDouble) return &row;
+  }
+  return best;
+}
+
+void run(const ComparingOptions& options) {
+  check_outputs({options.output}, {options.surface, options.path, options.reference});
+  const Stopwatch clock;
+  const auto engine = make_engine(options);
+  Mesh mesh = read_mesh(options);
+  const bool normals_given = !mesh.normals.empty();
+  add_vertex_normals(mesh);
+  const PatchCache exact = build(mesh, options, *engine);
+  const Topology topology = build_topology(mesh);
+  std::vector<ComparePath> paths = make_paths(options, mesh, topology, exact);
+  std::vector<double> depths;
+  for (const ComparePath& path : paths) depths.push_back(path.depth);
+  tell_tight_curvature(options, exact, *std::max_element(depths.begin(), depths.end()));
+  CompareWalks walks = make_walks(options, mesh, topology, *engine);
+  const std::string walks_text = text_of(walks, options.walk);
+  const Json walks_json = json_of(walks, options.walk);
+  CompareOptions measuring = options.compare;
+  measuring.normals_given = normals_given;
+  measuring.poll = stop_if_interrupted;
+  measuring.make_engine = [&](const std::string& backend) {
+    CommonOptions common = options;
+    common.backend = backend;
+    return make_engine(common);
+  };
+  const Comparison comparison(mesh, topology, exact, std::move(paths), std::move(walks),
+                              true_distance(options, mesh), measuring);
+  std::vector<CompareRow> rows;
+  {
+    Watch watch(options, "compare", comparison.row_count(), "rows");
+    rows = comparison.measure([&] { watch.add(1); });
+  }
+  const CompareRow* best = recommend(rows, options.budget);
+
+  const CompareRow* target = smoothest(rows);
+  std::vector<DenseRow> dense;
+  if (target != nullptr && options.dense_limit > 0) {
+    Watch watch(options, "dense meshes", 2, "methods");
+    for (const Method method : {Method::kShaded, Method::kFlat}) {
+      const bool wanted = std::any_of(rows.begin(), rows.end(), [&](const CompareRow& row) {
+        return row.candidate.method == method;
+      });
+      if (wanted)
+        dense.push_back(
+            comparison.match(method, *target, static_cast<std::uint64_t>(options.dense_limit)));
+      watch.add(1);
+    }
+  }
+  if (!options.output.empty()) write_table(options, exact, rows);
+
+  std::string text = fmt::format(
+      "  {:<8} {:<6} {:<12} {:<6} {:>8} {:>9} {:>8} {:>8} {:>10} {:>10} {:>9} {:>9} {:>9} {:>9} "
+      "{:>9} {:>8} {:>8} {:>8} {:>8} {:>7}\n",
+      "level", "prec.", "solver", "on", "B/patch", "build/s", "eval/s", "track/s", "far, mm",
+      "p99, mm", "gap, deg", "p99, deg", "step, N", "p99, N", "walk, N", "jumps/", "lost/",
+      "error, %", "p99, %", "tick, us");
+  Json json = {{"program", "gliss"},
+               {"version", GLISS_VERSION},
+               {"command_line", command_line()},
+               {"mesh", options.surface},
+               {"faces", mesh.face_count()},
+               {"unit", unit_name(mesh.unit)},
+               {"mesh_hash", hash_name(exact.mesh_hash)},
+               {"depths_m", depths},
+               {"stiffness_N_per_m", options.compare.stiffness},
+               {"walks", walks_json}};
+  json["rows"] = Json::array();
+  json["dense"] = Json::array();
+  json["recommended"] = nullptr;
+  for (const CompareRow& row : rows) {
+    text += text_of(row);
+    json["rows"].push_back(json_of(row));
+  }
+  text += "* no other is better in error, tick and memory at once\n" + walks_text;
+  for (const DenseRow& row : dense) {
+    text += text_of(row);
+    json["dense"].push_back(json_of(row, *target));
+  }
+  const bool asked = options.budget.force_error || options.budget.tick || options.budget.memory;
+  if (best != nullptr) {
+    json["recommended"] = {{"level", best->candidate.name()},
+                           {"precision", precision_name(best->precision)},
+                           {"solver", name_of(kSolverNames, best->solver)},
+                           {"backend", best->backend}};
+    if (asked)
+      text += fmt::format("within the budget: {}, {}, {}\n", best->candidate.name(),
+                          precision_name(best->precision), name_of(kSolverNames, best->solver));
+  } else {
+    text += "nothing is within the budget\n";
+  }
+  json["seconds"] = clock.seconds();
+  report(options, text, json, options.output == "-");
+}
+
+}  // namespace
+
+void add_compare(Command& program) {
+  add_command<ComparingOptions>(
+      program, "compare", "Measure what each level costs and gives, on this mesh and machine.",
+      "gliss compare teeth.obj --unit mm --depth 0.5mm --max-force-error 1% --max-tick 5us",
+      describe, run);
+}
+
+}  // namespace gliss::tools

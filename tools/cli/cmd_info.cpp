@@ -1,0 +1,173 @@
+// gliss info: what a mesh or a cache holds.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "gliss/mesh/mesh_edges.h"
+#include "gliss/surface/layout.h"
+#include "tools/cli/surface_input.h"
+
+namespace gliss::tools {
+namespace {
+
+// How the faces that were built hang together.
+struct Shape {
+  std::uint32_t vertices = 0, edges = 0, border_sides = 0, parts = 0;
+  std::map<std::uint32_t, std::uint32_t> valences;  // faces with as many sides
+};
+
+// A patch's sides that are the face's own; the others are cuts inside it.
+Shape shape_of(const PatchCache& cache) {
+  Shape shape;
+  std::uint32_t centres = 0, cuts = 0;
+  std::visit(
+      [&](const auto& s) {
+        const auto sides = static_cast<std::uint32_t>(s.side_patch.size());
+        DisjointSets parts(cache.patch_count()), corners(sides);
+        shape.parts = cache.patch_count();
+        shape.vertices = sides;
+        const auto next = [&](std::uint32_t side) {
+          const std::uint32_t patch = s.side_patch[side];
+          return side + 1 == s.side_begin[patch + 1] ? s.side_begin[patch] : side + 1;
+        };
+        for (std::uint32_t side = 0; side < sides; ++side) {
+          const std::uint32_t twin = s.side_twin[side], patch = s.side_patch[side];
+          shape.border_sides += twin == kNone;
+          if (twin == kNone) continue;
+          cuts += cache.patch_face[patch] == cache.patch_face[s.side_patch[twin]];
+          shape.parts -= parts.unite(patch, s.side_patch[twin]);
+          shape.vertices -= corners.unite(side, next(twin));
+        }
+        for (std::uint32_t face = 0; face < cache.mesh_face_count; ++face) {
+          const std::uint32_t patch = cache.face_patch[face];
+          if (patch == kNone) continue;
+          ++shape.valences[cache.face_valence[face]];
+          const auto begin = cache.corner_of_face.begin() + s.side_begin[patch];
+          const auto end = begin + s.valence(patch);
+          centres += std::find(begin, end, cache.face_valence[face]) != end;
+        }
+        shape.edges = (sides - cuts - shape.border_sides) / 2 + shape.border_sides;
+      },
+      cache.surface);
+  shape.vertices -= centres;
+  return shape;
+}
+
+std::map<std::string, std::uint32_t> count_kinds(const PatchCache& cache) {
+  std::map<std::string, std::uint32_t> kinds = {
+      {"exact", 0}, {"eased", 0}, {"split", 0}, {"bent", 0}};
+  for (const PatchKind kind : cache.kind) {
+    ++kinds[kind == PatchKind::kExact   ? "exact"
+            : kind == PatchKind::kEased ? "eased"
+            : kind == PatchKind::kSplit ? "split"
+                                        : "bent"];
+  }
+  return kinds;
+}
+
+// Counts the forms that patches are kept in: the cache's level, or another that stands in.
+std::map<std::string, std::uint32_t> count_forms(const PatchCache& cache) {
+  std::map<std::string, std::uint32_t> forms;
+  std::visit(
+      [&](const auto& surface) {
+        for (const std::uint32_t form : surface.form)
+          ++forms[form == kFormSextic
+                      ? "sextic"
+                      : name_of(kLevelNames, static_cast<Level::Kind>(form & kFormMask))];
+      },
+      cache.surface);
+  return forms;
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+void describe(Command& command, SurfaceOptions& options) {
+  add_surface_options(command, options, "MESH_OR_CACHE");
+}
+
+void run(const SurfaceOptions& options) {
+  const auto engine = make_engine(options);
+  const PatchCache cache = open_surface(options, *engine);
+  const Shape shape = shape_of(cache);
+  const std::string unit = unit_name(options.unit);
+  const UnitChange length(cache.unit, options.unit);
+  const Box bounds = cache.bounds();
+  const Vec3 low = length(bounds.low), high = length(bounds.high);
+  const double rho_min = length(cache.smallest_rho());
+  const double rho_median = length(median({cache.rho_min.begin(), cache.rho_min.end()}));
+  std::uint32_t faces = 0, folded = 0;
+  for (const std::uint32_t patch : cache.face_patch) {
+    faces += patch != kNone;
+    folded += patch != kNone && cache.folded[patch];
+  }
+
+  Json valences;
+  std::string valence_text;
+  for (const auto& [valence, count] : shape.valences) {
+    valences[std::to_string(valence)] = count;
+    valence_text +=
+        fmt::format("{}{} x {} sides", valence_text.empty() ? "" : ", ", count, valence);
+  }
+  const auto kinds = count_kinds(cache);
+  Json forms;
+  std::string form_text;
+  for (const auto& [name, count] : count_forms(cache)) {
+    forms[name] = count;
+    form_text += fmt::format("{}{} {}", form_text.empty() ? "" : ", ", count, name);
+  }
+  report(options,
+         fmt::format("faces         {} of {}: {}\n"
+                     "vertices      {}, edges {}, border sides {}, parts {}\n"
+                     "patches       {}: exact {}, eased {}, split {}, bent {}\n"
+                     "folded faces  {}\n"
+                     "unit          {} (coordinates here in {})\n"
+                     "bounds        {:.6g} {:.6g} {:.6g} to {:.6g} {:.6g} {:.6g}\n"
+                     "curvature     least radius of curvature {}, median of the patches {}\n"
+                     "level         {}, {} construction: {}\n"
+                     "precision     {}, {:.2f} MiB\n"
+                     "mesh hash     {}\n",
+                     faces, cache.mesh_face_count, valence_text, shape.vertices, shape.edges,
+                     shape.border_sides, shape.parts, cache.patch_count(), kinds.at("exact"),
+                     kinds.at("eased"), kinds.at("split"), kinds.at("bent"), folded,
+                     unit_name(cache.unit), unit, low.x(), low.y(), low.z(), high.x(), high.y(),
+                     high.z(), radius_text(rho_min), radius_text(rho_median),
+                     level_name(cache.level), construction_name(cache.level.construction),
+                     form_text, precision_name(cache.precision()),
+                     static_cast<double>(cache.bytes()) / (1 << 20), hash_name(cache.mesh_hash)),
+         {{"surface", options.surface},
+          {"mesh_faces", cache.mesh_face_count},
+          {"faces", faces},
+          {"valences", valences},
+          {"vertices", shape.vertices},
+          {"edges", shape.edges},
+          {"border_sides", shape.border_sides},
+          {"parts", shape.parts},
+          {"patches", cache.patch_count()},
+          {"kinds", kinds},
+          {"folded_faces", folded},
+          {"surface_unit", unit_name(cache.unit)},
+          {"unit", unit},
+          {"bounds", {{low.x(), low.y(), low.z()}, {high.x(), high.y(), high.z()}}},
+          {"rho_min", radius_json(rho_min)},
+          {"rho_median", radius_json(rho_median)},
+          {"level", level_name(cache.level)},
+          {"construction", construction_name(cache.level.construction)},
+          {"forms", forms},
+          {"precision", precision_name(cache.precision())},
+          {"bytes", cache.bytes()},
+          {"mesh_hash", hash_name(cache.mesh_hash)}});
+}
+
+}  // namespace
+
+void add_info(Command& program) {
+  add_command<SurfaceOptions>(program, "info", "Say what a mesh or a cache holds.",
+                              "gliss info teeth.obj --unit mm", describe, run);
+}
+
+}  // namespace gliss::tools

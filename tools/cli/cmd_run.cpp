@@ -1,0 +1,315 @@
+// gliss run: a scene under a device, 1000 times a second. The keys of its JSON are a contract.
+#include <fmt/format.h>
+
+#include <atomic>
+#include <cmath>
+#include <exception>
+#include <future>
+#include <optional>
+#include <thread>
+
+#include "gliss/files/atomic_file.h"
+#include "gliss/scene/open_scene.h"
+#include "gliss/scene/recorder.h"
+#include "gliss/thread/realtime.h"
+#include "tools/cli/curvature.h"
+#include "tools/cli/interrupt.h"
+#include "tools/cli/outputs.h"
+#include "tools/cli/run_devices.h"
+#include "tools/cli/run_progress.h"
+#include "tools/cli/surface_input.h"
+#include "tools/cli/terminal.h"
+#include "tools/cli/timing_text.h"
+#include "tools/cli/watch.h"
+
+namespace gliss::tools {
+namespace {
+
+using namespace std::chrono_literals;
+
+struct RunOptions : ReportOptions {
+  int threads = 0;
+  std::string scene, device = "sim", recording, report;
+  double seconds = 0;  // 0: until the device ends
+  bool no_wait = false, require_realtime = false, cpu_time = false;
+};
+
+void describe(Command& command, RunOptions& options) {
+  add_input_option(command, "SCENE", options.scene, "scene file (.toml)");
+  command.option({"--device", "DEVICE", std::string(kDeviceWords) + "; default sim"},
+                 options.device);
+  command.flag("--no-wait", options.no_wait,
+               "tick after tick as fast as it goes, in a time of its own; for sim and replay");
+  command.option({"--seconds", "SECONDS", "end after so long; default: when the device ends"},
+                 options.seconds, 1e-3, 1e7);
+  command.option(
+      {"-o,--record", "FILE", "record each tick: .h5, .hdf5 or .csv"},
+      [&](const std::string& path) {
+        if (!path.ends_with(".csv") && !path.ends_with(".h5") && !path.ends_with(".hdf5"))
+          throw InputError(fmt::format("'{}' must end in .h5, .hdf5 or .csv", path));
+        options.recording = path;
+      });
+  command.option({"--report", "FILE", "write figures, histograms and what led to trips, as JSON"},
+                 options.report);
+  command.option({"--threads", "N", "threads to build patches with; 0, the default: all"},
+                 options.threads, 0, 4096);
+  command.flag("--cpu-time", options.cpu_time,
+               "time the ticks by the thread's CPU clock, blind to pre-emption: two system calls "
+               "more a tick");
+  command.flag("--require-rt", options.require_realtime,
+               "make it an error where real-time scheduling or locked memory is refused");
+}
+
+// With progress, on all threads, and Ctrl-C.
+std::vector<SceneObject> open_objects(const Scene& scene, const RunOptions& options) {
+  const auto engine = make_tbb_engine(options.threads);
+  SurfaceOptions surface;
+  surface.threads = options.threads;
+  surface.quiet = options.quiet;
+  SceneOpening opening;
+  opening.read_mesh = [&](const ObjectDescription& described) {
+    surface.surface = described.surface;
+    surface.unit = described.unit;
+    return read_mesh(surface);
+  };
+  opening.build = [&](const Mesh& mesh, const BuildOptions& wanted) {
+    surface.precision = wanted.precision;
+    surface.level = wanted.level;
+    surface.construction = wanted.level.construction;
+    return build(mesh, surface, *engine);
+  };
+  opening.poll = stop_if_interrupted;
+  return gliss::open_objects(scene, opening);
+}
+
+struct Session {
+  RunReport report;
+  LoopEnd end = LoopEnd::kStopped;
+  std::string scheduling = "SCHED_OTHER";
+  bool memory_locked = false;
+  std::vector<std::string> refusals;
+  std::uint64_t lost = 0;           // ticks that the queue had no room for
+  std::exception_ptr not_recorded;  // why
+};
+
+// The ticks of a loop that ends after so many seconds; 0: unknown.
+std::uint64_t ticks_of(const RunOptions& options, const Scene& scene) {
+  return static_cast<std::uint64_t>(std::ceil(options.seconds / in_seconds(scene.loop.period)));
+}
+
+// Hands ticks to the recording. A recording that fails does not stop the loop while a hand is on
+// the device; with --no-wait there is no hand, and it is an error.
+void record(const std::vector<LoopTick>& ticks, const RunOptions& options, RunProgress& progress,
+            std::optional<RecordingFile>& recording, Session& session) {
+  if (!recording) return;
+  try {
+    recording->write(ticks);
+  } catch (const std::exception& error) {
+    if (options.no_wait) throw;
+    recording.reset();
+    session.not_recorded = std::current_exception();
+    progress.say(fmt::format("{}; the loop goes on", error.what()));
+  }
+}
+
+// The loop in a thread of its own; this one records and tells.
+void run_session(HapticLoop& loop, const RunOptions& options, const Scene& scene,
+                 std::optional<RecordingFile>& recording, Session& session) {
+  TickQueue queue;
+  std::atomic<bool> given_up{false};
+  const auto on_tick = [&](const LoopTick& tick) {
+    // Without a clock to keep, nothing need be lost.
+    while (options.no_wait && queue.full() && !given_up) std::this_thread::sleep_for(100us);
+    queue.add(tick);
+    const bool over = options.seconds > 0 && tick.time >= options.seconds * 1s;
+    return !over && !interrupted() && !given_up;
+  };
+  auto running = std::async(std::launch::async, [&] {
+    std::optional<Realtime> realtime;
+    if (!options.no_wait) {
+      realtime.emplace(RealtimeOptions{scene.priority, options.require_realtime});
+      if (realtime->priority() > 0)
+        session.scheduling = fmt::format("SCHED_FIFO {}", realtime->priority());
+      session.memory_locked = realtime->memory_locked();
+      session.refusals = realtime->refusals();
+      if (!options.quiet) {
+        for (const std::string& line : session.refusals) tell(fmt::format("gliss: {}\n", line));
+      }
+    }
+    session.end = loop.run(on_tick);
+  });
+  // However this thread ends, so does the loop, and its end is waited for.
+  struct GiveUp {
+    std::atomic<bool>& given_up;
+    ~GiveUp() { given_up = true; }
+  } give_up{given_up};
+  RunProgress progress(options.quiet, options.no_wait, ticks_of(options, scene));
+  std::uint64_t taken = 0;
+  std::vector<LoopTick> ticks;
+  for (bool more = true; more;) {
+    more = running.wait_for(options.no_wait ? 1ms : 50ms) != std::future_status::ready;
+    queue.take(ticks);
+    taken += ticks.size();
+    for (const LoopTick& tick : ticks) session.report.add(tick);
+    record(ticks, options, progress, recording, session);
+    if (more) progress.update(session.report, taken);
+  }
+  progress.finish(session.report, taken);
+  running.get();
+  session.lost = session.not_recorded ? loop.record().ticks() : queue.lost();
+}
+
+Json figures_of(const HapticLoop& loop, const Session& session, const std::string& device) {
+  const TickRecord& record = loop.record();
+  const ForceStatistics &rendered = session.report.rendered(), &sent = session.report.sent();
+  Json acts = Json::object();
+  std::uint64_t trips = 0;
+  for (int i = 1; i < kGuardReasons; ++i) {
+    const auto reason = static_cast<GuardReason>(i);
+    acts[guard_reason_name(reason)] = loop.guard().count(reason);
+    if (is_failure(reason)) trips += loop.guard().count(reason);
+  }
+  return {{"ticks", record.ticks()},
+          {"missed", record.missed()},
+          {"largest_force_step", rendered.largest_step},
+          {"jumps_per_100k", rendered.jumps_per_100k()},
+          {"lost_per_100k", rendered.lost_per_100k()},
+          {"unsound", rendered.unsound + sent.unsound},
+          {"p50_us", microseconds(record.compute().quantile(0.5))},
+          {"p99_us", microseconds(record.compute().quantile(0.99))},
+          {"guard_trips", trips},
+          {"guards", acts},
+          {"mean_force_step", rendered.mean_step},
+          {"largest_force", rendered.largest_force},
+          {"in_contact", rendered.touching},
+          {"entries", rendered.entries},
+          {"largest_sent_step", sent.largest_step},
+          {"sent_jumps_per_100k", sent.jumps_per_100k()},
+          {"sent_lost_per_100k", sent.lost_per_100k()},
+          {"largest_sent_force", sent.largest_force},
+          {"success_rate", record.success()},
+          {"longest_missed", record.longest_missed()},
+          {"wake", json_of(record.lateness())},
+          {"compute", json_of(record.compute())},
+          {"device", device},
+          {"end", loop_end_text(session.end)},
+          {"scheduling", session.scheduling},
+          {"memory_locked", session.memory_locked},
+          {"refusals", session.refusals},
+          {"ticks_not_recorded", session.lost}};
+}
+
+std::string steps_text(const ForceStatistics& s) {
+  return fmt::format(
+      "force up to {:.3f} N, largest step {:.4f} N, jumps {:.1f} and lost {:.1f} per 100,000 ticks "
+      "in contact",
+      s.largest_force, s.largest_step, s.jumps_per_100k(), s.lost_per_100k());
+}
+
+std::string text_of(const HapticLoop& loop, const Session& session, const Json& json) {
+  const TickRecord& record = loop.record();
+  const ForceStatistics &rendered = session.report.rendered(), &sent = session.report.sent();
+  std::string out =
+      timing_header() + timing_row("wake", record.lateness()) +
+      timing_row("compute", record.compute()) +
+      fmt::format("{} ticks, {} missed, at most {} in a row; success {:.3f} %; {}, memory {}\n",
+                  record.ticks(), record.missed(), record.longest_missed(), 100 * record.success(),
+                  session.scheduling, session.memory_locked ? "locked" : "not locked") +
+      fmt::format("rendered: {} ticks in contact, {} entries, {}\nsent: {}\n", rendered.touching,
+                  rendered.entries, steps_text(rendered), steps_text(sent)) +
+      unsound_text(rendered.unsound + sent.unsound, "steps") + "guards:";
+  std::string acts;
+  for (const auto& [reason, count] : json["guards"].items()) {
+    if (count != 0) acts += fmt::format(" {} {}x,", reason, count.get<std::uint64_t>());
+  }
+  if (!acts.empty()) acts.pop_back();
+  out += acts.empty() ? " none acted" : acts;
+  if (session.lost > 0) out += fmt::format("\n{} ticks were not recorded", session.lost);
+  return fmt::format("{}\nend: {}\n", out, loop_end_text(session.end));
+}
+
+// Says which objects curve tighter than a HIP was deep in them. Lazy ones do not know. The report
+// has the objects once for each HIP.
+void tell_tight_objects(const RunOptions& options, const Scene& scene,
+                        const std::vector<SceneObject>& objects, const RunReport& report) {
+  std::vector<double> deepest(objects.size(), 0);
+  for (std::size_t i = 0; i < report.deepest().size(); ++i) {
+    double& of_object = deepest[i % objects.size()];
+    of_object = std::max(of_object, report.deepest()[i]);
+  }
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    if (objects[i].cache != nullptr && objects[i].method == Method::kGregory)
+      tell_tight_curvature(options, *objects[i].cache, deepest[i], "the deepest contact",
+                           scene.objects[i].surface);
+  }
+}
+
+std::vector<Attribute> provenance(const RunOptions& options, const HapticDevice& device) {
+  return {{"program", "gliss"},
+          {"version", GLISS_VERSION},
+          {"command_line", command_line()},
+          {"scene", options.scene},
+          {"device", device.info().name}};
+}
+
+void run(const RunOptions& options) {
+  const Scene scene = read_scene(options.scene, stop_if_interrupted);
+  std::vector<std::string> inputs = scene.files;
+  if (options.device.starts_with("replay:")) inputs.push_back(options.device.substr(7));
+  check_outputs({options.recording, options.report}, inputs);
+  const std::vector<SceneObject> objects = open_objects(scene, options);
+  const auto device = open_device(options.device, scene);
+  LoopOptions rules = loop_options(scene, device->info());
+  if (options.no_wait && device->info().real_time)
+    throw InputError(fmt::format("--no-wait: {} lives in real time", device->info().name));
+  std::optional<RecordingFile> recording;
+  if (!options.recording.empty())
+    recording.emplace(options.recording, provenance(options, *device));
+  std::optional<AtomicFile> report_file;
+  if (!options.report.empty()) report_file.emplace(options.report);
+
+  Tracker tracker(objects, scene.hips);
+  rules.wait = !options.no_wait;
+  rules.cpu_time = options.cpu_time;
+  HapticLoop loop(*device, tracker, rules);
+  Session session;
+  run_session(loop, options, scene, recording, session);
+
+  const Json json = figures_of(loop, session, device->info().name);
+  if (recording) {
+    recording->add_histogram("wake_lateness", loop.record().lateness());
+    recording->add_histogram("compute", loop.record().compute());
+    recording->close();
+  }
+  if (report_file) {
+    Json whole = json;
+    whole["histograms"] = {{"wake", histogram_json(loop.record().lateness())},
+                           {"compute", histogram_json(loop.record().compute())}};
+    whole["trips"] = session.report.trips_json();
+    report_file->write(printed(whole));
+    report_file->commit();
+  }
+  tell_tight_objects(options, scene, objects, session.report);
+  report(options, text_of(loop, session, json), json);
+  if (session.not_recorded) std::rethrow_exception(session.not_recorded);
+  stop_if_interrupted();
+  if (session.end == LoopEnd::kDeviceFault)
+    throw LoopError(fmt::format("{}: {}", device->info().name, device->fault_text()));
+}
+
+}  // namespace
+
+void add_run(Command& program) {
+  add_command<RunOptions>(
+      program, "run",
+      "Run a scene under a device, 1000 times a second.\n"
+      "largest_force_step: of the force as rendered, from tick to tick, as gliss trace has it: "
+      "gaining and losing contact are steps from zero and to zero. jumps_per_100k: ticks whose "
+      "step is above 20 % of the force held lately, lost_per_100k: contacts that end under more "
+      "than that, each per 100,000 ticks in contact; unsound: steps that are not finite. "
+      "largest_sent_step: of what went to the device. guard_trips: times that a guard acted on a "
+      "late input, numbers that are not finite, a clock or the device.",
+      "gliss run scene.toml --device sim --record run.h5", describe, run);
+}
+
+}  // namespace gliss::tools

@@ -1,0 +1,80 @@
+// gliss serve: a device for a loop in another process of this machine.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "gliss/device/udp_server.h"
+#include "gliss/thread/realtime.h"
+#include "tools/cli/command.h"
+#include "tools/cli/interrupt.h"
+#include "tools/cli/run_devices.h"
+#include "tools/cli/terminal.h"
+#include "tools/cli/watch.h"
+
+namespace gliss::tools {
+namespace {
+
+struct ServeOptions : ReportOptions {
+  std::string scene, device = "sim";
+  int port = 10002;
+  double seconds = 0;  // 0: until it is interrupted
+};
+
+void describe(Command& command, ServeOptions& options) {
+  add_input_option(command, "SCENE", options.scene, "scene file (.toml): its [sim] and [device]");
+  command.option({"--device", "DEVICE", std::string(kDeviceWords) + "; default sim"},
+                 options.device);
+  command.option({"--port", "PORT", "of UDP on 127.0.0.1, 0: any that is free; default 10002"},
+                 options.port, 0, 65535);
+  command.option({"--seconds", "SECONDS", "end after so long; default: when interrupted"},
+                 options.seconds, 1e-3, 1e7);
+}
+
+void run(const ServeOptions& options) {
+  const Scene scene = read_scene(options.scene, stop_if_interrupted);
+  const auto device = open_device(options.device, scene);
+  UdpServerOptions limits;
+  limits.guard = scene.loop.guard;
+  limits.guard->max_force = std::min(limits.guard->max_force, scene.max_force);
+  UdpServer server(*device, static_cast<std::uint16_t>(options.port), limits);
+  if (!options.quiet)
+    tell(fmt::format("serving {} as udp:{}\n", device->info().name, server.port()));
+  {
+    const Realtime realtime;
+    for (const std::string& line : realtime.refusals()) {
+      if (!options.quiet) tell(fmt::format("gliss: {}\n", line));
+    }
+    const Stopwatch clock;
+    server.run([&] {
+      return interrupted() || (options.seconds > 0 && clock.seconds() >= options.seconds);
+    });
+  }
+  const UdpServerCounts& counts = server.counts();
+  report(options,
+         fmt::format("{} loops, {} datagrams from them, {} to them, {} rejected, {} refused, {} "
+                     "ignored; the watchdog took the force away {}x, {} loops died\n",
+                     counts.peers, counts.received, counts.sent, counts.rejected, counts.refused,
+                     counts.ignored, counts.watchdog_trips, counts.lost),
+         {{"loops", counts.peers},
+          {"received", counts.received},
+          {"sent", counts.sent},
+          {"rejected", counts.rejected},
+          {"refused", counts.refused},
+          {"ignored", counts.ignored},
+          {"watchdog_trips", counts.watchdog_trips},
+          {"lost", counts.lost}});
+  stop_if_interrupted();
+}
+
+}  // namespace
+
+void add_serve(Command& program) {
+  add_command<ServeOptions>(
+      program, "serve",
+      "Give a device to a loop in another process: gliss run SCENE --device udp:PORT.\n"
+      "The device has no force unless that loop sent one in the last 20 ms, and no more than the "
+      "scene's [guards] let through. Loops of this user alone are served.",
+      "gliss serve scene.toml --device sim --port 10002", describe, run);
+}
+
+}  // namespace gliss::tools

@@ -1,0 +1,146 @@
+// gliss trace: a recorded path of HIPs, tick by tick. Its columns are a contract.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "gliss/query/trace.h"
+#include "gliss/tables/result_table.h"
+#include "tools/cli/curvature.h"
+#include "tools/cli/outputs.h"
+#include "tools/cli/surface_input.h"
+#include "tools/cli/watch.h"
+
+namespace gliss::tools {
+namespace {
+
+constexpr std::size_t kBlockRows = 16384;
+
+struct TracingOptions : TableOptions {
+  std::string path;
+  TraceOptions trace;
+};
+
+void describe(Command& command, TracingOptions& options) {
+  add_surface_options(command, options, "MESH_OR_CACHE");
+  add_input_option(
+      command, "--path", options.path,
+      "HIPs, one a tick: columns x,y,z in the unit of --unit, or x_mm,y_mm,z_mm; perhaps step");
+  add_output_option(command, options.output, "table to write; CSV on standard output without it");
+  add_stiffness_option(command, options.trace.stiffness);
+  add_methods_option(command, options.trace.methods);
+  add_solver_options(command, options.trace);
+}
+
+// Whole steps are written as such: 100000, where the shortest double would be 1e+05.
+ColumnType step_type(const std::vector<double>* steps) {
+  const auto whole = [](double s) { return s >= 0 && s < 4294967296.0 && s == std::floor(s); };
+  return steps == nullptr || std::all_of(steps->begin(), steps->end(), whole)
+             ? ColumnType::kUint32
+             : ColumnType::kFloat64;
+}
+
+// A tick with one method.
+struct Row {
+  double step;
+  Vec3 hip;  // in the unit of --unit
+  Method method;
+  TraceStep felt;
+};
+
+void write(const std::vector<Row>& rows, const UnitChange& length, ResultTable& table) {
+  const std::size_t count = rows.size();
+  table.fill(count, [&](std::size_t i) { return rows[i].step; });
+  table.fill(count, [&](std::size_t i) { return method_name(rows[i].method); });
+  table.fill_vectors(count, [&](std::size_t i) { return rows[i].hip; });
+  table.fill_vectors(count, [&](std::size_t i) { return length(rows[i].felt.contact.scp); });
+  table.fill_vectors(count, [&](std::size_t i) { return rows[i].felt.force; });
+  table.fill(count, [&](std::size_t i) { return rows[i].felt.contact.at.face; });
+  table.fill(count,
+             [&](std::size_t i) { return rows[i].felt.contact.touching ? "contact" : "free"; });
+  table.write();
+}
+
+void report_statistics(const TracingOptions& options, const std::vector<TraceStatistics>& found) {
+  std::string text = fmt::format("{:<8} {:>14} {:>10} {:>10} {:>14} {:>14} {:>10} {:>10} {:>8}\n",
+                                 "method", "max step, N", "jumps/100k", "lost/100k", "mean step, N",
+                                 "max force, N", "ticks", "in contact", "entries");
+  Json json;
+  json["stiffness_N_per_m"] = options.trace.stiffness;
+  for (const TraceStatistics& s : found) {
+    text +=
+        fmt::format("{:<8} {:>14.6g} {:>10.1f} {:>10.1f} {:>14.6g} {:>14.6g} {:>10} {:>10} {:>8}\n",
+                    method_name(s.method), s.largest_step, s.jumps_per_100k(), s.lost_per_100k(),
+                    s.mean_step, s.largest_force, s.ticks, s.touching, s.entries);
+    text += unsound_text(s.unsound, "steps");
+    json["methods"].push_back({{"method", method_name(s.method)},
+                               {"largest_step_N", s.largest_step},
+                               {"jumps_per_100k", s.jumps_per_100k()},
+                               {"lost_per_100k", s.lost_per_100k()},
+                               {"unsound", s.unsound},
+                               {"mean_step_N", s.mean_step},
+                               {"largest_force_N", s.largest_force},
+                               {"ticks", s.ticks},
+                               {"in_contact", s.touching},
+                               {"entries", s.entries}});
+  }
+  report(options, text, json, options.output == "-");
+}
+
+void run(const TracingOptions& options) {
+  check_outputs({options.output}, {options.surface, options.path});
+  const auto engine = make_engine(options);
+  const PatchCache cache = open_surface(options, *engine);
+  const PointTable path = read_points(options.path, options.unit, {"step"}, stop_if_interrupted);
+  const std::vector<double>* steps = path.table.find("step");
+  const UnitChange across(path.unit, options.unit);
+  // As the loop has it: by way of metres, so that the forces have the same bytes.
+  std::vector<Vec3> hips = points_in_metres(path);
+  for (Vec3& hip : hips) hip /= cache.unit;
+
+  const std::string unit = unit_name(options.unit);
+  const auto file = create_described_file(options.output, cache, options);
+  file->set_attribute({"stiffness_N_per_m", options.trace.stiffness});
+  ResultTable table(*file, "",
+                    Columns()
+                        .add({"step"}, step_type(steps))
+                        .add({"method"}, ColumnType::kText)
+                        .add({"x", "y", "z", "scp_x", "scp_y", "scp_z"}, ColumnType::kFloat64, unit)
+                        .add({"fx", "fy", "fz"}, ColumnType::kFloat64, "N")
+                        .add({"patch"}, ColumnType::kUint32)
+                        .add({"state"}, ColumnType::kText));
+  const UnitChange outward(cache.unit, options.unit);
+  std::vector<Row> rows;
+  double deepest = 0;  // of the patches' contacts, m
+  Watch watch(options, "trace", hips.size(), "ticks");
+  const auto statistics =
+      trace(cache, hips, options.trace, [&](std::size_t tick, std::span<const TraceStep> felt) {
+        for (std::size_t m = 0; m < felt.size(); ++m) {
+          if (options.trace.methods[m] == Method::kGregory && felt[m].contact.touching)
+            deepest = std::max(deepest, -felt[m].contact.distance * cache.unit);
+          rows.push_back({steps ? (*steps)[tick] : static_cast<double>(tick),
+                          across(path.points[tick]), options.trace.methods[m], felt[m]});
+        }
+        if (rows.size() >= kBlockRows) {
+          write(rows, outward, table);
+          rows.clear();
+        }
+        watch.reach(tick + 1);
+        return true;
+      });
+  write(rows, outward, table);
+  file->close();
+  tell_tight_curvature(options, cache, deepest, "the deepest contact");
+  report_statistics(options, statistics);
+}
+
+}  // namespace
+
+void add_trace(Command& program) {
+  add_command<TracingOptions>(
+      program, "trace", "Track a recorded path of HIPs and compare the methods' forces.",
+      "gliss trace knot.obj --path path.csv --unit mm --stiffness 0.5N/mm -o forces.csv", describe,
+      run);
+}
+
+}  // namespace gliss::tools

@@ -1,0 +1,222 @@
+#include "tools/cli/command.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <utility>
+
+#include "gliss/base/units.h"
+#include "tools/cli/terminal.h"
+#include "tools/cli/watch.h"
+
+namespace gliss::tools {
+namespace {
+
+// Patches without curvature have the largest double as radius, in the unit of their mesh.
+constexpr double kFlat = 1e290;
+
+std::string& kept_command_line() {
+  static std::string line;
+  return line;
+}
+
+}  // namespace
+
+void add_common_options(Command& command, ReportOptions& options) {
+  command.flag("--json", options.json, "print figures as JSON");
+  command.flag("--quiet", options.quiet, "print errors only");
+}
+
+void add_common_options(Command& command, CommonOptions& options) {
+  command.option({"--threads", "N", "threads to use; 0, the default: all of the machine"},
+                 options.threads, 0, 4096);
+  command.option({"--backend", "NAME",
+                  "tbb (default), serial, opencl, or auto: opencl on a GPU, tbb where that fails"},
+                 [&options](const std::string& text) {
+                   options.backend = parse_name("--backend", text, kBackendNames);
+                 });
+  command.option(
+      {"--device", "NAME", "OpenCL device: part of its name, or its number in gliss devices"},
+      options.device);
+  command.option({"--device-memory", "MIB", "memory of it to use at most; default: half of it"},
+                 options.device_memory, 1, 1 << 24);
+  add_common_options(command, static_cast<ReportOptions&>(options));
+}
+
+void add_mesh_options(Command& command, SurfaceOptions& options, const std::string& name) {
+  command.option({name, "FILE",
+                  name == "MESH" ? "mesh file: .obj, .off or .ply"
+                                 : "mesh file (.obj, .off, .ply) or cache made by gliss bake",
+                  true},
+                 options.surface);
+  command.option({"--unit", "UNIT", "unit of the coordinates: m (default), cm, mm, um, nm, in"},
+                 [&options](const std::string& text) { options.unit = parse_unit(text); });
+  command.flag("--split-non-manifold", options.split_non_manifold,
+               "cut non-manifold edges and vertices open instead of refusing them");
+}
+
+void add_surface_options(Command& command, SurfaceOptions& options, const std::string& name) {
+  add_mesh_options(command, options, name);
+  command.option({"--precision", "NAME", "float or double (default)"},
+                 [&options](const std::string& text) {
+                   options.precision = parse_name("--precision", text, kPrecisionNames);
+                 });
+  command.option(
+      {"--level", "NAME",
+       "exact (default), ribbon, bezier or table; table:N has N cells along half a side"},
+      [&options](const std::string& text) { options.level = parse_level("--level", text); });
+  command.option({"--construction", "NAME",
+                  "paper (default), or fair: patches that bend less on irregular meshes"},
+                 [&options](const std::string& text) {
+                   options.construction = parse_name("--construction", text, kConstructionNames);
+                 });
+}
+
+void add_output_option(Command& command, std::string& output, const std::string& description) {
+  command.option({"-o,--output", "FILE", description}, [&output](const std::string& path) {
+    const bool known =
+        path == "-" || path.ends_with(".csv") || path.ends_with(".h5") || path.ends_with(".hdf5");
+    if (!known) throw InputError(fmt::format("'{}' must end in .csv, .h5 or .hdf5", path));
+    output = path;
+  });
+}
+
+void add_input_option(Command& command, const std::string& name, std::string& path,
+                      const std::string& description) {
+  command.option({name, "FILE", description, true}, [name, &path](const std::string& text) {
+    check_input(name, text);
+    path = text;
+  });
+}
+
+void check_input(const std::string& name, const std::string& path) {
+  const auto status = std::filesystem::status(path);
+  if (!exists(status) && path == "-")
+    throw InputError(fmt::format("{}: standard input is not read; name a file", name));
+  if (!exists(status)) throw InputError(fmt::format("{}: there is no file '{}'", name, path));
+  if (is_directory(status)) throw InputError(fmt::format("{}: '{}' is a folder", name, path));
+}
+
+void add_stiffness_option(Command& command, double& stiffness) {
+  command.option({"--stiffness", "STIFFNESS", "force over depth; default 0.5N/mm"},
+                 [&stiffness](const std::string& text) {
+                   stiffness = parse_stiffness(text);
+                   if (!(stiffness > 0)) throw InputError("--stiffness must be positive");
+                 });
+}
+
+void add_solver_options(Command& command, SolverOptions& options) {
+  command.option({"--solver", "NAME", "newton (default), gauss-newton or paper"},
+                 [&options](const std::string& text) {
+                   options.solver = parse_name("--solver", text, kSolverNames);
+                 });
+  add_step_options(command, options);
+}
+
+void add_step_options(Command& command, SolverOptions& options) {
+  command.option({"--tolerance", "RATIO",
+                  "a solver's last step, of the patch's size; default: as the precision allows"},
+                 options.tolerance, 0, 1);
+  command.option({"--iterations", "N", "of a solver at most; default 64"}, options.max_iterations,
+                 1, 10000);
+}
+
+void add_methods_option(Command& command, std::vector<Method>& methods) {
+  command.option({"--method", "LIST", "of gregory, shaded and flat; all by default"},
+                 [&methods](const std::string& text) {
+                   methods = parse_list("--method", text, [](const std::string& name) {
+                     return parse_name("--method", name, kMethodNames);
+                   });
+                 });
+}
+
+std::vector<double> parse_depths(const std::string& text) {
+  return parse_list("--depth", text, [](const std::string& word) {
+    const double depth = parse_length(word);
+    if (!(depth > 0)) throw InputError(fmt::format("--depth: '{}' is not positive", word));
+    return depth;
+  });
+}
+
+Level parse_level(const std::string& option, const std::string& name) {
+  if (const auto level = find_level(name)) return *level;
+  throw InputError(option + ": " + no_level(name));
+}
+
+Level parse_surface(const std::string& option, const std::string& name) {
+  if (const auto level = find_surface(name)) return *level;
+  throw InputError(option + ": " + no_level(name) + ", or fair");
+}
+
+std::unique_ptr<Engine> make_engine(const CommonOptions& options) {
+  const bool device = options.backend == "opencl" || options.backend == "auto";
+  if (!device && (!options.device.empty() || options.device_memory > 0))
+    throw InputError("--device and --device-memory ask for --backend opencl or auto");
+  if (options.backend == "serial") return make_serial_engine();
+  if (options.backend == "tbb") return make_tbb_engine(options.threads);
+  OpenClOptions opencl;
+  opencl.device = options.device;
+  opencl.memory = static_cast<std::uint64_t>(options.device_memory) << 20;
+  opencl.threads = options.threads;
+  opencl.fall_back = options.backend == "auto";
+  if (!options.quiet) {
+    opencl.notice = [](const std::string& line) { tell(fmt::format("gliss: {}\n", line)); };
+  }
+  return make_opencl_engine(opencl);
+}
+
+void keep_command_line(int count, const char* const* words) {
+  std::string& line = kept_command_line();
+  line = "gliss";
+  for (int i = 1; i < count; ++i) {
+    const std::string word = words[i];
+    const bool plain = !word.empty() && word.find_first_of(" \t\n'\"\\$&|;<>()*?") == word.npos;
+    line += plain ? ' ' + word : fmt::format(" '{}'", word);
+  }
+}
+
+const std::string& command_line() { return kept_command_line(); }
+
+void report(const ReportOptions& options, const std::string& text, const Json& json,
+            bool table_on_stdout) {
+  if (options.quiet && !options.json) return;
+  const std::string said = options.json ? printed(json) : for_terminal(text);
+  if (table_on_stdout) return tell(said);
+  fmt::print("{}", said);
+}
+
+std::string printed(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+ParallelFor interruptible(const Engine& engine) {
+  return [&engine](std::size_t count, std::size_t grain, const auto& body) {
+    engine.for_each(count, grain, [&](std::size_t begin, std::size_t end) {
+      stop_if_interrupted();
+      body(begin, end);
+    });
+  };
+}
+
+std::string unsound_text(std::uint64_t count, const std::string& what) {
+  return count == 0 ? "" : fmt::format("{} {} are not finite\n", count, what);
+}
+
+std::string radius_text(double radius) {
+  return radius < kFlat ? fmt::format("{:.4g}", radius) : "none";
+}
+
+Json radius_json(double radius) { return radius < kFlat ? Json(radius) : Json(); }
+
+std::string unit_name(double unit) {
+  for (const char* name : {"m", "cm", "mm", "um", "nm", "in"}) {
+    if (unit == parse_unit(name)) return name;
+  }
+  return fmt::format("{} m", unit);
+}
+
+std::string hash_name(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
+
+}  // namespace gliss::tools

@@ -1,0 +1,170 @@
+// Things that the commands share: their options, their errors, and how they speak.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "gliss/engine/opencl.h"
+#include "gliss/study/sweep.h"
+#include "gliss/surface/names.h"
+#include "tools/cli/command_line.h"
+
+namespace gliss::tools {
+
+using Json = nlohmann::ordered_json;
+
+struct Interrupted {   // exit code 130
+  std::string hint{};  // what is left of the work
+};
+
+struct Unavailable : std::runtime_error {  // exit code 4
+  using std::runtime_error::runtime_error;
+};
+
+struct ReportOptions {
+  bool json = false, quiet = false;
+};
+
+// Options of commands that use an engine.
+struct CommonOptions : ReportOptions {
+  int threads = 0;  // 0: as many as the machine has
+  std::string backend = "tbb";
+  std::string device;     // of opencl and auto
+  int device_memory = 0;  // MiB; 0: as OpenClOptions has it
+};
+
+// Options of commands that read a mesh or a cache.
+struct SurfaceOptions : CommonOptions {
+  std::string surface;                       // path
+  bool from_cache = false;                   // it must be a cache
+  double unit = 1;                           // m, of coordinates read and written
+  std::optional<Precision> precision;        // as the cache has it, or double
+  std::optional<Level> level;                // as the cache has it, or exact
+  std::optional<Construction> construction;  // as the cache has it, or the paper's
+  bool split_non_manifold = false;
+};
+
+// Options of the commands that outsiders script against: one table out.
+struct TableOptions : SurfaceOptions {
+  std::string output = "-";
+};
+
+void add_common_options(Command& command, ReportOptions& options);
+void add_common_options(Command& command, CommonOptions& options);
+// `name` of the positional argument: "MESH" or "MESH_OR_CACHE".
+void add_mesh_options(Command& command, SurfaceOptions& options, const std::string& name);
+void add_surface_options(Command& command, SurfaceOptions& options, const std::string& name);
+void add_output_option(Command& command, std::string& output, const std::string& description);
+void add_input_option(Command& command, const std::string& name, std::string& path,
+                      const std::string& description);
+// Throws InputError where it is no file that can be read.
+void check_input(const std::string& name, const std::string& path);
+void add_stiffness_option(Command& command, double& stiffness);
+// Adds the options of one solver; of all.
+void add_solver_options(Command& command, SolverOptions& options);
+void add_step_options(Command& command, SolverOptions& options);
+void add_methods_option(Command& command, std::vector<Method>& methods);
+
+inline constexpr Named<const char*> kBackendNames[] = {
+    {"tbb", "tbb"}, {"serial", "serial"}, {"opencl", "opencl"}, {"auto", "auto"}};
+
+template <class Value, std::size_t count>
+Value parse_name(const std::string& option, const std::string& wanted,
+                 const Named<Value> (&names)[count]) {
+  if (const auto value = find_named(names, wanted)) return *value;
+  throw InputError(option + ": '" + wanted + "' is none of " + listed(names));
+}
+
+// Words between commas, each once.
+template <class Parse>
+auto parse_list(const std::string& option, const std::string& text, Parse parse) {
+  std::vector<decltype(parse(text))> values;
+  for (const std::string& word : split(text, ',')) {
+    const auto value = parse(word);
+    if (std::find(values.begin(), values.end(), value) != values.end())
+      throw InputError(option + ": '" + word + "' is there twice");
+    values.push_back(value);
+  }
+  return values;
+}
+
+inline bool has(const std::vector<Method>& methods, Method method) {
+  return std::find(methods.begin(), methods.end(), method) != methods.end();
+}
+
+std::vector<double> parse_depths(const std::string& text);  // m, of --depth
+Level parse_level(const std::string& option, const std::string& name);
+// The same with a construction: "fair", "fair-table:8".
+Level parse_surface(const std::string& option, const std::string& name);
+
+// Registers a command: its options are described, filled in from the command line, and run.
+template <class Options>
+void add_command(Command& parent, const std::string& name, const std::string& description,
+                 const std::string& example,
+                 const std::function<void(Command&, Options&)>& describe,
+                 const std::function<void(const Options&)>& run) {
+  const auto options = std::make_shared<Options>();
+  Command& command = parent.add_command(name, description);
+  command.set_footer("Example: " + example);
+  describe(command, *options);
+  add_common_options(command, *options);
+  command.on_run([options, run] { run(*options); });
+}
+
+// Loops on the engine's threads that end with Interrupted after Ctrl-C.
+ParallelFor interruptible(const Engine& engine);
+
+std::unique_ptr<Engine> make_engine(const CommonOptions& options);
+
+// The command line as given, for the files that it leaves.
+void keep_command_line(int count, const char* const* words);
+const std::string& command_line();
+
+// To standard output, or to stderr where a table goes to standard output: JSON with --json, else
+// text, nothing with --quiet.
+void report(const ReportOptions& options, const std::string& text, const Json& json,
+            bool table_on_stdout = false);
+
+std::string printed(const Json& json);  // with a line end; text that is no UTF-8 is made some
+
+// A line that counts what is not finite, such as "steps"; "" where nothing is.
+std::string unsound_text(std::uint64_t count, const std::string& what);
+
+std::string radius_text(double radius);  // "4.67", or "none" where all is flat
+Json radius_json(double radius);
+std::string unit_name(double unit);  // "mm"; "0.5 m" where it has no name
+std::string hash_name(std::uint64_t hash);
+
+class Stopwatch {
+ public:
+  double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+void add_bake(Command& program);
+void add_compare(Command& program);
+void add_info(Command& program);
+void add_check(Command& program);
+void add_eval(Command& program);
+void add_project(Command& program);
+void add_sweep(Command& program);
+void add_trace(Command& program);
+void add_generate(Command& program);
+void add_devices(Command& program);
+void add_judge(Command& program);
+void add_run(Command& program);
+void add_serve(Command& program);
+void add_report(Command& program);
+
+}  // namespace gliss::tools

@@ -1,0 +1,127 @@
+#include "tools/cli/command_line.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <deque>
+
+namespace gliss::tools {
+namespace {
+
+// The name that messages use: the last of "-o,--output".
+std::string spoken(const OptionText& text) { return split(text.name, ',').back(); }
+
+template <class Number>
+Command::Read read_number(const OptionText& text, Number& value, Number least, Number most) {
+  return [name = spoken(text), &value, least, most](const std::string& word) {
+    value = parse_number<Number>(name, word);
+    if (value >= least && value <= most) return;  // NaN is not
+    throw InputError(fmt::format("{}: {} is not between {} and {}", name, word, least, most));
+  };
+}
+
+}  // namespace
+
+struct Command::Implementation {
+  CLI::App* app = nullptr;
+  std::unique_ptr<CLI::App> own;  // of the program
+  std::deque<std::unique_ptr<Command>> commands;
+};
+
+Command::Command(const std::string& description, const std::string& name)
+    : implementation_(std::make_unique<Implementation>()) {
+  implementation_->own = std::make_unique<CLI::App>(description, name);
+  implementation_->app = implementation_->own.get();
+}
+
+Command::Command(std::unique_ptr<Implementation> implementation)
+    : implementation_(std::move(implementation)) {}
+
+Command::~Command() = default;
+
+Command& Command::add_command(const std::string& name, const std::string& description) {
+  auto below = std::make_unique<Implementation>();
+  below->app = implementation_->app->add_subcommand(name, description);
+  implementation_->app->require_subcommand(1);
+  implementation_->commands.emplace_back(new Command(std::move(below)));
+  return *implementation_->commands.back();
+}
+
+void Command::set_footer(const std::string& text) { implementation_->app->footer(text); }
+
+void Command::set_version(const std::string& text) {
+  implementation_->app->set_version_flag("--version", text);
+}
+
+void Command::on_run(std::function<void()> run) { implementation_->app->callback(std::move(run)); }
+
+void Command::option(const OptionText& text, const Read& read) {
+  implementation_->app->add_option_function<std::string>(text.name, read, text.description)
+      ->required(text.required)
+      ->type_name(text.type);
+}
+
+void Command::option(const OptionText& text, std::string& value) {
+  option(text, [&value](const std::string& word) { value = word; });
+}
+
+void Command::option(const OptionText& text, int& value, int least, int most) {
+  option(text, read_number(text, value, least, most));
+}
+
+void Command::option(const OptionText& text, double& value, double least, double most) {
+  option(text, read_number(text, value, least, most));
+}
+
+void Command::list(const OptionText& text, const Read& read) {
+  implementation_->app
+      ->add_option_function<std::vector<std::string>>(
+          text.name,
+          [read](const std::vector<std::string>& words) {
+            for (const std::string& word : words) read(word);
+          },
+          text.description)
+      ->required(text.required)
+      ->type_name(text.type);
+}
+
+void Command::flag(const std::string& name, bool& value, const std::string& description) {
+  implementation_->app->add_flag(name, value, description);
+}
+
+void Command::exclude(const std::string& name, const std::string& other) {
+  CLI::App* app = implementation_->app;
+  app->get_option(name)->excludes(app->get_option(other));
+}
+
+void Command::run(int count, const char* const* words) {
+  CLI::App* app = implementation_->app;
+  try {
+    app->parse(count, words);
+  } catch (const CLI::RequiredError& error) {
+    const bool command = error.what() == std::string("A subcommand is required");
+    if (!command) throw InputError(error.what());
+    const auto unknown = app->remaining(true);
+    throw InputError(
+        unknown.empty()
+            ? "a command is wanted; gliss --help lists them"
+            : fmt::format("there is no command '{}'; gliss --help lists them", unknown.front()));
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() != 0) throw InputError(error.what());
+    app->exit(error);  // prints help or version
+  }
+}
+
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> parts(1);
+  for (const char c : text) {
+    if (c == separator) {
+      parts.emplace_back();
+    } else {
+      parts.back() += c;
+    }
+  }
+  return parts;
+}
+
+}  // namespace gliss::tools

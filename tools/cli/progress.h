@@ -1,0 +1,37 @@
+// Progress of a long command on stderr: a bar on a terminal, now and then a line in a log, or
+// nothing.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+#include "tools/cli/progress_text.h"
+#include "tools/cli/status_line.h"
+
+namespace gliss {
+
+enum class ProgressStyle { kAutomatic, kSilent };
+
+// One thread updates it, as often as it likes: most calls read the clock and return.
+class Progress {
+ public:
+  // total = 0: unknown. `noun` is what is counted, in the plural: "points".
+  Progress(std::string label, std::uint64_t total, std::string noun,
+           ProgressStyle style = ProgressStyle::kAutomatic);
+
+  void update(std::uint64_t done);
+  void finish();  // says how many in what time
+
+ private:
+  double seconds() const;
+
+  std::string label_, noun_;
+  StatusLine line_;
+  ProgressState state_;
+  LinePace pace_;
+  double drawn_ = -1;  // when the bar was drawn last; negative: never
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace gliss

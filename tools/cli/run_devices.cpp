@@ -1,0 +1,51 @@
+#include "tools/cli/run_devices.h"
+
+#include <fmt/format.h>
+
+#include "gliss/device/replay_device.h"
+#include "gliss/device/udp_device.h"
+#include "gliss/haply/haply_device.h"
+#include "gliss/tables/point_table.h"
+#include "tools/cli/watch.h"
+
+namespace gliss::tools {
+namespace {
+
+std::unique_ptr<HapticDevice> open_sim(const Scene& scene) {
+  if (!scene.sim) throw InputError("--device sim: the scene has no [sim]");
+  return std::make_unique<SimDevice>(scene.sim_path, *scene.sim);
+}
+
+std::unique_ptr<HapticDevice> open_replay(const std::string& file) {
+  try {
+    std::vector<Vec3> positions = points_in_metres(read_points(file, 1, {}, stop_if_interrupted));
+    return std::make_unique<ReplayDevice>(std::move(positions), "replay:" + file);
+  } catch (const std::runtime_error& error) {  // also where there is no such file
+    throw InputError(error.what());
+  }
+}
+
+std::unique_ptr<HapticDevice> open_haply(const std::string& where) {
+  HaplyOptions options;
+  const auto colon = where.rfind(':');
+  if (!where.empty()) options.host = where.substr(0, colon);
+  if (colon != std::string::npos)
+    options.port = parse_number<std::uint16_t>("--device haply", where.substr(colon + 1));
+  return std::make_unique<HaplyDevice>(options);
+}
+
+}  // namespace
+
+std::unique_ptr<HapticDevice> open_device(const std::string& words, const Scene& scene) {
+  const auto colon = words.find(':');
+  const std::string kind = words.substr(0, colon);
+  const std::string rest = colon == std::string::npos ? "" : words.substr(colon + 1);
+  if (words == "sim") return open_sim(scene);
+  if (kind == "replay" && !rest.empty()) return open_replay(rest);
+  if (kind == "udp" && !rest.empty())
+    return std::make_unique<UdpDevice>(parse_number<std::uint16_t>("--device udp", rest));
+  if (kind == "haply" && (words == kind || !rest.empty())) return open_haply(rest);
+  throw InputError(fmt::format("--device: '{}' is none of {}", words, kDeviceWords));
+}
+
+}  // namespace gliss::tools

@@ -1,0 +1,48 @@
+#include "tools/cli/status_line.h"
+
+#include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <cstdio>
+
+#include "tools/cli/terminal.h"
+
+namespace gliss {
+namespace {
+
+std::size_t terminal_width() {
+  winsize size{};
+  const bool known = ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0;
+  return known ? size.ws_col : 80;
+}
+
+}  // namespace
+
+StatusLine::StatusLine(bool silent)
+    : place_(silent                  ? Place::kNowhere
+             : isatty(STDERR_FILENO) ? Place::kTerminal
+                                     : Place::kLog) {}
+
+StatusLine::~StatusLine() {
+  if (open_) tell("\n");
+}
+
+void StatusLine::show(const std::string& text) {
+  if (place_ == Place::kLog) tell(text + "\n");
+  if (place_ != Place::kTerminal) return;
+  // Over the old text, cut to the terminal: a wrapped line could not be drawn over.
+  const std::string shown = for_terminal(text).substr(0, terminal_width() - 1);
+  std::fputs(fmt::format("\r{}\x1b[K", shown).c_str(), stderr);
+  std::fflush(stderr);
+  open_ = true;
+}
+
+void StatusLine::finish(const std::string& text) {
+  show(text);
+  if (open_) tell("\n");
+  open_ = false;
+  place_ = Place::kNowhere;
+}
+
+}  // namespace gliss

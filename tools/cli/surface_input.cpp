@@ -1,0 +1,64 @@
+#include "tools/cli/surface_input.h"
+
+#include <fmt/format.h>
+
+#include "gliss/build/build_cache.h"
+#include "gliss/files/cache_file.h"
+#include "gliss/files/mesh_file.h"
+#include "gliss/surface/names.h"
+#include "tools/cli/terminal.h"
+#include "tools/cli/watch.h"
+
+namespace gliss::tools {
+
+Mesh read_mesh(const SurfaceOptions& options) {
+  std::vector<Finding> findings;
+  Mesh mesh = load_mesh(options.surface,
+                        {.unit = options.unit,
+                         .split_non_manifold = options.split_non_manifold,
+                         .poll = stop_if_interrupted},
+                        &findings);
+  for (const Finding& finding : findings) {
+    if (finding.severity != Severity::kRepaired || options.quiet) continue;
+    tell(fmt::format("gliss: repaired: {} ({} in all)\n", finding.message, finding.count));
+  }
+  return mesh;
+}
+
+PatchCache build(const Mesh& mesh, const SurfaceOptions& options, const Engine& engine,
+                 BuildOptions build_options, BuildReport* report) {
+  build_options.precision = options.precision.value_or(Precision::kDouble);
+  build_options.level = chosen_level(options.level, options.construction);
+  Watch watch(options, "build",
+              build_options.faces.empty() ? mesh.face_count() : build_options.faces.size(),
+              "faces");
+  BuildBackend backend = engine.build_backend();
+  backend.parallel = interruptible(engine);
+  backend.progress = [&](std::size_t faces) { watch.reach(faces); };
+  return build_cache(mesh, build_options, report, backend);
+}
+
+PatchCache open_surface(const SurfaceOptions& options, const Engine& engine) {
+  if (!options.from_cache && !is_cache_file(options.surface))
+    return build(read_mesh(options), options, engine);
+  return load_cache_of(options.surface, {options.precision, options.level, options.construction},
+                       stop_if_interrupted);
+}
+
+std::unique_ptr<ResultFile> create_described_file(const std::string& path, const PatchCache& cache,
+                                                  const SurfaceOptions& options) {
+  auto file = create_result_file(path);
+  file->set_attribute({"program", "gliss"});
+  file->set_attribute({"version", GLISS_VERSION});
+  file->set_attribute({"command_line", command_line()});
+  file->set_attribute({"surface", options.surface});
+  file->set_attribute({"mesh_hash", hash_name(cache.mesh_hash)});
+  file->set_attribute({"unit", unit_name(options.unit)});
+  file->set_attribute({"unit_m", options.unit});
+  file->set_attribute({"level", level_name(cache.level)});
+  file->set_attribute({"construction", construction_name(cache.level.construction)});
+  file->set_attribute({"precision", precision_name(cache.precision())});
+  return file;
+}
+
+}  // namespace gliss::tools

@@ -1,0 +1,30 @@
+// Input of commands: a mesh or a cache, and points in whatever unit they come.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "gliss/base/units.h"
+#include "gliss/build/build_cache.h"
+#include "gliss/tables/point_table.h"
+#include "gliss/tables/result_table.h"
+#include "tools/cli/command.h"
+
+namespace gliss::tools {
+
+// Reads and repairs; what was repaired is said on stderr.
+Mesh read_mesh(const SurfaceOptions& options);
+
+// Builds with progress, and ends by Ctrl-C. `faces` empty: all.
+PatchCache build(const Mesh& mesh, const SurfaceOptions& options, const Engine& engine,
+                 BuildOptions build_options = {}, BuildReport* report = nullptr);
+
+// A cache as it is, a mesh built. Throws CacheError where a cache is not of the wanted precision.
+PatchCache open_surface(const SurfaceOptions& options, const Engine& engine);
+
+// A file that says where it comes from: command line, version, mesh, unit of coordinates,
+// precision.
+std::unique_ptr<ResultFile> create_described_file(const std::string& path, const PatchCache& cache,
+                                                  const SurfaceOptions& options);
+
+}  // namespace gliss::tools

@@ -1,0 +1,147 @@
+#include "tools/cli/sweep_files.h"
+
+#include <fmt/format.h>
+
+#include "tools/cli/sweep_report.h"
+
+namespace gliss::tools {
+namespace {
+
+// Opening and closing the columns of a table costs as much as writing some thousand rows.
+constexpr std::size_t kBlockRows = 65536;
+
+Columns sample_columns(bool single, ColumnType real, const std::string& unit) {
+  Columns columns;
+  if (single) {
+    columns.add({"depth"}, ColumnType::kFloat64, unit).add({"method"}, ColumnType::kText);
+  }
+  return columns.add({"patch"}, ColumnType::kUint32)
+      .add({"xi", "eta"}, real)
+      .add({"hip_x", "hip_y", "hip_z", "scp_x", "scp_y", "scp_z"}, real, unit)
+      .add({"fx", "fy", "fz"}, ColumnType::kFloat32, "N")
+      .add({"residual_angle"}, ColumnType::kFloat32, "rad")
+      .add({"iterations", "crossings", "flags"}, ColumnType::kUint8);
+}
+
+std::string group_name(const SweepOptions& sweep, std::size_t kind) {
+  return fmt::format("depth_{}/{}", depth_name(sweep.depths[kind / sweep.methods.size()]),
+                     method_name(sweep.methods[kind % sweep.methods.size()]));
+}
+
+}  // namespace
+
+SampleFile::SampleFile(const std::string& path, const PatchCache& cache, const SweepOptions& sweep,
+                       const SurfaceOptions& options)
+    : sweep_(sweep),
+      length_(cache.unit, options.unit),
+      unit_(options.unit),
+      single_(path == "-" || path.ends_with(".csv")),
+      file_(create_described_file(path, cache, options)) {
+  file_->set_attribute({"stiffness_N_per_m", sweep.stiffness});
+  file_->set_attribute({"rings", static_cast<std::int64_t>(sweep.rings)});
+  std::string depths;
+  for (const double depth : sweep.depths) {
+    depths += (depths.empty() ? "" : ",") + depth_name(depth);
+  }
+  file_->set_attribute({"depths", depths});
+  const ColumnType real =
+      cache.precision() == Precision::kDouble ? ColumnType::kFloat64 : ColumnType::kFloat32;
+  const Columns columns = sample_columns(single_, real, unit_name(unit_));
+  const std::uint64_t rows = sample_count(cache, sweep.rings);
+  const std::size_t kinds = single_ ? 1 : sweep.depths.size() * sweep.methods.size();
+  for (std::size_t kind = 0; kind < kinds; ++kind) {
+    const double depth = sweep.depths[kind / sweep.methods.size()];
+    const std::string method = method_name(sweep.methods[kind % sweep.methods.size()]);
+    tables_.emplace_back(*file_, group_name(sweep, kind), columns,
+                         std::vector<Attribute>{{"depth_m", depth}, {"method", method}}, rows);
+  }
+}
+
+void SampleFile::add(const SweepBlock& block) {
+  const std::size_t kind = block.depth_index * sweep_.methods.size() + block.method_index;
+  ResultTable& table = tables_[single_ ? 0 : kind];
+  const std::size_t rows = block.face.size();
+  if (single_) {
+    const double depth = UnitChange(1, unit_)(sweep_.depths[block.depth_index]);
+    const char* method = method_name(sweep_.methods[block.method_index]);
+    table.fill(rows, [&](std::size_t) { return depth; });
+    table.fill(rows, [&](std::size_t) { return method; });
+  }
+  const auto column = [&](const auto& values) {
+    table.fill(rows, [&](std::size_t i) { return values[i]; });
+  };
+  column(block.face);
+  column(block.xi);
+  column(block.eta);
+  table.fill_vectors(rows, [&](std::size_t i) { return length_(block.hip[i]); });
+  table.fill_vectors(rows, [&](std::size_t i) { return length_(block.scp[i]); });
+  table.fill_vectors(rows, [&](std::size_t i) { return block.force[i]; });
+  column(block.residual_angle);
+  column(block.iterations);
+  column(block.crossings);
+  column(block.flags);
+  if (table.rows() >= kBlockRows) table.write();
+}
+
+void SampleFile::close(const SweepResult& result) {
+  for (ResultTable& table : tables_) table.write();
+  if (!single_) add_statistics(result);
+  file_->close();
+}
+
+// Counts are float64, exact up to 2^53.
+void SampleFile::add_statistics(const SweepResult& result) {
+  const auto& all = result.statistics;
+  const auto is_count = [](const std::string& figure) {
+    return figure == "count" || figure == "unsound";
+  };
+  Columns columns;
+  columns.add({"depth"}, ColumnType::kFloat64, "m").add({"method"}, ColumnType::kText);
+  columns.add({"samples", "touching", "unconverged", "iterations", "crossings"});
+  columns.add({"jumps_per_100k", "lost_per_100k"});
+  for (const auto& [name, unit, histogram] : kHistograms) {
+    for (const char* figure : {"count", "mean", "p50", "p99", "max", "unsound"}) {
+      columns.add({fmt::format("{}_{}", name, figure).c_str()}, ColumnType::kFloat64,
+                  is_count(figure) ? "" : unit);
+    }
+  }
+  ResultTable table(*file_, "statistics", columns, {}, all.size());
+  const auto column = [&](auto get) {
+    table.fill(all.size(), [&](std::size_t i) { return get(all[i]); });
+  };
+  column([](const SweepStatistics& s) { return s.depth; });
+  column([](const SweepStatistics& s) { return method_name(s.method); });
+  for (const auto count :
+       {&SweepStatistics::samples, &SweepStatistics::touching, &SweepStatistics::unconverged,
+        &SweepStatistics::iterations, &SweepStatistics::crossings}) {
+    column([count](const SweepStatistics& s) { return s.*count; });
+  }
+  column([](const SweepStatistics& s) { return s.jumps_per_100k(); });
+  column([](const SweepStatistics& s) { return s.lost_per_100k(); });
+  for (const auto& named : kHistograms) {
+    const auto histogram = named.histogram;
+    column([histogram](const SweepStatistics& s) { return (s.*histogram).count(); });
+    column([histogram](const SweepStatistics& s) { return (s.*histogram).mean(); });
+    column([histogram](const SweepStatistics& s) { return (s.*histogram).quantile(0.5); });
+    column([histogram](const SweepStatistics& s) { return (s.*histogram).quantile(0.99); });
+    column([histogram](const SweepStatistics& s) { return (s.*histogram).max(); });
+    column([histogram](const SweepStatistics& s) { return (s.*histogram).unsound(); });
+  }
+  table.write();
+
+  for (std::size_t kind = 0; kind < all.size(); ++kind) {
+    ResultTable bins(
+        *file_, group_name(sweep_, kind) + "/histogram",
+        Columns().add({"upper_edge", "step", "edge_step", "angle", "error", "residual"}), {},
+        Histogram::kBins);
+    bins.fill(Histogram::kBins,
+              [](std::size_t i) { return Histogram::bin_edge(static_cast<int>(i)); });
+    for (const auto& named : kHistograms) {
+      const Histogram& histogram = all[kind].*(named.histogram);
+      bins.fill(Histogram::kBins, [&](std::size_t i) { return histogram.bins()[i]; });
+    }
+    bins.write();
+  }
+}
+
+}  // namespace gliss::tools

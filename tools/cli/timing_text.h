@@ -1,0 +1,19 @@
+// Distributions of durations as commands print them.
+#pragma once
+
+#include <string>
+
+#include "gliss/thread/timing.h"
+#include "tools/cli/command.h"
+
+namespace gliss::tools {
+
+double microseconds(Nanoseconds time);
+
+Json json_of(const DurationHistogram& durations);         // p50_us, p99_us, p999_us, max_us
+Json histogram_json(const DurationHistogram& durations);  // [[longest_us, count], ...]
+
+std::string timing_header();
+std::string timing_row(const char* name, const DurationHistogram& durations);
+
+}  // namespace gliss::tools

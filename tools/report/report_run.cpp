@@ -1,0 +1,97 @@
+// Reads what gliss run left: its report, or a recording of its ticks.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "gliss/query/force_statistics.h"
+#include "tools/cli/timing_text.h"
+#include "tools/report/report_data.h"
+#include "tools/report/report_table.h"
+
+namespace gliss::tools {
+namespace {
+
+constexpr std::size_t kMostTicks = 40000;
+constexpr std::size_t kTickBytes = 3 * 4;
+
+Nanoseconds nanoseconds(double seconds) {
+  return Nanoseconds(static_cast<std::int64_t>(std::llround(seconds * 1e9)));
+}
+
+}  // namespace
+
+Json read_run_report(const Json& json, const ReportSource& source) {
+  for (const char* name : {"wake", "compute"}) {
+    const auto bins = json["histograms"].find(name);
+    const auto is_bin = [](const Json& bin) {
+      return bin.is_array() && bin.size() == 2 && bin[0].is_number() && bin[1].is_number();
+    };
+    if (bins == json["histograms"].end() || !bins->is_array() ||
+        !std::all_of(bins->begin(), bins->end(), is_bin)) {
+      throw InputError(
+          fmt::format("{}: 'histograms/{}' is no list of [longest, count]", source.path, name));
+    }
+  }
+  source.watch.add(source.bytes);
+  return {{"kind", "run"}, {"origin", Json::object()}, {"figures", json}};
+}
+
+Json recording_result(const ReportTable& table, const ReportSource& source) {
+  const auto rendered = [&](std::size_t row) { return table.vector("fx", "fy", "fz", row); };
+  const auto sent = [&](std::size_t row) {
+    return table.vector("sent_x", "sent_y", "sent_z", row);
+  };
+  const auto& time = table.numbers.at("time");
+  ForceStatistics of_rendered, of_sent;
+  DurationHistogram wake, compute;
+  double missed = 0;
+  for (std::size_t row = 0; row < table.rows; ++row) {
+    if (rendered(row).allFinite())
+      of_rendered.add(table.texts.at("state")[row] == "contact", rendered(row));
+    of_sent.add(sent(row) != Vec3::Zero(), sent(row));
+    wake.add(nanoseconds(table.numbers.at("lateness")[row]));
+    compute.add(nanoseconds(table.numbers.at("compute")[row]));
+    missed += table.numbers.at("missed")[row];
+  }
+  const std::size_t most = std::min<std::size_t>(kMostTicks, source.page_bytes / kTickBytes);
+  // Both forces at the extremes of either.
+  auto kept = extremes(table.rows, most / 2, [&](std::size_t row) { return sent(row).norm(); });
+  const std::size_t middle = kept.size();
+  for (const std::size_t row :
+       extremes(table.rows, most / 2, [&](std::size_t i) { return rendered(i).norm(); })) {
+    kept.push_back(row);
+  }
+  std::inplace_merge(kept.begin(), kept.begin() + static_cast<std::ptrdiff_t>(middle), kept.end());
+  kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
+
+  const double ticks = static_cast<double>(table.rows);
+  return {
+      {"kind", "recording"},
+      {"origin", table.origin},
+      {"figures",
+       {{"ticks", table.rows},
+        {"missed", missed},
+        {"success_rate", table.rows ? ticks / (ticks + missed) : 1},
+        {"largest_force_step", of_rendered.largest_step},
+        {"jumps_per_100k", of_rendered.jumps_per_100k()},
+        {"lost_per_100k", of_rendered.lost_per_100k()},
+        {"unsound", of_rendered.unsound + of_sent.unsound},
+        {"mean_force_step", of_rendered.mean_step},
+        {"largest_force", of_rendered.largest_force},
+        {"in_contact", of_rendered.touching},
+        {"entries", of_rendered.entries},
+        {"largest_sent_step", of_sent.largest_step},
+        {"sent_jumps_per_100k", of_sent.jumps_per_100k()},
+        {"sent_lost_per_100k", of_sent.lost_per_100k()},
+        {"largest_sent_force", of_sent.largest_force},
+        {"wake", json_of(wake)},
+        {"compute", json_of(compute)},
+        {"histograms", {{"wake", histogram_json(wake)}, {"compute", histogram_json(compute)}}}}},
+      {"shown", kept.size()},
+      {"time", packed_at<float>(kept, [&](std::size_t row) { return time[row]; })},
+      {"rendered", packed_at<float>(kept, [&](std::size_t row) { return rendered(row).norm(); })},
+      {"sent", packed_at<float>(kept, [&](std::size_t row) { return sent(row).norm(); })}};
+}
+
+}  // namespace gliss::tools

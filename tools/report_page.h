@@ -1,8 +1,0 @@
-// The page that gliss report fills in; made by tools/report/build.mjs where the build has npm.
-#pragma once
-
-namespace gliss {
-
-extern const char* const kReportPage;
-
-}  // namespace gliss
