@@ -3,12 +3,14 @@
 (exact and bezier of the paper's construction, fair) beside force shading and flat polygons, 0.5 % and
 0.1 % of the size deep.
 
-Usage: bench/walks.py GLISS FOLDER_OR_MESH... [--ticks 100000] [--seed 1] [--step 1%] [--unit mm]
+Usage: bench/walks.py GLISS FOLDER_OR_MESH... [--ticks 100000] [--seed 1] [--step 1%] [--unit mm] [--settle 5ms]
 
 GLISS is the program; FOLDER holds .obj, .off and .ply files; the generated knot, goldberg and banana
 come first. Counts are ticks whose force changes by more than 20 % of stiffness times depth, contacts
 lost under more than that included, per 100,000 ticks in contact (host/study/walk.h); all surfaces of a mesh
 get the same HIPs. Bold: more often than force shading. Lost contacts and largest steps: exact / fair.
+With --settle, leaps are slides, and the last column is the share of ticks in contact that slide: exact / fair
+/ shaded / flat.
 """
 
 import argparse
@@ -41,7 +43,7 @@ def compare(mesh, depth, options):
                "--precisions", "double", "--dense-limit", "0", "--ticks", "100", "--json", "--quiet",
                "--walks", str(options.ticks // TICKS_A_WALK), "--walk-ticks", str(TICKS_A_WALK),
                "--walk-depth", depth, "--walk-step", options.step, "--seed", str(options.seed),
-               "--stiffness", str(STIFFNESS)]
+               "--stiffness", str(STIFFNESS), "--settle", options.settle]
     ran = subprocess.run(command, capture_output=True, text=True)
     if ran.returncode != 0:
         told = ran.stderr.strip().splitlines() or ["failed"]
@@ -54,7 +56,7 @@ def largest(step, depth):
     return "not finite" if step is None else f"{step / (STIFFNESS * depth):.1f}"
 
 
-def cells(rows, depth):
+def cells(rows, depth, settle):
     limit = rows["shaded"]["jumps_per_100k"]
     for level in LEVELS:
         jumps = rows[level]["jumps_per_100k"]
@@ -62,6 +64,8 @@ def cells(rows, depth):
         yield f"**{jumps:.1f}**" if worse else f"{jumps:.1f}"
     yield " / ".join(f"{rows[level]['lost_per_100k']:.1f}" for level in ("exact", "fair"))
     yield " / ".join(largest(rows[level]["walk_max_force_step"], depth) for level in ("exact", "fair"))
+    if settle:
+        yield " / ".join(f"{100 * rows[level]['settling_share']:.2f}" for level in LEVELS if level != "bezier")
 
 
 def main():
@@ -72,9 +76,10 @@ def main():
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--step", default="1%", help="of the depth, a tick")
     parser.add_argument("--unit", default="mm")
+    parser.add_argument("--settle", default="0", help="time constant of slides in place of leaps, as 5ms")
     options = parser.parse_args()
     head = [f"{depth}: {name}" for depth in DEPTHS
-            for name in LEVELS + ("lost", "largest, k d")]
+            for name in LEVELS + ("lost", "largest, k d") + (("slid, %",) if options.settle != "0" else ())]
     print("| mesh | " + " | ".join(head) + " |\n|---|" + "---|" * len(head), flush=True)
     with tempfile.TemporaryDirectory() as folder:
         for mesh in meshes_of(options.meshes, options.gliss, folder):
@@ -84,7 +89,7 @@ def main():
                 if rows is None:
                     found = [told.replace("|", "/")]
                     break
-                found += cells(rows, told)
+                found += cells(rows, told, options.settle != "0")
             print(f"| {mesh.stem} | " + " | ".join(found) + " |", flush=True)
 
 

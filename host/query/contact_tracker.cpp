@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "gliss/base/plain_arithmetic.h"
+#include "gliss/query/force_statistics.h"
 #include "gliss/query/frames.h"
 #include "gliss/surface/layout.h"
 
@@ -25,24 +26,39 @@ class ContactTracker::Tick {
         glide_(0x1p-12 / cache_.scale) {}
 
   Contact run() {
-    const bool was_touching = t_.touching();
+    if (t_.options_.settle <= 0 || !hip_.allFinite() || t_.is_clear(hip_)) return follow();
+    const bool is_first = t_.clear_ < 0;
+    const RawContact<Real> last = state_;
+    // Through a ball without a surface it went freely.
+    pace_ = std::max(0.0, (hip_ - t_.before_).norm() - std::max(0.0, t_.clear_));
+    const Contact now = follow();
+    const Contact felt = is_first || !now.push.allFinite() ? now : slowed(last, now);
+    t_.before_ = hip_;
+    t_.felt_ = felt.push.allFinite() ? felt.push : Vec3(Vec3::Zero());
+    return felt;
+  }
+
+ private:
+  // The tick without settling.
+  Contact follow() {
+    const bool was_touching = t_.follows();
     const double moved = (hip_ - t_.last_).norm();
     if (!hip_.allFinite() || t_.is_clear(hip_)) return look_only();
     if (!was_touching) {
       const RawContact<Real> end = nearest(hip_, left() / 2);
-      return t_.clear_ < 0 ? settle(end) : arrive(end);
+      return t_.clear_ < 0 ? accept(end) : arrive(end);
     }
     RawContact<Real> next = state_;
     kernels<Real>().tick(s_, t_.options_.method, within(left() / 2), raw_hip<Real>(cache_, hip_),
                          &next);
     spent_ += evaluations_of(next);
-    if (is_touching(next)) return settle(next);
+    if (is_touching(next)) return accept(next);
     const Contact gone = contact_of(cache_, s_, next);
     const RawContact<Real> end = nearest(hip_, left() / 2);
     // A HIP that has come out within this tick is no farther from the surface than it has moved.
     const bool is_out =
         (next.uints[kContactFlags] & kOnBorder) != 0 || gone.distance <= moved + on_surface_;
-    if (!is_out && is_touching(end)) return settle(end);
+    if (!is_out && is_touching(end)) return accept(end);
     // No surface lies between the last HIP and this one: it has not come out, whatever the sheets
     // say that lie nearest where a surface folds over itself.
     if (!is_out && clear_of(end) > moved && hold()) return contact(state_);
@@ -52,7 +68,69 @@ class ContactTracker::Tick {
     return arrive(end);
   }
 
- private:
+  // How far the contact point may go in a tick beside the HIP's own way where the push would leap
+  // from a to b, mesh's unit: a share of the lesser one, or of their mean where one is none.
+  double stride(const Vec3& a, const Vec3& b) const {
+    const double least = std::min(a.norm(), b.norm());
+    const double size = least > 0 ? least : 0.5 * (a + b).norm();
+    return ForceStatistics::kJump / t_.options_.settle * size;
+  }
+  // A point that keeps up with the HIP, at twice its pace where the surface is curved, leaps not.
+  bool is_leap(const Vec3& from, const Vec3& to) const {
+    return (to - from).norm() > 2 * pace_ + stride(from, to);
+  }
+  Contact slowed(const RawContact<Real>& last, Contact now) {
+    if (is_touching(last)) {
+      const Vec3 was = push_of(last);
+      if (is_leap(was, now.push)) now = slide(last, was, now);
+    }
+    if (!is_leap(t_.felt_, now.push)) return now;
+    // The contact point is held while the HIP moves, and then goes straight to where it belongs.
+    const Vec3 held = t_.felt_.isZero(0) ? t_.felt_ : Vec3(t_.felt_ - (hip_ - t_.before_));
+    const Vec3 way = now.push - held;
+    const double length = pace_ + stride(t_.felt_, now.push);
+    now.push = held + std::min(1.0, length / way.norm()) * way;
+    now.touching = true;
+    now.flags |= kSettling;
+    return now;
+  }
+  // Takes the contact point from where it was towards where it leapt: downhill over the surface, or
+  // straight there where that is downhill too, or it stays. Returns the leap where the HIP has come
+  // out there.
+  Contact slide(const RawContact<Real>& last, const Vec3& was, const Contact& leapt) {
+    const Contact from = contact_of(cache_, s_, last);
+    const Vec3 offset = from.scp - hip_;
+    const Vec3 way = leapt.touching ? Vec3(leapt.scp - from.scp) : Vec3(-offset);
+    const double length = std::min(pace_ + stride(was, leapt.push), way.norm());
+    const int descent = t_.options_.max_iterations + 1;
+    for (const Vec3& towards : {Vec3(-offset), way}) {
+      const Vec3 along = towards - towards.dot(from.normal) * from.normal;
+      if (!(along.norm() > 0) || spent_ + descent > kTickEvaluations) continue;
+      const Vec3 aim = from.scp + std::min(length / along.norm(), 1.0) * along;
+      const RawHip<Real> there = raw_hip<Real>(cache_, aim);
+      RawContact<Real> next = last;
+      kernels<Real>().track(s_, t_.options_.method, within(left()), &there, 1, &next);
+      spent_ += evaluations_of(next);
+      const Contact to = contact_of(cache_, s_, next);
+      const Vec3 left = to.scp - hip_;
+      if (left.squaredNorm() < offset.squaredNorm() && left.dot(to.normal) > 0)
+        return rest(next, left, to.normal);
+    }
+    return offset.dot(from.normal) > 0 ? rest(last, offset, from.normal) : leapt;
+  }
+  // The tick ends with the SCP at a place that is not the nearest.
+  Contact rest(RawContact<Real> there, const Vec3& offset, const Vec3& normal) {
+    const Vec3 push = t_.options_.method == Method::kShaded ? Vec3(offset.norm() * normal) : offset;
+    for (int i = 0; i < 3; ++i) {
+      there.reals[kContactOffset + i] = static_cast<Real>(offset[i] * cache_.scale);
+      there.reals[kContactPush + i] = static_cast<Real>(push[i] * cache_.scale);
+    }
+    there.uints[kContactState] = 1;
+    there.uints[kContactFlags] = (there.uints[kContactFlags] & ~kConverged) | kSettling;
+    there.warm = false;
+    return accept(there);
+  }
+
   static bool is_touching(const RawContact<Real>& raw) { return raw.uints[kContactState] != 0; }
   static bool is_unfinished(const RawContact<Real>& raw) {
     return (raw.uints[kContactFlags] & kUnfinished) != 0;
@@ -61,6 +139,11 @@ class ContactTracker::Tick {
     return static_cast<int>(raw.uints[kContactIterations]) + 1;
   }
 
+  // Mesh's unit.
+  Vec3 push_of(const RawContact<Real>& raw) const {
+    const Eigen::Map<const Eigen::Matrix<Real, 3, 1>> push(&raw.reals[kContactPush]);
+    return push.template cast<double>() / cache_.scale;
+  }
   int left() const { return kSearchEvaluations - spent_; }  // evaluations
   TrackOptions<Real> within(int budget) const {
     TrackOptions<Real> options = options_;
@@ -96,7 +179,7 @@ class ContactTracker::Tick {
   }
 
   // The tick ends with `raw` for its state.
-  Contact settle(const RawContact<Real>& raw) {
+  Contact accept(const RawContact<Real>& raw) {
     state_ = raw;
     t_.last_ = hip_;
     t_.clear_ = is_touching(raw) ? 0 : clear_of(raw);
@@ -106,16 +189,13 @@ class ContactTracker::Tick {
   }
   // The tick ends with the SCP where it was. False once that pushes four times as far as at first.
   bool hold() {
-    const auto push_of = [](const RawContact<Real>& raw) {
-      return Eigen::Map<const Eigen::Matrix<Real, 3, 1>>(&raw.reals[kContactOffset]).norm();
-    };
     RawContact<Real> same = state_;
     TrackOptions<Real> options = within(left());
     options.max_iterations = 0;
     const RawHip<Real> hip = raw_hip<Real>(cache_, hip_);
     kernels<Real>().track(s_, t_.options_.method, options, &hip, 1, &same);
-    if (t_.held_push_ == 0) t_.held_push_ = static_cast<double>(push_of(state_));
-    if (!(static_cast<double>(push_of(same)) <= 4 * t_.held_push_)) return false;
+    if (t_.held_push_ == 0) t_.held_push_ = push_of(state_).norm();
+    if (!(push_of(same).norm() <= 4 * t_.held_push_)) return false;
     same.uints[kContactState] = 1;
     same.uints[kContactFlags] &= ~kConverged;
     state_ = same;
@@ -124,17 +204,17 @@ class ContactTracker::Tick {
   }
 
   // ... free, whatever the normal at the nearest point says.
-  Contact settle_free(RawContact<Real> end) {
+  Contact accept_free(RawContact<Real> end) {
     const bool is_behind = is_touching(end);
     end.uints[kContactState] = 0;
-    const Contact c = settle(end);
+    const Contact c = accept(end);
     t_.behind_ = is_behind;
     return c;
   }
   // ... free, though the HIP has not been reached: the next tick goes on from x. A contact that is
   // not known to have ended is held.
   Contact pause(const Vec3& x, double clear, RawContact<Real> end) {
-    if (t_.touching() && hold()) return contact(state_);
+    if (t_.follows() && hold()) return contact(state_);
     end.uints[kContactState] = 0;
     state_ = end;
     t_.last_ = x;
@@ -165,7 +245,7 @@ class ContactTracker::Tick {
         const RawHip<Real> hip = raw_hip<Real>(cache_, hip_);
         kernels<Real>().track(s_, t_.options_.method, within(left()), &hip, 1, &inside);
         spent_ += evaluations_of(inside);
-        if (is_touching(inside)) return settle(inside);
+        if (is_touching(inside)) return accept(inside);
       }
       if (!meets) behind = is_in && !cache_.is_closed;
       // Close to a surface it glides, towards it no farther than to its tangent plane.
@@ -184,7 +264,7 @@ class ContactTracker::Tick {
     }
     if (is_unfinished(end)) return pause(hip_, clear_of(end), end);
     // A HIP that was near a surface and ends inside has come in, though its place was not found.
-    return cache_.is_closed || (was_near && !behind) ? settle(end) : settle_free(end);
+    return cache_.is_closed || (was_near && !behind) ? accept(end) : accept_free(end);
   }
 
   // Evaluations for a point on the way, where a bound on the distance is enough.
@@ -199,6 +279,7 @@ class ContactTracker::Tick {
   const double on_surface_;  // closer than this is on it, mesh's unit
   const double glide_;       // longest step that the ball round a point does not cover
   int spent_ = 0, searches_ = 0;
+  double pace_ = 0;  // with settle: how far the HIP has gone near the surface since the last tick
 };
 
 namespace {
@@ -234,10 +315,12 @@ Contact ContactTracker::track(const Vec3& hip, const DomainPoint& start) noexcep
     const RawHip<Real> there = raw_hip<Real>(*cache_, hip);
     kernels<Real>().track(s, options_.method, track_options<Real>(options_), &there, 1, &state);
     if (hip.allFinite()) {
-      last_ = hip;
+      last_ = before_ = hip;
       clear_ = 0;
     }
-    return contact_of(*cache_, s, state);
+    const Contact contact = contact_of(*cache_, s, state);
+    felt_ = options_.settle > 0 && contact.push.allFinite() ? contact.push : Vec3(Vec3::Zero());
+    return contact;
   });
 }
 
@@ -246,6 +329,7 @@ void ContactTracker::release(const Vec3& hip, double clear) noexcept {
   last_ = hip;
   clear_ = clear;
   behind_ = false;
+  felt_.setZero();
 }
 
 void ContactTracker::move_to(const PatchCache& cache) noexcept {
@@ -261,7 +345,7 @@ void ContactTracker::move_to(const PatchCache& cache) noexcept {
   cache_ = &cache;
 }
 
-bool ContactTracker::touching() const {
+bool ContactTracker::follows() const {
   return std::visit([](const auto& state) { return state.uints[kContactState] != 0; }, state_);
 }
 

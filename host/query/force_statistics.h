@@ -34,18 +34,20 @@ struct GLISS_EXPORT ForceStatistics {
   double largest_force = 0;                // N
   std::uint64_t ticks = 0, touching = 0;   // touching: in contact
   std::uint64_t entries = 0;               // from free to contact
+  std::uint64_t settling = 0;              // ticks in contact that were on their way (kSettling)
   std::uint64_t lost = 0, unsound = 0;
 
   ForceStatistics() = default;
   // `full_force`: k d in the unit of the forces; 0: unknown.
   explicit ForceStatistics(double full_force) : known_full_force_(full_force) {}
 
-  // Takes the next tick; force in N. Returns its step: NaN where it has none, infinity where it is
-  // unsound.
-  double add(bool in_contact, const Vec3& force) noexcept {
+  // Takes the next tick; force in N; is_settling: its contact has kSettling. Returns its step: NaN
+  // where it has none, infinity where it is unsound.
+  double add(bool in_contact, const Vec3& force, bool is_settling = false) noexcept {
     const bool has_step = ticks > 0 && (in_contact || was_in_contact_);
     ++ticks;
     touching += in_contact;
+    settling += is_settling;
     const double size = force.norm(), step = has_step ? (force - last_).norm() : 0;
     if (!std::isfinite(size) || !std::isfinite(step)) return add_unsound();
     if (in_contact && !was_in_contact_) begin_contact();
@@ -66,6 +68,7 @@ struct GLISS_EXPORT ForceStatistics {
     ticks += other.ticks;
     touching += other.touching;
     entries += other.entries;
+    settling += other.settling;
     lost += other.lost;
     unsound += other.unsound;
     jumps_ += other.jumps();
@@ -78,6 +81,8 @@ struct GLISS_EXPORT ForceStatistics {
   // Per 100,000 ticks in contact; 0 where there was no contact.
   double jumps_per_100k() const noexcept { return per_100k(jumps()); }
   double lost_per_100k() const noexcept { return per_100k(lost); }
+  // Of the ticks in contact, as a ratio; 0 where there was none.
+  double settling_share() const noexcept { return per_100k(settling) * 1e-5; }
 
  private:
   double add_unsound() noexcept {

@@ -58,6 +58,9 @@ struct QueryOptions : SolverOptions {
   // up to ten thousand, and that where a HIP is as near to many places; the default is a bound for
   // those made to take more.
   int budget = 1 << 16;
+  // For ContactTracker alone. Ticks that the force takes to change by a jump, 20 % of itself, where
+  // the contact would leap: it slides to where it belongs. 0: it leaps, as in the paper.
+  double settle = 0;
 };
 
 struct Contact {

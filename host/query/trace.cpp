@@ -11,7 +11,9 @@ std::vector<TraceStatistics> trace(const PatchCache& cache, std::span<const Vec3
   std::vector<ContactTracker> trackers;
   std::vector<TraceStatistics> statistics;
   for (const Method method : options.methods) {
-    trackers.emplace_back(cache, QueryOptions{options, method});
+    QueryOptions query{options, method};
+    query.settle = options.settle;
+    trackers.emplace_back(cache, query);
     statistics.emplace_back();
     statistics.back().method = method;
   }
@@ -21,7 +23,8 @@ std::vector<TraceStatistics> trace(const PatchCache& cache, std::span<const Vec3
       steps[m].contact = trackers[m].tick(hips[tick]);
       // A sum, as of the objects of a scene: it has no -0.
       steps[m].force = Vec3::Zero() + contact_force(cache, steps[m].contact, options.stiffness);
-      statistics[m].add(steps[m].contact.touching, steps[m].force);
+      statistics[m].add(steps[m].contact.touching, steps[m].force,
+                        (steps[m].contact.flags & kSettling) != 0);
     }
     if (sink && !sink(tick, steps)) break;
   }

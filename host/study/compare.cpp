@@ -131,6 +131,7 @@ std::vector<CompareRow> Comparison::measure(const std::function<void()>& measure
 QueryOptions Comparison::query_of(const CompareCandidate& candidate, Solver solver) const {
   QueryOptions query{options_.solving, candidate.method};
   query.solver = solver;
+  query.settle = options_.settle;
   return query;
 }
 
@@ -192,7 +193,7 @@ void Comparison::measure_shape(const Surface& surface, CompareRow& row) const {
 void Comparison::measure_feel(const PatchCache& cache, const QueryOptions& query,
                               CompareRow& row) const {
   row.max_force_step = row.p99_force_step = row.max_force_error = row.p99_force_error = 0;
-  row.tick = row.jumps_per_100k = row.lost_per_100k = 0;
+  row.tick = row.jumps_per_100k = row.lost_per_100k = row.settling_share = 0;
   row.unsound = 0;
   for (const ComparePath& path : paths_) {
     poll();
@@ -203,6 +204,7 @@ void Comparison::measure_feel(const PatchCache& cache, const QueryOptions& query
     row.p99_force_step = std::max(row.p99_force_step, newtons * felt.p99_step);
     row.jumps_per_100k = std::max(row.jumps_per_100k, felt.force.jumps_per_100k());
     row.lost_per_100k = std::max(row.lost_per_100k, felt.force.lost_per_100k());
+    row.settling_share = std::max(row.settling_share, felt.force.settling_share());
     row.unsound += felt.force.unsound;
     row.max_force_error = std::max(row.max_force_error, felt.error.largest / depth);
     row.p99_force_error = std::max(row.p99_force_error, felt.error.p99 / depth);
@@ -228,6 +230,7 @@ void Comparison::measure_walks(const PatchCache& cache, const QueryOptions& quer
   row.walk_max_force_step = options_.stiffness * mesh_.unit * felt.largest_step;
   row.jumps_per_100k = felt.jumps_per_100k();
   row.lost_per_100k = felt.lost_per_100k();
+  row.settling_share = felt.settling_share();
   row.unsound += felt.unsound;
 }
 

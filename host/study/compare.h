@@ -37,6 +37,7 @@ struct CompareOptions {
   // Makes the engine of a backend; null: those of "tbb" and "serial" are known.
   std::function<std::unique_ptr<Engine>(const std::string& backend)> make_engine = nullptr;
   SolverOptions solving;   // but for the solver
+  double settle = 0;       // ticks, as in QueryOptions
   double stiffness = 500;  // N/m
   // Asked many times a second, also from an engine's threads; what it throws ends the measuring.
   std::function<void()> poll = nullptr;
@@ -56,6 +57,7 @@ struct CompareRow {
   double max_force_step = 0, p99_force_step = 0;        // N, along the path
   double walk_max_force_step = 0;                       // N, in the walks
   double jumps_per_100k = 0, lost_per_100k = 0;         // in the walks; without, along the path
+  double settling_share = 0;                            // of the ticks in contact; as the jumps
   std::uint64_t unsound = 0;                            // steps that are not finite
   // The error is to the force of the exact surface, as a share of stiffness x depth.
   double max_force_error = 0, p99_force_error = 0;

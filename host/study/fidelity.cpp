@@ -146,7 +146,8 @@ FeltPath feel_path(const PatchCache& cache, const QueryOptions& options, std::sp
     const auto start = Clock::now();
     const Contact contact = tracker.tick(path[i]);
     ticks.push_back(std::chrono::duration<double>(Clock::now() - start).count());
-    const double step = result.force.add(contact.touching, contact.push);
+    const double step =
+        result.force.add(contact.touching, contact.push, (contact.flags & kSettling) != 0);
     if (!std::isnan(step)) steps.push_back(step);
     result.push.push_back(contact.push);
     if (!reference.empty()) errors.push_back((contact.push - reference[i]).norm());

@@ -195,7 +195,8 @@ ForceStatistics feel_walks(const PatchCache& cache, const QueryOptions& options,
       ContactTracker tracker(cache, options);
       for (std::size_t tick = 0; tick < walks[i].hips.size(); ++tick) {
         const Contact contact = tracker.tick(walks[i].hips[tick]);
-        if (tick + 1 >= Walk::kEntry) felt[i].add(contact.touching, contact.push);
+        if (tick + 1 >= Walk::kEntry)
+          felt[i].add(contact.touching, contact.push, (contact.flags & kSettling) != 0);
       }
     }
   });

@@ -17,8 +17,9 @@ enum class Solver { kNewton, kGaussNewton, kPaper };
 
 // Bits of a contact's flags. kNotBuilt: its patches are not there yet, it is of the base polygons.
 // kUnfinished: the search's budget was spent before every point was tried or ruled out.
+// kSettling: on its way to where a leap ends (ContactTracker, QueryOptions::settle).
 inline constexpr std::uint32_t kConverged = 1, kOnBorder = 2, kOnCrease = 4, kNotBuilt = 8,
-                               kUnfinished = 16;
+                               kUnfinished = 16, kSettling = 32;
 
 template <class Real>
 struct TrackOptions {

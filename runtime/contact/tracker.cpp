@@ -11,13 +11,16 @@ namespace gliss {
 namespace {
 
 QueryOptions query_of(const SceneObject& object) {
-  return {{object.solver, object.max_iterations, object.tolerance}, object.method};
+  QueryOptions query{{object.solver, object.max_iterations, object.tolerance}, object.method};
+  query.settle = object.settle;
+  return query;
 }
 
 // Why nothing can be touched of an object, as the end of a sentence about it; null: it can.
 const char* fault_of(const SceneObject& object) {
   if (!object.pose.matrix().allFinite()) return "has a pose that is not finite";
   if (!std::isfinite(object.stiffness)) return "has a stiffness that is not finite";
+  if (!(object.settle >= 0)) return "has a settle that is not 0 or more";
   if (object.cache != nullptr)
     return object.cache->patch_count() == 0 ? "has a cache without patches" : nullptr;
   if (object.lazy == nullptr)

@@ -76,6 +76,9 @@ ObjectDescription read_object(TomlTable table, const std::string& scene, std::si
   table.get("tolerance", object.tolerance);
   if (!(object.tolerance >= 0 && object.tolerance < 1))
     table.fail("tolerance", "must be 0 or more and less than 1");
+  table.get("settle", object.settle, parse_time);
+  if (!(object.settle >= 0 && object.settle <= 1))
+    table.fail("settle", "must be from 0 to 1 s; \"5ms\" is usual");
   read_patches(table, object, mesh.empty());
   Vec3 position = Vec3::Zero();
   table.get_point("position", position);

@@ -37,6 +37,7 @@ struct ObjectDescription : SolverOptions {
   std::optional<Level> level;                // as the cache has it, or exact
   std::optional<Construction> construction;  // as the cache has it, or the paper's
   double stiffness = 500;                    // N/m
+  double settle = 0;                         // s; 0: contacts leap (QueryOptions::settle)
   Method method = Method::kGregory;
   Pose pose = Pose::Identity();
   Patches patches = Patches::kAll;

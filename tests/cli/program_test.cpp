@@ -197,6 +197,40 @@ TEST_F(Program, TraceKeepsTheStepsOfTheFile) {
                          HasSubstr("\n1000000,flat,1,0,0,")));
 }
 
+TEST_F(Program, ContactsSettleWhereTheyAreToldTo) {
+  output_of("generate goldberg --frequency 2 -o ball.obj");
+  std::string hips = "x_mm,y_mm,z_mm\n";
+  for (int i = 0; i < 50; ++i) hips += fmt::format("{},0,0\n", 12 - 0.1 * i);
+  for (int i = 0; i < 2000; ++i)
+    hips += fmt::format("{},{},0\n", 7 * std::cos(0.002 * i), 7 * std::sin(0.002 * i));
+  folder_.write("round.csv", hips);
+  const auto felt = [&](const char* settle) {
+    return json_of(
+        fmt::format("trace ball.obj --unit mm --path round.csv --method flat "
+                    "--stiffness 0.1N/mm --settle {} -o felt.csv",
+                    settle))["methods"][0];
+  };
+  const auto leaping = felt("0"), settling = felt("5ms");
+  EXPECT_GT(leaping["jumps_per_100k"], 100);
+  EXPECT_EQ(leaping["settling"], 0);
+  EXPECT_EQ(settling["jumps_per_100k"], 0);
+  EXPECT_GT(settling["settling"], 0);
+  folder_.write("scene.toml",
+                "[[object]]\nmesh = 'ball.obj'\nunit = 'mm'\nmethod = 'flat'\n"
+                "stiffness = '0.1N/mm'\nsettle = '5ms'\n");
+  const auto rendered = json_of("run scene.toml --device replay:round.csv --no-wait");
+  EXPECT_EQ(rendered["settling"], settling["settling"]);
+  EXPECT_EQ(rendered["largest_force_step"], settling["largest_step_N"]);
+  const auto rows = json_of(
+      "compare ball.obj --unit mm --levels exact,flat --precisions double --dense-limit 0 "
+      "--ticks 100 --walks 2 --settle 5ms")["rows"];
+  EXPECT_EQ(rows[0]["settling_share"], 0);
+  EXPECT_GT(rows[1]["settling_share"], 0);
+  const Outcome slip = run("trace ball.obj --path round.csv --settle 5");
+  EXPECT_EQ(slip.code, 2);
+  EXPECT_THAT(slip.err, HasSubstr("--settle: '5' is not from 0 to 1 s; 5ms is usual"));
+}
+
 TEST_F(Program, CoordinatesAreInTheUnitAskedFor) {
   output_of("bake knot.obj --unit mm -o knot.gliss");
   const auto mm = numbers_of(output_of("eval knot.gliss --at points.csv --unit mm"));

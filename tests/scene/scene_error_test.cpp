@@ -126,6 +126,8 @@ TEST(SceneError, names_numbers_out_of_range) {
       {"[[object]]\nmesh = 'ball.obj'\nstiffness = '-1N/mm'\n",
        "3: object.stiffness: ", "positive"},
       {"[[object]]\nmesh = 'ball.obj'\nunit = '-1'\n", "3: object.unit: ", "'-1'"},
+      {"[[object]]\nmesh = 'ball.obj'\nsettle = 5\n", "3: object.settle: ", "from 0 to 1 s"},
+      {"[[object]]\nmesh = 'ball.obj'\nsettle = '-1ms'\n", "3: object.settle: ", "from 0"},
       {"[[object]]\nmesh = 'ball.obj'\nrotation = {axis = [0, 0, 0], degrees = 9}\n",
        "3: object.rotation.axis: ", "zero"},
       {"[[object]]\nmesh = 'ball.obj'\nrotation = {degrees = 9}\n", "3: object.rotation", "axis"},

@@ -29,6 +29,7 @@ stiffness = "0.7N/mm"
 level = "exact"
 method = "shaded"
 solver = "gauss-newton"
+settle = "5ms"
 position = ["10mm", "-2cm", 0.3]
 rotation = {axis = [0, 0, 2], degrees = 90}
 
@@ -79,6 +80,7 @@ seed = 77
   EXPECT_EQ(ball.stiffness, 700);
   EXPECT_EQ(ball.method, Method::kShaded);
   EXPECT_EQ(ball.solver, Solver::kGaussNewton);
+  EXPECT_EQ(ball.settle, 0.005);
   EXPECT_EQ(list(ball.pose.translation()), (List{0.01, -0.02, 0.3}));
   // A quarter turn about z leads x to y.
   EXPECT_LT((ball.pose * Vec3(1, 2, 3) - Vec3(-1.99, 0.98, 3.3)).norm(), 1e-12);

@@ -126,6 +126,7 @@ void describe(Command& command, ComparingOptions& options) {
                    });
                  });
   add_step_options(command, compare.solving);
+  add_settle_option(command, compare.settle);
   command.option({"--depth", "LIST", "of the HIPs; default: 1 % of the mesh's diagonal"},
                  [&](const std::string& text) { options.depths = parse_depths(text); });
   command.option({"--path", "FILE", "HIPs, one a tick, instead of a path of its own"},
@@ -260,6 +261,7 @@ Json json_of(const CompareRow& row) {
           {"walk_max_force_step", number(row.walk_max_force_step)},
           {"jumps_per_100k", row.jumps_per_100k},
           {"lost_per_100k", row.lost_per_100k},
+          {"settling_share", row.settling_share},
           {"unsound", row.unsound},
           {"max_force_error", row.max_force_error},
           {"p99_force_error", row.p99_force_error},
@@ -353,7 +355,7 @@ void write_table(const ComparingOptions& options, const PatchCache& exact,
           .add({"max_normal_gap_deg", "p99_normal_gap_deg"}, ColumnType::kFloat64, "deg")
           .add({"max_force_step", "p99_force_step", "walk_max_force_step"}, ColumnType::kFloat64,
                "N")
-          .add({"jumps_per_100k", "lost_per_100k", "unsound"})
+          .add({"jumps_per_100k", "lost_per_100k", "settling_share", "unsound"})
           .add({"max_force_error", "p99_force_error"})
           .add({"tick_us"}, ColumnType::kFloat64, "us")
           .add({"pareto"}, ColumnType::kUint8));
@@ -379,6 +381,7 @@ void write_table(const ComparingOptions& options, const PatchCache& exact,
   numbers([](const CompareRow& r) { return r.walk_max_force_step; });
   numbers([](const CompareRow& r) { return r.jumps_per_100k; });
   numbers([](const CompareRow& r) { return r.lost_per_100k; });
+  numbers([](const CompareRow& r) { return r.settling_share; });
   numbers([](const CompareRow& r) { return static_cast<double>(r.unsound); });
   numbers([](const CompareRow& r) { return r.max_force_error; });
   numbers([](const CompareRow& r) { return r.p99_force_error; });

@@ -183,6 +183,7 @@ Json figures_of(const HapticLoop& loop, const Session& session, const std::strin
           {"largest_force", rendered.largest_force},
           {"in_contact", rendered.touching},
           {"entries", rendered.entries},
+          {"settling", rendered.settling},
           {"largest_sent_step", sent.largest_step},
           {"sent_jumps_per_100k", sent.jumps_per_100k()},
           {"sent_lost_per_100k", sent.lost_per_100k()},

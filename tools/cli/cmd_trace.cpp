@@ -30,6 +30,7 @@ void describe(Command& command, TracingOptions& options) {
   add_stiffness_option(command, options.trace.stiffness);
   add_methods_option(command, options.trace.methods);
   add_solver_options(command, options.trace);
+  add_settle_option(command, options.trace.settle);
 }
 
 // Whole steps are written as such: 100000, where the shortest double would be 1e+05.
@@ -62,16 +63,17 @@ void write(const std::vector<Row>& rows, const UnitChange& length, ResultTable& 
 }
 
 void report_statistics(const TracingOptions& options, const std::vector<TraceStatistics>& found) {
-  std::string text = fmt::format("{:<8} {:>14} {:>10} {:>10} {:>14} {:>14} {:>10} {:>10} {:>8}\n",
-                                 "method", "max step, N", "jumps/100k", "lost/100k", "mean step, N",
-                                 "max force, N", "ticks", "in contact", "entries");
+  std::string text =
+      fmt::format("{:<8} {:>14} {:>10} {:>10} {:>14} {:>14} {:>10} {:>10} {:>8} {:>10}\n", "method",
+                  "max step, N", "jumps/100k", "lost/100k", "mean step, N", "max force, N", "ticks",
+                  "in contact", "entries", "settling");
   Json json;
   json["stiffness_N_per_m"] = options.trace.stiffness;
   for (const TraceStatistics& s : found) {
-    text +=
-        fmt::format("{:<8} {:>14.6g} {:>10.1f} {:>10.1f} {:>14.6g} {:>14.6g} {:>10} {:>10} {:>8}\n",
-                    method_name(s.method), s.largest_step, s.jumps_per_100k(), s.lost_per_100k(),
-                    s.mean_step, s.largest_force, s.ticks, s.touching, s.entries);
+    text += fmt::format(
+        "{:<8} {:>14.6g} {:>10.1f} {:>10.1f} {:>14.6g} {:>14.6g} {:>10} {:>10} {:>8} {:>10}\n",
+        method_name(s.method), s.largest_step, s.jumps_per_100k(), s.lost_per_100k(), s.mean_step,
+        s.largest_force, s.ticks, s.touching, s.entries, s.settling);
     text += unsound_text(s.unsound, "steps");
     json["methods"].push_back({{"method", method_name(s.method)},
                                {"largest_step_N", s.largest_step},
@@ -82,7 +84,8 @@ void report_statistics(const TracingOptions& options, const std::vector<TraceSta
                                {"largest_force_N", s.largest_force},
                                {"ticks", s.ticks},
                                {"in_contact", s.touching},
-                               {"entries", s.entries}});
+                               {"entries", s.entries},
+                               {"settling", s.settling}});
   }
   report(options, text, json, options.output == "-");
 }

@@ -123,6 +123,19 @@ void add_step_options(Command& command, SolverOptions& options) {
                  1, 10000);
 }
 
+void add_settle_option(Command& command, double& settle) {
+  command.option(
+      {"--settle", "TIME",
+       "as 5ms: where a contact would leap it slides, and the force takes so long to change by "
+       "20 %, with a tick a millisecond; default 0: it leaps"},
+      [&settle](const std::string& text) {
+        const double seconds = parse_time(text);
+        if (!(seconds >= 0 && seconds <= 1))
+          throw InputError(fmt::format("--settle: '{}' is not from 0 to 1 s; 5ms is usual", text));
+        settle = seconds * 1e3;
+      });
+}
+
 void add_methods_option(Command& command, std::vector<Method>& methods) {
   command.option({"--method", "LIST", "of gregory, shaded and flat; all by default"},
                  [&methods](const std::string& text) {

@@ -67,6 +67,8 @@ void add_input_option(Command& command, const std::string& name, std::string& pa
 // Throws InputError where it is no file that can be read.
 void check_input(const std::string& name, const std::string& path);
 void add_stiffness_option(Command& command, double& stiffness);
+// --settle TIME; `settle` is in ticks of 1 ms.
+void add_settle_option(Command& command, double& settle);
 // Adds the options of one solver; of all.
 void add_solver_options(Command& command, SolverOptions& options);
 void add_step_options(Command& command, SolverOptions& options);

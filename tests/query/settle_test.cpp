@@ -1,0 +1,195 @@
+// Contacts that slide to where a leap ends: no force leaps, no energy comes of it, and it ends.
+#include <cstring>
+
+#include "gliss/generate/generate.h"
+#include "gliss/query/contact_tracker.h"
+#include "gliss/query/force_statistics.h"
+#include "gliss/study/fidelity.h"
+#include "gliss/study/walk.h"
+#include "gliss/surface/names.h"
+#include "tests/oracle/oracle.h"
+#include "tests/support/open_meshes.h"
+#include "tests/support/surfaces.h"
+
+namespace gliss {
+namespace {
+
+QueryOptions with_settle(double settle, Method method = Method::kGregory) {
+  QueryOptions options;
+  options.method = method;
+  options.settle = settle;
+  return options;
+}
+
+std::vector<Walk> walks_on(const Mesh& mesh, double depth) {
+  WalkOptions options;
+  options.depth = depth;
+  options.walkers = 10;
+  options.ticks = std::getenv("GLISS_LONG_TESTS") ? 100'000 : 1000;
+  options.seed = 3;
+  return walk_paths(mesh, build_topology(mesh), options);
+}
+
+// Closed meshes on which contacts leap: thin parts, edges, corners, irregular triangles.
+std::vector<Mesh> leaping_meshes() {
+  std::vector<Mesh> meshes;
+  for (const Generated& made : {fin(), prism(5), banana(13, 6), irregular(torus(), 7)})
+    meshes.push_back(test::with_normals(made.mesh));
+  return meshes;
+}
+
+TEST(Settle, changes_no_byte_where_nothing_leaps) {
+  const Generated knot = torus_knot();
+  const PatchCache cache = test::cache_of(knot.mesh, Precision::kDouble);
+  for (const double depth : {2.0, 4.0}) {
+    ContactTracker plain(cache, {}), settling(cache, with_settle(5));
+    std::size_t touching = 0;
+    for (const Vec3& hip : path_beneath(knot, 120, 12, depth, 0.05)) {
+      const Contact a = plain.tick(hip), b = settling.tick(hip);
+      ASSERT_EQ(a.scp, b.scp);
+      ASSERT_EQ(a.push, b.push);
+      ASSERT_EQ(a.flags, b.flags);
+      ASSERT_EQ(a.iterations, b.iterations);
+      touching += b.touching;
+    }
+    EXPECT_GT(touching, 1000u);
+  }
+}
+
+PatchCache fair_cache_of(const Mesh& mesh) {
+  BuildOptions options;
+  options.level.construction = Construction::kFair;
+  return build_cache(mesh, options);
+}
+
+// Jumps and losses by the force held lately: a surface may lie farther from its polygons, whose
+// depth a walk keeps, than the walk is deep.
+ForceStatistics feel(const PatchCache& cache, const QueryOptions& options,
+                     const std::vector<Walk>& walks) {
+  ForceStatistics all;
+  for (const Walk& walk : walks) {
+    ContactTracker tracker(cache, options);
+    ForceStatistics felt;
+    for (const Vec3& hip : walk.hips) {
+      const Contact contact = tracker.tick(hip);
+      felt.add(contact.touching, contact.push, (contact.flags & kSettling) != 0);
+    }
+    all.merge(felt);
+  }
+  return all;
+}
+
+TEST(Settle, lets_no_force_leap_with_any_method) {
+  for (const Method method : {Method::kGregory, Method::kShaded, Method::kFlat}) {
+    std::size_t leaps = 0;
+    for (const Mesh& mesh : leaping_meshes()) {
+      const PatchCache cache = fair_cache_of(mesh);
+      const std::vector<Walk> walks = walks_on(mesh, 4 * walk_depth(mesh));
+      const ForceStatistics leaping = feel(cache, with_settle(0, method), walks);
+      const ForceStatistics settling = feel(cache, with_settle(5, method), walks);
+      leaps += leaping.jumps();
+      EXPECT_EQ(leaping.settling, 0u);
+      EXPECT_EQ(settling.jumps(), 0u) << mesh.source;
+      EXPECT_EQ(settling.lost, 0u) << mesh.source;
+      if (method == Method::kGregory) EXPECT_LT(settling.settling_share(), 0.05) << mesh.source;
+    }
+    EXPECT_GT(leaps, 0u);
+  }
+}
+
+// With the contact point held while the HIP moves, the work of the hand is the change of k q^2 / 2
+// but for k |dx|^2 / 2 of a force that is held for a tick. Then the point may only come nearer.
+TEST(Settle, takes_energy_and_gives_none) {
+  for (const Method method : {Method::kGregory, Method::kFlat}) {
+    std::size_t settling = 0;
+    for (const Mesh& mesh : leaping_meshes()) {
+      const PatchCache cache = test::cache_of(mesh, Precision::kDouble);
+      const double depth = 4 * walk_depth(mesh);
+      for (const Walk& walk : walks_on(mesh, depth)) {
+        ContactTracker tracker(cache, with_settle(5, method));
+        Contact last = tracker.tick(walk.hips[0]);
+        for (std::size_t i = 1; i < walk.hips.size(); ++i) {
+          const Contact now = tracker.tick(walk.hips[i]);
+          if (last.touching && (now.flags & kSettling)) {
+            const Vec3 held = last.push - (walk.hips[i] - walk.hips[i - 1]);
+            EXPECT_LE(now.push.norm(), held.norm() + 1e-9 * depth) << mesh.source;
+            ++settling;
+          }
+          last = now;
+        }
+      }
+    }
+    EXPECT_GT(settling, 100u);
+  }
+}
+
+TEST(Settle, ends_at_a_nearest_point_once_the_hand_rests) {
+  const Mesh mesh = test::with_normals(fin().mesh);
+  const PatchCache cache = test::cache_of(mesh, Precision::kDouble);
+  const double depth = 4 * walk_depth(mesh);
+  std::size_t slides = 0;
+  for (const Walk& walk : walks_on(mesh, depth)) {
+    ContactTracker tracker(cache, with_settle(5));
+    bool was_settling = false;
+    for (const Vec3& hip : walk.hips) {
+      const bool settles = tracker.tick(hip).flags & kSettling;
+      if (settles && !was_settling) {
+        ContactTracker resting = tracker;
+        int ticks = 0;
+        Contact contact = resting.tick(hip);
+        for (; contact.flags & kSettling && ticks < 500; ++ticks) contact = resting.tick(hip);
+        EXPECT_LT(ticks, 500);
+        // What is left of the way may take more iterations than a tick has.
+        for (int i = 0; i < 40; ++i) contact = resting.tick(hip);
+        EXPECT_TRUE(contact.flags & kConverged);
+        EXPECT_LT((resting.tick(hip).push - contact.push).norm(), 1e-9 * depth);
+        ++slides;
+      }
+      was_settling = settles;
+    }
+  }
+  EXPECT_GT(slides, 0u);
+}
+
+TEST(Settle, fades_a_force_whose_contact_ends_and_keeps_the_budget_of_a_tick) {
+  oracle::Rng rng(9);
+  for (const Mesh& mesh : {test::sheet(1.5), fin().mesh, thin_plate().mesh, goldberg(2).mesh}) {
+    const PatchCache cache = test::cache_of(test::with_normals(mesh), Precision::kFloat);
+    const Box box = cache.bounds();
+    const Vec3 middle = 0.5 * (box.low + box.high);
+    const double size = (box.high - box.low).norm();
+    ContactTracker tracker(cache, with_settle(5));
+    Vec3 hip = middle, last = Vec3::Zero();
+    std::size_t fading = 0;
+    for (int i = 0; i < 3000; ++i) {
+      const Vec3 next = i % 40 == 0 ? Vec3(middle + 0.6 * size * oracle::random_unit(rng))
+                                    : Vec3(hip + 1e-3 * size * oracle::random_unit(rng));
+      const Contact contact = tracker.tick(next);
+      EXPECT_LE(contact.iterations, ContactTracker::kTickEvaluations);
+      EXPECT_EQ(contact.touching, tracker.touching());
+      if (i > 0) {
+        EXPECT_LE((contact.push - last).norm(),
+                  2 * (next - hip).norm() + 0.04 * std::max(last.norm(), contact.push.norm()) +
+                      1e-6 * size);
+      }
+      fading += contact.touching && contact.distance > 0;
+      last = contact.push;
+      hip = next;
+    }
+    RecordProperty("fading", static_cast<int>(fading));
+  }
+}
+
+TEST(Settle, leaves_a_hip_without_number_alone) {
+  const Mesh mesh = test::with_normals(prism(5).mesh);
+  const PatchCache cache = test::cache_of(mesh, Precision::kDouble);
+  ContactTracker tracker(cache, with_settle(5));
+  const Vec3 inside = 0.5 * (cache.bounds().low + cache.bounds().high);
+  const Contact before = tracker.tick(inside);
+  ASSERT_TRUE(before.touching);
+  EXPECT_FALSE(tracker.tick(Vec3::Constant(std::nan(""))).touching);
+  EXPECT_LT((tracker.tick(inside).push - before.push).norm(), 1e-9);
+}
+
+}  // namespace
+}  // namespace gliss
