@@ -9,7 +9,8 @@ GLISS is the program; FOLDER holds .obj, .off and .ply files; the generated knot
 come first. Counts are ticks whose force changes by more than 20 % of stiffness times depth, contacts
 lost under more than that included, per 100,000 ticks in contact (host/study/walk.h); all surfaces of a mesh
 get the same HIPs. Bold: more often than force shading. Lost contacts and largest steps: exact / fair.
-With --settle, leaps are slides, and the last column is the share of ticks in contact that slide: exact / fair
+Loops: the work that closed loops a face wide give the hand, at most, in % of the work done along them: exact /
+fair / shaded / flat. With --settle, leaps are slides, and the last column is the share of ticks in contact that slide: exact / fair
 / shaded / flat.
 """
 
@@ -64,6 +65,8 @@ def cells(rows, depth, settle):
         yield f"**{jumps:.1f}**" if worse else f"{jumps:.1f}"
     yield " / ".join(f"{rows[level]['lost_per_100k']:.1f}" for level in ("exact", "fair"))
     yield " / ".join(largest(rows[level]["walk_max_force_step"], depth) for level in ("exact", "fair"))
+    yield " / ".join("–" if rows[level]["loop_gain"] is None else f"{100 * rows[level]['loop_gain']:.1g}"
+                     for level in LEVELS if level != "bezier")
     if settle:
         yield " / ".join(f"{100 * rows[level]['settling_share']:.2f}" for level in LEVELS if level != "bezier")
 
@@ -79,7 +82,7 @@ def main():
     parser.add_argument("--settle", default="0", help="time constant of slides in place of leaps, as 5ms")
     options = parser.parse_args()
     head = [f"{depth}: {name}" for depth in DEPTHS
-            for name in LEVELS + ("lost", "largest, k d") + (("slid, %",) if options.settle != "0" else ())]
+            for name in LEVELS + ("lost", "largest, k d", "loops, %") + (("slid, %",) if options.settle != "0" else ())]
     print("| mesh | " + " | ".join(head) + " |\n|---|" + "---|" * len(head), flush=True)
     with tempfile.TemporaryDirectory() as folder:
         for mesh in meshes_of(options.meshes, options.gliss, folder):

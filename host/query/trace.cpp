@@ -17,6 +17,8 @@ std::vector<TraceStatistics> trace(const PatchCache& cache, std::span<const Vec3
     statistics.emplace_back();
     statistics.back().method = method;
   }
+  const std::vector<PathLoop> loops = closed_loops(hips);
+  std::vector<LoopGain> gains(options.methods.size(), LoopGain(loops));
   std::vector<TraceStep> steps(options.methods.size());
   for (std::size_t tick = 0; tick < hips.size(); ++tick) {
     for (std::size_t m = 0; m < trackers.size(); ++m) {
@@ -25,8 +27,13 @@ std::vector<TraceStatistics> trace(const PatchCache& cache, std::span<const Vec3
       steps[m].force = Vec3::Zero() + contact_force(cache, steps[m].contact, options.stiffness);
       statistics[m].add(steps[m].contact.touching, steps[m].force,
                         (steps[m].contact.flags & kSettling) != 0);
+      gains[m].add(cache.unit * hips[tick], steps[m].force);
     }
     if (sink && !sink(tick, steps)) break;
+  }
+  for (std::size_t m = 0; m < gains.size(); ++m) {
+    statistics[m].work = gains[m].work();
+    statistics[m].loop_gain = gains[m].largest();
   }
   return statistics;
 }

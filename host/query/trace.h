@@ -9,6 +9,7 @@
 #include "gliss/base/export.h"
 #include "gliss/query/force_statistics.h"
 #include "gliss/query/query.h"
+#include "gliss/query/work.h"
 
 namespace gliss {
 
@@ -25,6 +26,8 @@ struct TraceStep {
 
 struct TraceStatistics : ForceStatistics {
   Method method = Method::kGregory;
+  Work work;           // of the force on the hand, J
+  double loop_gain{};  // LoopGain::largest, of the path's closed_loops
 };
 
 // Steps arrive in order, all methods of a tick together (steps[i] belongs to options.methods[i]).

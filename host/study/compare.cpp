@@ -218,6 +218,7 @@ void Comparison::measure_feel(const PatchCache& cache, const QueryOptions& query
 void Comparison::measure_walks(const PatchCache& cache, const QueryOptions& query,
                                const Engine& engine, CompareRow& row) const {
   row.walk_max_force_step = kUnknown;
+  row.loop_gain = loop_gain(cache, query, walks_.loops);
   if (walks_.walks.empty()) return;
   const ParallelFor polled = [&](std::size_t count, std::size_t grain, const auto& body) {
     engine.for_each(count, grain, [&](std::size_t begin, std::size_t end) {

@@ -58,6 +58,7 @@ struct CompareRow {
   double walk_max_force_step = 0;                       // N, in the walks
   double jumps_per_100k = 0, lost_per_100k = 0;         // in the walks; without, along the path
   double settling_share = 0;                            // of the ticks in contact; as the jumps
+  double loop_gain = 0;                                 // of CompareWalks::loops
   std::uint64_t unsound = 0;                            // steps that are not finite
   // The error is to the force of the exact surface, as a share of stiffness x depth.
   double max_force_error = 0, p99_force_error = 0;
@@ -93,6 +94,7 @@ struct ComparePath {
 struct CompareWalks {
   double depth = 0;  // m
   std::vector<Walk> walks{};
+  std::vector<std::vector<Vec3>> loops{};  // loop_paths, as deep
 };
 
 // `distance`: from a point (mesh's unit) to the true surface, same unit; null: unknown.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 #include <random>
 
 #include "gliss/build/build_cache.h"
@@ -11,12 +13,13 @@
 namespace gliss {
 namespace {
 
-constexpr double kAbove = 0.02;           // of the diagonal: where a walk begins
-constexpr double kRise = 0.2;             // of a step: at most so far towards the depth
-constexpr double kKeep = 0.98;            // of the turn a tick, ...
-constexpr double kWander = 0.002;         // ... and its change, rad
-constexpr int kTries = 1000;              // to find a start
-constexpr std::size_t kMostWalks = 1000;  // a walker
+constexpr double kAbove = 0.02;                   // of the diagonal: where a walk begins
+constexpr double kRise = 0.2;                     // of a step: at most so far towards the depth
+constexpr double kKeep = 0.98;                    // of the turn a tick, ...
+constexpr double kWander = 0.002;                 // ... and its change, rad
+constexpr int kTries = 1000;                      // to find a start
+constexpr std::size_t kMostWalks = 1000;          // a walker
+constexpr int kRound = 4000, kRoundBegins = 400;  // ticks of a closed loop
 
 double diagonal_of(const Mesh& mesh) {
   Vec3 low = mesh.positions.front(), high = low;
@@ -67,6 +70,7 @@ class Places {
     }
   }
 
+  double area() const { return until_.back() / 2; }
   Vec3 choose(Random& random) const {
     const double area = random.uniform() * until_.back();
     const auto at = std::upper_bound(until_.begin(), until_.end() - 1, area) - until_.begin();
@@ -203,6 +207,45 @@ ForceStatistics feel_walks(const PatchCache& cache, const QueryOptions& options,
   ForceStatistics all(depth);
   for (const ForceStatistics& of_walk : felt) all.merge(of_walk);
   return all;
+}
+
+std::vector<std::vector<Vec3>> loop_paths(const Mesh& mesh, const Topology& topology, double depth,
+                                          std::size_t count, std::uint64_t seed) {
+  const PatchCache base = build_base(mesh, topology, Precision::kDouble);
+  const Places places(mesh);
+  Random random(seed, count);
+  const double width = std::sqrt(places.area() / static_cast<double>(mesh.face_count()));
+  std::vector<std::vector<Vec3>> loops(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    QueryOptions shaded;
+    shaded.method = Method::kShaded;
+    const Vec3 place = places.choose(random), normal = nearest(base, place, shaded).normal;
+    const Vec3 across = width / 2 * normal.unitOrthogonal(), along = normal.cross(across);
+    const Vec3 centre = place - depth * normal;
+    for (int tick = 0; tick <= kRoundBegins + kRound; ++tick) {
+      const double angle = (i % 2 == 0 ? 2 : -2) * std::numbers::pi * tick / kRound;
+      loops[i].push_back(centre + std::cos(angle) * across + std::sin(angle) * along);
+    }
+  }
+  return loops;
+}
+
+double loop_gain(const PatchCache& cache, const QueryOptions& options,
+                 std::span<const std::vector<Vec3>> loops) {
+  double largest = std::numeric_limits<double>::quiet_NaN();
+  for (const std::vector<Vec3>& loop : loops) {
+    const PathLoop round{kRoundBegins, kRoundBegins + kRound};
+    LoopGain gain({&round, 1});
+    ContactTracker tracker(cache, options);
+    bool in_contact = true;
+    for (const Vec3& hip : loop) {
+      const Contact contact = tracker.tick(hip);
+      in_contact = in_contact && contact.touching;
+      gain.add(hip, contact.push);
+    }
+    if (in_contact && !(gain.largest() <= largest)) largest = gain.largest();
+  }
+  return largest;
 }
 
 }  // namespace gliss

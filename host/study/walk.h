@@ -11,6 +11,7 @@
 #include "gliss/mesh/topology.h"
 #include "gliss/query/force_statistics.h"
 #include "gliss/query/query.h"
+#include "gliss/query/work.h"
 
 namespace gliss {
 
@@ -46,5 +47,17 @@ GLISS_EXPORT std::vector<Walk> walk_paths(const Mesh& mesh, const Topology& topo
 GLISS_EXPORT ForceStatistics feel_walks(const PatchCache& cache, const QueryOptions& options,
                                         std::span<const Walk> walks, double depth,
                                         const ParallelFor& parallel = serial_for);
+
+// Closed loops of HIPs beneath a mesh, to tell if a force makes energy: circles about as wide as a
+// face, every other one backwards, in planes `depth` beneath places chosen by area. Each goes on a
+// little after it has closed: a tracker needs to know first where it is. `count` of them,
+// deterministic by the seed.
+GLISS_EXPORT std::vector<std::vector<Vec3>> loop_paths(const Mesh& mesh, const Topology& topology,
+                                                       double depth, std::size_t count,
+                                                       std::uint64_t seed = 1);
+
+// The largest gain (Work) of those loops of loop_paths that stay in contact; NaN: there is none.
+GLISS_EXPORT double loop_gain(const PatchCache& cache, const QueryOptions& options,
+                              std::span<const std::vector<Vec3>> loops);
 
 }  // namespace gliss

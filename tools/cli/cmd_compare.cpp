@@ -29,6 +29,8 @@ struct ComparingOptions : SurfaceOptions {
   int dense_limit = 500000;
 };
 
+constexpr std::size_t kLoops = 40;  // closed ones
+
 const std::vector<CompareCandidate> kEverything = {
     {Method::kGregory, {}},
     {Method::kGregory, {Level::kRibbon, 0}},
@@ -207,6 +209,7 @@ CompareWalks make_walks(const ComparingOptions& options, const Mesh& mesh, const
   WalkOptions walk = options.walk;
   walk.depth = made.depth / mesh.unit;
   made.walks = walk_paths(mesh, topology, walk, interruptible(engine));
+  made.loops = loop_paths(mesh, topology, walk.depth, kLoops, walk.seed);
   return made;
 }
 
@@ -262,6 +265,7 @@ Json json_of(const CompareRow& row) {
           {"jumps_per_100k", row.jumps_per_100k},
           {"lost_per_100k", row.lost_per_100k},
           {"settling_share", row.settling_share},
+          {"loop_gain", number(row.loop_gain)},
           {"unsound", row.unsound},
           {"max_force_error", row.max_force_error},
           {"p99_force_error", row.p99_force_error},
@@ -302,7 +306,11 @@ std::string text_of(const CompareWalks& walks, const WalkOptions& walk) {
          fmt::format(
              "in {} random walks of {} ticks {:.3g} mm deep, {:.3g} mm a tick; walk, N: the "
              "largest step there\n",
-             walk.walkers, walk.ticks, walks.depth * 1e3, walks.depth * walk.step * 1e3);
+             walk.walkers, walk.ticks, walks.depth * 1e3, walks.depth * walk.step * 1e3) +
+         fmt::format(
+             "loops: of the work that they take, what {} closed loops a face wide give back "
+             "at most beyond it\n",
+             walks.loops.size());
 }
 
 std::string rate_text(double per_second) {
@@ -312,14 +320,15 @@ std::string rate_text(double per_second) {
 std::string text_of(const CompareRow& row) {
   return fmt::format(
              "{} {:<8} {:<6} {:<12} {:<6} {:>8.0f} {:>9} {:>8} {:>8} {:>10.3g} {:>10.3g} {:>9.2g} "
-             "{:>9.2g} {:>9.4g} {:>9.4g} {:>9.4g} {:>8.1f} {:>8.1f} {:>8.3g} {:>8.3g} {:>7.2f}\n",
+             "{:>9.2g} {:>9.4g} {:>9.4g} {:>9.4g} {:>8.1f} {:>8.1f} {:>8.2g} {:>8.3g} {:>8.3g} "
+             "{:>7.2f}\n",
              row.pareto ? '*' : ' ', row.candidate.name(), precision_name(row.precision),
              name_of(kSolverNames, row.solver), row.backend, row.bytes_per_patch,
              rate_text(row.build_per_s), rate_text(row.eval_per_s), rate_text(row.track_per_s),
              row.max_distance * 1e3, row.p99_distance * 1e3,
              row.max_normal_gap * 180 / std::numbers::pi,
              row.p99_normal_gap * 180 / std::numbers::pi, row.max_force_step, row.p99_force_step,
-             row.walk_max_force_step, row.jumps_per_100k, row.lost_per_100k,
+             row.walk_max_force_step, row.jumps_per_100k, row.lost_per_100k, 100 * row.loop_gain,
              100 * row.max_force_error, 100 * row.p99_force_error, row.tick * 1e6) +
          unsound_text(row.unsound, "steps");
 }
@@ -355,7 +364,7 @@ void write_table(const ComparingOptions& options, const PatchCache& exact,
           .add({"max_normal_gap_deg", "p99_normal_gap_deg"}, ColumnType::kFloat64, "deg")
           .add({"max_force_step", "p99_force_step", "walk_max_force_step"}, ColumnType::kFloat64,
                "N")
-          .add({"jumps_per_100k", "lost_per_100k", "settling_share", "unsound"})
+          .add({"jumps_per_100k", "lost_per_100k", "settling_share", "loop_gain", "unsound"})
           .add({"max_force_error", "p99_force_error"})
           .add({"tick_us"}, ColumnType::kFloat64, "us")
           .add({"pareto"}, ColumnType::kUint8));
@@ -382,6 +391,7 @@ void write_table(const ComparingOptions& options, const PatchCache& exact,
   numbers([](const CompareRow& r) { return r.jumps_per_100k; });
   numbers([](const CompareRow& r) { return r.lost_per_100k; });
   numbers([](const CompareRow& r) { return r.settling_share; });
+  numbers([](const CompareRow& r) { return r.loop_gain; });
   numbers([](const CompareRow& r) { return static_cast<double>(r.unsound); });
   numbers([](const CompareRow& r) { return r.max_force_error; });
   numbers([](const CompareRow& r) { return r.p99_force_error; });
@@ -453,10 +463,10 @@ void run(const ComparingOptions& options) {
 
   std::string text = fmt::format(
       "  {:<8} {:<6} {:<12} {:<6} {:>8} {:>9} {:>8} {:>8} {:>10} {:>10} {:>9} {:>9} {:>9} {:>9} "
-      "{:>9} {:>8} {:>8} {:>8} {:>8} {:>7}\n",
+      "{:>9} {:>8} {:>8} {:>8} {:>8} {:>8} {:>7}\n",
       "level", "prec.", "solver", "on", "B/patch", "build/s", "eval/s", "track/s", "far, mm",
       "p99, mm", "gap, deg", "p99, deg", "step, N", "p99, N", "walk, N", "jumps/", "lost/",
-      "error, %", "p99, %", "tick, us");
+      "loops, %", "error, %", "p99, %", "tick, us");
   Json json = {{"program", "gliss"},
                {"version", GLISS_VERSION},
                {"command_line", command_line()},

@@ -62,11 +62,17 @@ void write(const std::vector<Row>& rows, const UnitChange& length, ResultTable& 
   table.write();
 }
 
+std::string gain_text(double gain) {
+  return std::isnan(gain) ? ""
+                          : fmt::format("; closed loops give the hand up to {:.3g} %", 100 * gain);
+}
+
 void report_statistics(const TracingOptions& options, const std::vector<TraceStatistics>& found) {
   std::string text =
       fmt::format("{:<8} {:>14} {:>10} {:>10} {:>14} {:>14} {:>10} {:>10} {:>8} {:>10}\n", "method",
                   "max step, N", "jumps/100k", "lost/100k", "mean step, N", "max force, N", "ticks",
                   "in contact", "entries", "settling");
+  std::string work;
   Json json;
   json["stiffness_N_per_m"] = options.trace.stiffness;
   for (const TraceStatistics& s : found) {
@@ -75,19 +81,25 @@ void report_statistics(const TracingOptions& options, const std::vector<TraceSta
         method_name(s.method), s.largest_step, s.jumps_per_100k(), s.lost_per_100k(), s.mean_step,
         s.largest_force, s.ticks, s.touching, s.entries, s.settling);
     text += unsound_text(s.unsound, "steps");
-    json["methods"].push_back({{"method", method_name(s.method)},
-                               {"largest_step_N", s.largest_step},
-                               {"jumps_per_100k", s.jumps_per_100k()},
-                               {"lost_per_100k", s.lost_per_100k()},
-                               {"unsound", s.unsound},
-                               {"mean_step_N", s.mean_step},
-                               {"largest_force_N", s.largest_force},
-                               {"ticks", s.ticks},
-                               {"in_contact", s.touching},
-                               {"entries", s.entries},
-                               {"settling", s.settling}});
+    work += fmt::format("{:<8} net work {:>12.6g} J of {:.6g} J{}\n", method_name(s.method),
+                        s.work.net, s.work.gross, gain_text(s.loop_gain));
+    json["methods"].push_back(
+        {{"method", method_name(s.method)},
+         {"largest_step_N", s.largest_step},
+         {"jumps_per_100k", s.jumps_per_100k()},
+         {"lost_per_100k", s.lost_per_100k()},
+         {"unsound", s.unsound},
+         {"mean_step_N", s.mean_step},
+         {"largest_force_N", s.largest_force},
+         {"ticks", s.ticks},
+         {"in_contact", s.touching},
+         {"entries", s.entries},
+         {"settling", s.settling},
+         {"net_work_J", s.work.net},
+         {"gross_work_J", s.work.gross},
+         {"loop_gain", std::isfinite(s.loop_gain) ? Json(s.loop_gain) : Json()}});
   }
-  report(options, text, json, options.output == "-");
+  report(options, text + work, json, options.output == "-");
 }
 
 void run(const TracingOptions& options) {

@@ -67,6 +67,7 @@ function tellRow(row) {
     ['step of force', `${number(row.max_force_step)} N, p99 ${number(row.p99_force_step)} N`],
     ['step in walks', `${number(row.walk_max_force_step)} N`],
     ['jumps, lost /100k', `${number(row.jumps_per_100k)}, ${number(row.lost_per_100k)}`],
+    ['slides, gain of loops', `${percent(row.settling_share)}, ${percent(row.loop_gain)}`],
     ['distance', row.max_distance === null ? '–' : `${number(1e6 * row.max_distance)} µm`],
     ['normals apart', row.max_normal_gap_deg === null ? '–' : `${number(row.max_normal_gap_deg)}°`],
   ];
@@ -78,6 +79,7 @@ const micro = value => value === null ? null : 1e6 * value;
 const numbers = [
   ['Tick, µs', r => number(r.tick_us)], ['Force error', r => percent(r.max_force_error)],
   ['Jumps /100k', r => number(r.jumps_per_100k)], ['Lost /100k', r => number(r.lost_per_100k)],
+  ['Gain of loops', r => percent(r.loop_gain)], ['Slides', r => percent(r.settling_share)],
   ['Step in walks, N', r => number(r.walk_max_force_step)], ['Unsound', r => count(r.unsound)],
   ['Force step, N', r => number(r.max_force_step)], ['p99', r => number(r.p99_force_step)],
   ['Force error p99', r => percent(r.p99_force_error)], ['Bytes a patch', r => count(r.bytes_per_patch)],
