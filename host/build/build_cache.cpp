@@ -5,10 +5,12 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
 
 #include "gliss/base/plain_arithmetic.h"
 #include "gliss/build/fair_sides.h"
 #include "gliss/build/hierarchy.h"
+#include "gliss/build/mesh_frame.h"
 #include "gliss/build/parts.h"
 #include "gliss/build/patch_layout.h"
 #include "gliss/build/patch_tame.h"
@@ -84,7 +86,7 @@ class CacheBuilder {
     if (!base_only_) {
       make_tables();
       if (options_.level.construction == Construction::kFair)
-        fair_.emplace(mesh_, topology_, faces_, cache_.origin, cache_.scale, backend_.parallel);
+        fair_.emplace(mesh_frame(), topology_, faces_, backend_.parallel);
       draft_faces();
     }
     if (report != nullptr) *report = report_of();
@@ -132,12 +134,13 @@ class CacheBuilder {
     for (std::size_t f = 0; f < mesh_.face_count(); ++f) cache_.face_valence[f] = mesh_.valence(f);
   }
 
+  MeshFrame mesh_frame() const { return {mesh_, cache_.origin, cache_.scale}; }
+
   FaceCorners corners_of(std::uint32_t face) const {
     FaceCorners c;
     for (std::uint32_t s = mesh_.face_begin[face]; s < mesh_.face_begin[face + 1]; ++s) {
-      c.position.push_back((mesh_.positions[mesh_.corner_vertex[s]] - cache_.origin) *
-                           cache_.scale);
-      c.normal.push_back(mesh_.normals[mesh_.corner_normal[s]].normalized());
+      c.position.push_back(mesh_frame().position(s));
+      c.normal.push_back(mesh_frame().normal(s));
     }
     return c;
   }
