@@ -15,8 +15,8 @@
 namespace gliss {
 namespace {
 
-constexpr std::uint32_t kWalkDepth =
-    64;  // HIERARCHY_DEPTH: one entry of the walker's stack for each level
+// HIERARCHY_DEPTH: one entry of the walker's stack for each level.
+constexpr std::uint32_t kWalkDepth = 64;
 
 // Frames: meshes lie in [-1, 1]^3 of theirs, polygons of theirs. Patches are as large, but for
 // those that nothing could tame, and split faces may have a centre beside them.

@@ -72,8 +72,8 @@ struct DenseRow {
   std::string target;
   double target_step = 0, memory_ratio = 0, time_ratio = 0;
   bool reached = false;
-  double needed_triangles =
-      0;  // where not reached: as the last two tried say; NaN: no end in sight
+  // Where not reached: as the last two tried say; NaN: no end in sight.
+  double needed_triangles = 0;
 };
 
 // The most that a recommended row may cost.
