@@ -154,7 +154,7 @@ class CacheBuilder {
 
   bool is_fair(std::uint32_t face) const { return fair_ && cache_.face_valence[face] <= 4; }
 
-  // Of the faces, and of the triangles that a face may be split into.
+  // Makes the tables of the faces, and of the triangles that a face may be split into.
   void make_tables() {
     std::vector<char> used(4, 0);
     used[3] = 1;
@@ -396,7 +396,7 @@ class CacheBuilder {
     d.control.clear();
   }
 
-  // In the box as it is stored.
+  // Cuts a patch into tiles, in its box as it is stored.
   template <class Real>
   void tile(FinishedPatch& d) const {
     d.tiles = cut_tiles(*d.frame, d.shape, d.shape.low.cast<Real>().template cast<double>(),

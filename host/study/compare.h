@@ -81,10 +81,10 @@ struct CompareBudget {
   std::optional<double> force_error, tick, memory;  // ratio, s, bytes
 };
 
-// HIPs at one depth.
+// HIPs at one depth, and the pushes of the exact surface there, both in the mesh's unit.
 struct ComparePath {
-  double depth = 0;                   // m
-  std::vector<Vec3> hips, reference;  // mesh's unit; pushes of the exact surface
+  double depth = 0;  // m
+  std::vector<Vec3> hips, reference;
 };
 
 // Random walks, all at one depth; none: they are switched off.
