@@ -10,8 +10,8 @@
 namespace gliss::bench {
 
 inline constexpr std::size_t kPatchPoints = 256;  // of a patch, when many are asked for at once
-inline constexpr std::size_t kCallPatches =
-    1024;  // a call of a benchmark takes about so many patches
+// A call of a benchmark takes about so many patches.
+inline constexpr std::size_t kCallPatches = 1024;
 inline constexpr std::size_t kShuffledPoints = 65536;  // or so many points, each of another patch
 
 // A quad's own parameters: u from corner 0 to 1, v from corner 0 to 3.

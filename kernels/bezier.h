@@ -98,7 +98,7 @@ typedef struct {
 } barycentric;
 
 FN barycentric barycentric_at(GLOBAL scalar* domain, real xi, real eta) {
-  GLOBAL scalar* corner = domain + DOMAIN_HEAD + 4;
+  GLOBAL scalar* corner = domain + DOMAIN_HEAD + DOMAIN_CORNER;
   const real third = splat(K(1) / K(3)), two_thirds = splat(K(2) / K(3));
   real at[3];
   for (int k = 0; k < 3; ++k) {
@@ -111,7 +111,7 @@ FN barycentric barycentric_at(GLOBAL scalar* domain, real xi, real eta) {
 
 // The derivatives along a and b, given in xi and eta, as those along xi and eta.
 FN patch_point along_domain(GLOBAL scalar* domain, patch_point p) {
-  GLOBAL scalar* corner = domain + DOMAIN_HEAD + 4;
+  GLOBAL scalar* corner = domain + DOMAIN_HEAD + DOMAIN_CORNER;
   const real two_thirds = splat(K(2) / K(3));
   const real a_xi = two_thirds * corner[0], a_eta = two_thirds * corner[1],
              b_xi = two_thirds * corner[DOMAIN_STRIDE],

@@ -15,10 +15,7 @@ FN jet mul_jet(jet a, jet b) {
 }
 FN jet add_jet(jet a, jet b) { return make_jet(a.f + b.f, a.xi + b.xi, a.eta + b.eta); }
 
-// Table of a valence, made on the host: cos(pi / n) as high and low part, then for each k
-// the outward normal m_k of side k (x, y, their low parts) and the corner C_k (x, y).
-#define DOMAIN_HEAD 2
-#define DOMAIN_STRIDE 6
+// Numbers of the table of a valence (layout.h), made on the host.
 #define DOMAIN_REALS(n) (DOMAIN_HEAD + DOMAIN_STRIDE * (n))
 // From this valence on, distances are compensated: u loses n^2 roundings of d.
 #define DOMAIN_COMPENSATED 32

@@ -35,6 +35,12 @@
 #define FAIR_SOUND 33  // 1 number
 #define FAIR_REALS 34
 
+// Table of a valence: cos(pi / n) as high and low part, then for each k the outward normal m_k of
+// side k (x, y, their low parts) and the corner C_k (x, y).
+#define DOMAIN_HEAD 2
+#define DOMAIN_STRIDE 6
+#define DOMAIN_CORNER 4
+
 // Unit normal and unit tangent of the base polygon, local frame: 2 triples.
 #define FRAME_NORMAL 0
 #define FRAME_TANGENT 1
@@ -69,6 +75,10 @@
 #define PATCH_BEND 18
 #define PATCH_CURVATURE 21  // largest |principal curvature|, local frame
 #define PATCH_REALS 22
+
+// G_xi x G_eta is a normal if it is longer than so many roundings of the longer one's square; else
+// that of the base polygon stands for it.
+#define NORMAL_ROUNDINGS 8
 
 // Numbers of a hierarchy node: the boxes of its two children, mesh frame, low and high corner each.
 #define NODE_REALS 12

@@ -63,7 +63,7 @@ typedef struct {
 
 FN polygon_blend blend_add(polygon_blend sum, surface_view view, uint patch, int k, real weight) {
   const int n = valence_of(view, patch);
-  GLOBAL scalar* corner = domain_of(view, n) + DOMAIN_HEAD + DOMAIN_STRIDE * k + 4;
+  GLOBAL scalar* corner = domain_of(view, n) + DOMAIN_HEAD + DOMAIN_STRIDE * k + DOMAIN_CORNER;
   sum.xi = fma(weight, corner[0], sum.xi);
   sum.eta = fma(weight, corner[1], sum.eta);
   sum.normal = fma3(weight, load3(view.corner + 6 * (ulong)(view.side_begin[patch] + (uint)k), 1),

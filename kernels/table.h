@@ -28,7 +28,7 @@ FN curve_point hermite_row(GLOBAL scalar* control, real index, int triple, hermi
 FN patch_point evaluate_table(GLOBAL scalar* domain, GLOBAL scalar* control, int r, int n, real xi,
                               real eta) {
   // The nearest corner, and the point as if that were corner 0.
-  GLOBAL scalar* corners = domain + DOMAIN_HEAD + 4;
+  GLOBAL scalar* corners = domain + DOMAIN_HEAD + DOMAIN_CORNER;
   real k = splat(K(0)), cx = splat(corners[0]), cy = splat(corners[1]);
   real x = fma(cx, xi, cy * eta);
   for (int i = 1; i < n; ++i) {

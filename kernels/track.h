@@ -70,7 +70,7 @@ FN held_sides sides_at(GLOBAL scalar* domain, int n, real xi, real eta) {
 }
 
 FN domain_vector domain_corner(GLOBAL scalar* domain, int k) {
-  GLOBAL scalar* c = domain + DOMAIN_HEAD + DOMAIN_STRIDE * k + 4;
+  GLOBAL scalar* c = domain + DOMAIN_HEAD + DOMAIN_STRIDE * k + DOMAIN_CORNER;
   return make_vector(c[0], c[1]);
 }
 

@@ -16,8 +16,8 @@ typedef struct {
   GLOBAL uint* form;           // [patch], FORM_*; of a table with r << 8
   GLOBAL scalar* corner;       // [side][2][3], base polygon: position (local frame) and unit normal
   GLOBAL scalar* patch;        // [patch][PATCH_REALS]
-  GLOBAL uint*
-      triangle;  // [side_begin[p] - 2 p][3], local corners: fixed triangulation of p's base polygon
+  // [side_begin[p] - 2 p][3], local corners: fixed triangulation of p's base polygon.
+  GLOBAL uint* triangle;
   GLOBAL scalar* node;      // [node][NODE_REALS]
   GLOBAL uint* child;       // [node][2]
   GLOBAL uint* tile;        // [tile][TILE_UINTS], patch by patch (tile.h)

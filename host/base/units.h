@@ -20,8 +20,8 @@ struct GLISS_EXPORT UnitError : std::runtime_error {
 GLISS_EXPORT double parse_length(std::string_view text);     // [m]; m, cm, mm, um, nm, in
 GLISS_EXPORT double parse_stiffness(std::string_view text);  // [N/m]; N, mN or kN over a length
 GLISS_EXPORT double parse_time(std::string_view text);       // [s]; s, ms, us, ns
-GLISS_EXPORT double parse_unit(
-    std::string_view text);  // "mm" -> 1e-3; also a positive number of metres
+// "mm" -> 1e-3; also a positive number of metres.
+GLISS_EXPORT double parse_unit(std::string_view text);
 
 // Lengths of one unit in another: the same bits where the units are equal, one rounding where one
 // is a whole multiple of the other.

@@ -5,10 +5,12 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
 
 #include "gliss/base/plain_arithmetic.h"
 #include "gliss/build/fair_sides.h"
 #include "gliss/build/hierarchy.h"
+#include "gliss/build/mesh_frame.h"
 #include "gliss/build/parts.h"
 #include "gliss/build/patch_layout.h"
 #include "gliss/build/patch_tame.h"
@@ -22,11 +24,13 @@ namespace {
 // Faces that are built share nothing, so that they may be drafted in any order.
 constexpr std::size_t kGrain = 64;
 
-// The exact patches of faces_[first] and those after it.
+// faces_[first] to faces_[first + count - 1]. What the paper's construction makes of them is a
+// batch; the others have drafts of their own.
 struct Chunk {
-  std::size_t first = 0;
+  std::size_t first = 0, count = 0;
   PatchBatch batch;
-  std::vector<PatchFrame> frame;  // [patch]
+  std::vector<PatchFrame> frame;        // [patch of the batch]
+  std::vector<std::uint32_t> in_batch;  // [face of the chunk], its patch there; kNone: none
 };
 
 // A patch as it goes into the cache.
@@ -82,7 +86,7 @@ class CacheBuilder {
     if (!base_only_) {
       make_tables();
       if (options_.level.construction == Construction::kFair)
-        fair_.emplace(mesh_, topology_, faces_, cache_.origin, cache_.scale, backend_.parallel);
+        fair_.emplace(mesh_frame(), topology_, faces_, backend_.parallel);
       draft_faces();
     }
     if (report != nullptr) *report = report_of();
@@ -130,12 +134,13 @@ class CacheBuilder {
     for (std::size_t f = 0; f < mesh_.face_count(); ++f) cache_.face_valence[f] = mesh_.valence(f);
   }
 
+  MeshFrame mesh_frame() const { return {mesh_, cache_.origin, cache_.scale}; }
+
   FaceCorners corners_of(std::uint32_t face) const {
     FaceCorners c;
     for (std::uint32_t s = mesh_.face_begin[face]; s < mesh_.face_begin[face + 1]; ++s) {
-      c.position.push_back((mesh_.positions[mesh_.corner_vertex[s]] - cache_.origin) *
-                           cache_.scale);
-      c.normal.push_back(mesh_.normals[mesh_.corner_normal[s]].normalized());
+      c.position.push_back(mesh_frame().position(s));
+      c.normal.push_back(mesh_frame().normal(s));
     }
     return c;
   }
@@ -149,7 +154,7 @@ class CacheBuilder {
 
   bool is_fair(std::uint32_t face) const { return fair_ && cache_.face_valence[face] <= 4; }
 
-  // Of the faces, and of the triangles that a face may be split into.
+  // Makes the tables of the faces, and of the triangles that a face may be split into.
   void make_tables() {
     std::vector<char> used(4, 0);
     used[3] = 1;
@@ -161,25 +166,37 @@ class CacheBuilder {
     tables_ = make_valence_tables(used);
   }
 
-  // Calls body(chunk) for the paper's patches of some faces, in order.
+  // Calls body(chunk) for all faces, in order, with the paper's patches of those that need them.
   template <class Body>
-  void for_chunks(const std::vector<std::uint32_t>& faces, BatchStep step, Body body) {
+  void for_chunks(BatchStep step, Body body) {
     Chunk c;
     c.batch.tables = &tables_;
     std::vector<std::uint32_t> valences;
-    for (c.first = 0; c.first < faces.size(); c.first += backend_.chunk) {
-      const std::size_t count = std::min(backend_.chunk, faces.size() - c.first);
+    for (c.first = 0; c.first < faces_.size(); c.first += c.count) {
+      c.count = std::min(backend_.chunk, faces_.size() - c.first);
+      c.in_batch.assign(c.count, kNone);
       valences.clear();
-      for (std::size_t p = 0; p < count; ++p)
-        valences.push_back(cache_.face_valence[faces[c.first + p]]);
+      for (std::size_t i = 0; i < c.count; ++i) {
+        if (is_fair(faces_[c.first + i]) || !drafted_[c.first + i].tamer.empty()) continue;
+        c.in_batch[i] = static_cast<std::uint32_t>(valences.size());
+        valences.push_back(cache_.face_valence[faces_[c.first + i]]);
+      }
       c.batch.resize(valences);
-      c.frame.resize(count);
-      backend_.parallel(count, kGrain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t p = begin; p < end; ++p) place(c, p, faces[c.first + p]);
+      c.frame.resize(valences.size());
+      for_faces(c, [&](std::size_t i) {
+        if (c.in_batch[i] != kNone) place(c, c.in_batch[i], faces_[c.first + i]);
       });
-      if (!base_only_) backend_.build(c.batch, step, backend_.parallel);
+      if (!base_only_ && c.batch.size() > 0) backend_.build(c.batch, step, backend_.parallel);
       body(c);
     }
+  }
+
+  // Calls body(i) for the faces of a chunk, on all threads.
+  template <class Body>
+  void for_faces(const Chunk& c, Body body) const {
+    backend_.parallel(c.count, kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) body(i);
+    });
   }
 
   void place(Chunk& c, std::size_t p, std::uint32_t face) const {
@@ -191,34 +208,18 @@ class CacheBuilder {
   }
 
   void draft_faces() {
-    std::vector<std::uint32_t> fair, others, at;  // at: places of the others in faces_
-    for (std::uint32_t i = 0; i < faces_.size(); ++i) {
-      if (is_fair(faces_[i])) {
-        fair.push_back(i);
-      } else {
-        others.push_back(faces_[i]);
-        at.push_back(i);
-      }
-    }
-    for (std::size_t first = 0; first < fair.size(); first += backend_.chunk) {
-      const std::size_t count = std::min(backend_.chunk, fair.size() - first);
-      backend_.parallel(count, kGrain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = first + begin; i < first + end; ++i) {
-          const PatchDraft patch = draft(face_of(faces_[fair[i]]));
-          judge(faces_[fair[i]], examine(patch, tables_), patch.soundness, drafted_[fair[i]]);
+    for_chunks(BatchStep::kExamine, [&](const Chunk& c) {
+      for_faces(c, [&](std::size_t i) {
+        const std::uint32_t face = faces_[c.first + i], p = c.in_batch[i];
+        if (p == kNone) {
+          const PatchDraft patch = draft(face_of(face));
+          judge(face, examine(patch, tables_), patch.soundness, drafted_[c.first + i]);
+        } else {
+          judge(face, shape_from(&c.batch.shape[p * kShapeReals], c.batch.valence(p)),
+                c.batch.soundness[p], drafted_[c.first + i]);
         }
       });
-      backend_.progress(first + count);
-    }
-    for_chunks(others, BatchStep::kExamine, [&](const Chunk& c) {
-      const PatchBatch& b = c.batch;
-      backend_.parallel(b.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t p = begin; p < end; ++p) {
-          judge(others[c.first + p], shape_from(&b.shape[p * kShapeReals], b.valence(p)),
-                b.soundness[p], drafted_[at[c.first + p]]);
-        }
-      });
-      backend_.progress(fair.size() + c.first + b.size());
+      backend_.progress(c.first + c.count);
     });
   }
 
@@ -268,7 +269,7 @@ class CacheBuilder {
     }
     s.control_begin.resize(patches);
     s.form.resize(patches);
-    if (!base_only_ && options_.level.kind == Level::kExact) s.control.reserve(sides * kSideReals);
+    if (!base_only_ && options_.level.kind == Level::kExact) s.control.reserve(exact_reals());
     s.corner.resize(sides * 6);
     s.patch.resize(patches * kPatchReals);
     s.tile_begin.assign(patches + 1, 0);
@@ -276,11 +277,24 @@ class CacheBuilder {
     cache_.rho_min.resize(patches);
     fill_domain(s);
     std::vector<Box> boxes(patches);
-    for_chunks(faces_, BatchStep::kControl, [&](const Chunk& c) { store_chunk(c, s, boxes); });
+    for_chunks(BatchStep::kControl, [&](const Chunk& c) { store_chunk(c, s, boxes); });
     s.control.shrink_to_fit();
     s.tile.shrink_to_fit();
     build_hierarchy(boxes, s.node, s.child, backend_.parallel);
     find_parts(boxes, s);
+  }
+
+  // Numbers of all control data, unless a level replaces them.
+  std::size_t exact_reals() const {
+    const Kernels<double>& k = kernels<double>();
+    std::size_t sum = 0;
+    for (std::size_t i = 0; i < faces_.size(); ++i) {
+      const std::vector<PatchDraft>& tamer = drafted_[i].tamer;
+      const std::uint32_t n = cache_.face_valence[faces_[i]];
+      if (tamer.empty()) sum += k.control_reals(is_fair(faces_[i]) ? fair_form(n) : kFormExact, n);
+      for (const PatchDraft& d : tamer) sum += d.control.size();
+    }
+    return sum;
   }
 
   template <class Real>
@@ -299,13 +313,13 @@ class CacheBuilder {
   template <class Real>
   void store_chunk(const Chunk& c, Surface<Real>& s, std::vector<Box>& boxes) {
     const std::uint32_t first = cache_.face_patch[faces_[c.first]];
-    const std::size_t next = c.first + c.batch.size();
+    const std::size_t next = c.first + c.count;
     const std::uint32_t last =
         next < faces_.size() ? cache_.face_patch[faces_[next]] : cache_.patch_count();
     std::vector<FinishedPatch> finished(last - first);
-    backend_.parallel(c.batch.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t p = begin; p < end; ++p)
-        finish_face(c, p, &finished[cache_.face_patch[faces_[c.first + p]] - first]);
+    std::vector<PatchDraft> fair(fair_ ? c.count : 0);  // [face of the chunk]
+    for_faces(c, [&](std::size_t i) {
+      finish_face(c, i, fair, &finished[cache_.face_patch[faces_[c.first + i]] - first]);
     });
     if (!base_only_) {
       backend_.parallel(finished.size(), kGrain, [&](std::size_t begin, std::size_t end) {
@@ -334,11 +348,14 @@ class CacheBuilder {
     });
   }
 
-  // Its patches, one after the other.
-  void finish_face(const Chunk& c, std::size_t p, FinishedPatch* out) const {
-    const PatchBatch& b = c.batch;
-    const DraftedFace& drafted = drafted_[c.first + p];
-    if (drafted.tamer.empty()) {
+  // Finishes the patches of face i of a chunk, one after the other. A fair one is drafted once
+  // more, into fair[i]: to keep all drafts would take several times the memory of the cache.
+  void finish_face(const Chunk& c, std::size_t i, std::vector<PatchDraft>& fair,
+                   FinishedPatch* out) const {
+    const std::uint32_t face = faces_[c.first + i], p = c.in_batch[i];
+    const DraftedFace& drafted = drafted_[c.first + i];
+    if (p != kNone) {
+      const PatchBatch& b = c.batch;
       *out = {b.valence(p),
               PatchKind::kExact,
               &c.frame[p],
@@ -346,16 +363,15 @@ class CacheBuilder {
               &b.corner[b.side_begin[p] * 6],
               &b.control[b.side_begin[p] * kSideReals],
               &b.triangle[3 * b.first_triangle(p)]};
-      PatchDraft fair;
-      if (is_fair(faces_[c.first + p])) {
-        fair = draft(face_of(faces_[c.first + p]));
-        out->form = fair.form;
-        out->drafted = fair.control.data();
-      }
-      choose_form(*out);
-      if (!fair.control.empty() && out->form == fair.form) out->control = std::move(fair.control);
+      return choose_form(*out);
     }
-    for (const PatchDraft& d : drafted.tamer) {
+    std::span<const PatchDraft> patches = drafted.tamer;
+    if (patches.empty()) {
+      fair[i] = draft(face_of(face));
+      fair[i].shape = drafted.shape;
+      patches = {&fair[i], 1};
+    }
+    for (const PatchDraft& d : patches) {
       *out = {d.valence(),     d.kind,           &d.frame,          d.shape,
               d.corner.data(), d.control.data(), d.triangle.data(), d.form};
       choose_form(*out++);
@@ -380,7 +396,7 @@ class CacheBuilder {
     d.control.clear();
   }
 
-  // In the box as it is stored.
+  // Cuts a patch into tiles, in its box as it is stored.
   template <class Real>
   void tile(FinishedPatch& d) const {
     d.tiles = cut_tiles(*d.frame, d.shape, d.shape.low.cast<Real>().template cast<double>(),

@@ -30,8 +30,8 @@ struct BuildOptions {
 // Findings of a build, by face.
 struct BuildReport {
   std::uint32_t folded = 0;  // the exact patch's normal turns against its face somewhere
-  std::uint32_t degenerate =
-      0;  // a ribbon vanishes: an edge parallel to a normal, or opposed end normals
+  // A ribbon vanishes: an edge parallel to a normal, or opposed end normals.
+  std::uint32_t degenerate = 0;
   std::uint32_t eased = 0, split = 0, bent = 0;
   std::vector<std::uint32_t> flagged_faces;  // folded or degenerate, ascending
 };

@@ -17,14 +17,13 @@ bool is_finite(const FairVertex<double>& v) {
 
 }  // namespace
 
-FairSides::FairSides(const Mesh& mesh, const Topology& topology,
-                     std::span<const std::uint32_t> faces, const Vec3& origin, double scale,
-                     const ParallelFor& parallel)
-    : mesh_(mesh), topology_(topology), origin_(origin), scale_(scale) {
+FairSides::FairSides(const MeshFrame& frame, const Topology& topology,
+                     std::span<const std::uint32_t> faces, const ParallelFor& parallel)
+    : frame_(frame), mesh_(frame.mesh), topology_(topology) {
   for (const std::uint32_t f : faces) {
-    if (mesh.valence(f) > 4) continue;
-    for (std::uint32_t s = mesh.face_begin[f]; s < mesh.face_begin[f + 1]; ++s)
-      vertices_.push_back(mesh.corner_vertex[s]);
+    if (mesh_.valence(f) > 4) continue;
+    for (std::uint32_t s = mesh_.face_begin[f]; s < mesh_.face_begin[f + 1]; ++s)
+      vertices_.push_back(mesh_.corner_vertex[s]);
   }
   std::sort(vertices_.begin(), vertices_.end());
   vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
@@ -36,8 +35,7 @@ FairSides::FairSides(const Mesh& mesh, const Topology& topology,
 }
 
 FairSides::End FairSides::corner(std::uint32_t side) const {
-  const Vec3 p = (mesh_.positions[mesh_.corner_vertex[side]] - origin_) * scale_,
-             n = mesh_.normals[mesh_.corner_normal[side]].normalized();
+  const Vec3 p = frame_.position(side), n = frame_.normal(side);
   return {{p.x(), p.y(), p.z(), n.x(), n.y(), n.z()}};
 }
 

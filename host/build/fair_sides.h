@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "gliss/base/parallel.h"
+#include "gliss/build/mesh_frame.h"
 #include "gliss/mesh/topology.h"
 #include "gliss/surface/instances.h"
 
@@ -17,10 +18,9 @@ namespace gliss {
 // references to the mesh and its topology.
 class FairSides {
  public:
-  // `faces`: those whose sides will be asked for. Positions p of the mesh count as
-  // (p - origin) * scale.
-  FairSides(const Mesh& mesh, const Topology& topology, std::span<const std::uint32_t> faces,
-            const Vec3& origin, double scale, const ParallelFor& parallel);
+  // `faces`: those whose sides will be asked for.
+  FairSides(const MeshFrame& frame, const Topology& topology, std::span<const std::uint32_t> faces,
+            const ParallelFor& parallel);
 
   // The sides of a face: kFairReals numbers each, in the mesh frame.
   std::vector<double> sides_of(std::uint32_t face) const;
@@ -36,10 +36,9 @@ class FairSides {
   void find_shape(std::size_t i);
   const FairVertex<double>* shape_of(std::uint32_t vertex) const;
 
+  const MeshFrame frame_;
   const Mesh& mesh_;
   const Topology& topology_;
-  const Vec3 origin_;
-  const double scale_;
   std::vector<std::uint32_t> vertices_;     // ascending
   std::vector<FairVertex<double>> shapes_;  // [vertices_]
   std::vector<char> has_shape_;             // [vertices_], 0: none that its sides agree on

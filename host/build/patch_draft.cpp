@@ -122,7 +122,7 @@ std::array<double, kFairReals> fair_side(const FaceCorners& face, std::uint32_t 
 // Its control data, from sides that both patches at an edge have in common.
 void draft_fair(const FaceCorners& face, PatchDraft& d) {
   const std::uint32_t n = d.valence();
-  d.form = n == 3 ? kFormSextic : kFormBezier;
+  d.form = fair_form(n);
   d.side.resize(n * kFairReals);
   for (std::uint32_t k = 0; k < n; ++k) {
     std::array<double, kFairReals> side =

@@ -79,6 +79,9 @@ struct PatchDraft {
   std::uint32_t valence() const { return static_cast<std::uint32_t>(face_corner.size()); }
 };
 
+// The form of a fair patch of 3 or 4 sides.
+constexpr std::uint32_t fair_form(std::uint32_t n) { return n == 3 ? kFormSextic : kFormBezier; }
+
 // The patch of some corners of a face, not yet examined: a fair one where the face has fair sides
 // and there are three or four corners, else the paper's.
 PatchDraft draft_patch(const FaceCorners& face, std::vector<std::uint32_t> face_corner);

@@ -114,7 +114,7 @@ std::optional<PatchDraft> bend(const PatchDraft& draft, double worst, const Vale
     }
     if (turn_at_rim(d, tables) < worst) continue;
     d.shape = examine(d, tables);
-    // Of two that are as bad, the one that moves less.
+    // The one that moves less wins if two are as bad.
     if (best ? d.shape.turn < worst : !(d.shape.turn > worst)) continue;
     worst = d.shape.turn;
     best = std::move(d);

@@ -80,12 +80,12 @@ class Lattice {
   void find_curvatures() {
     bends_.reserve(std::size_t{n_} * rings_ * rings_);
     for (std::uint32_t k = 0; k < n_; ++k) {
+      const Vec2 p = corner(k), q = corner(k + 1), along = q - p;
       for (std::uint32_t r = 0; r < rings_; ++r) {
         for (std::uint32_t j = 0; j < 2 * r + 1; ++j) {
           const std::uint32_t i = j / 2;
           const Sample &a = at(k, r, i), &c = at(k, r + 1, i + 1),
                        &b = j % 2 == 0 ? at(k, r + 1, i) : at(k, r, i + 1);
-          const Vec2 p = corner(k), q = corner(k + 1), along = q - p;
           bends_.push_back(bend_of(a, b, c, (j % 2 == 0 ? p : along) / rings_, q / rings_));
         }
       }

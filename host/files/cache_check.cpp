@@ -15,8 +15,8 @@
 namespace gliss {
 namespace {
 
-constexpr std::uint32_t kWalkDepth =
-    64;  // HIERARCHY_DEPTH: one entry of the walker's stack for each level
+// HIERARCHY_DEPTH: one entry of the walker's stack for each level.
+constexpr std::uint32_t kWalkDepth = 64;
 
 // Frames: meshes lie in [-1, 1]^3 of theirs, polygons of theirs. Patches are as large, but for
 // those that nothing could tame, and split faces may have a centre beside them.
@@ -203,7 +203,8 @@ class Check {
     }
   }
 
-  // Of the cache's level, or what stands in for it; each patch's control data after the last one's.
+  // Checks that patches have the cache's level, or what stands in for it, and their control data
+  // after the last one's.
   void check_forms() const {
     std::uint64_t begin = 0;
     for (std::uint32_t p = 0; p < patches_; ++p) {
@@ -253,8 +254,8 @@ class Check {
   }
 
   // Checks the hierarchy as it is built, parents before their children, so that nothing is cyclic.
-  // As many nodes and patches are reached as there are children, so that where none is reached
-  // twice all are reached.
+  // It reaches as many nodes and patches as there are children, so that it reaches all of them if
+  // it reaches none twice.
   void check_hierarchy() const {
     std::vector<std::uint8_t> level(patches_ - 1, 0), reached(patches_, 0);
     if (!level.empty()) level[0] = 1;

@@ -13,6 +13,7 @@ namespace gliss {
 // The surface that a generated mesh approximates, with its exact nearest point.
 class GLISS_EXPORT ExactSurface {
  public:
+  // In the mesh's unit.
   struct Point {
     Vec3 position;    // nearest point of the surface
     Vec3 normal;      // outward unit normal there
@@ -27,7 +28,7 @@ struct Generated {
   std::shared_ptr<const ExactSurface> exact;  // null where there is none
 };
 
-// Lengths are in millimetres (mesh.unit = 1e-3).
+// All lengths below are in millimetres, as the meshes that these make (mesh.unit = 1e-3).
 
 // Tube round the (2, 3) torus knot: curve ((R + r cos 3t) cos 2t, (R + r cos 3t) sin 2t, r sin 3t),
 // cut into `along` x `around` quads. The defaults give the paper's 1,440 quadrangles.

@@ -11,7 +11,7 @@
 
 namespace gliss {
 
-// Faces that meet a box; faces within `rings` edges of a face, or of the nearest one of several;
+// Faces that meet a box (mesh's unit); faces within `rings` edges of a face, or of the nearest one of several;
 // faces that share a corner with one of these, and these. Ascending.
 GLISS_EXPORT std::vector<std::uint32_t> faces_in_box(const Mesh& mesh, const Box& box);
 GLISS_EXPORT std::vector<std::uint32_t> faces_around(const Mesh& mesh, const Topology& topology,

@@ -8,7 +8,7 @@
 namespace gliss {
 template <class Real>
 Eigen::Vector2d domain_corner(const Surface<Real>& s, std::uint32_t n, std::uint32_t k) {
-  const Real* c = &s.domain[s.domain_begin[n] + 2 + 6 * k + 4];
+  const Real* c = &s.domain[s.domain_begin[n] + kDomainHead + kDomainStride * k + kDomainCorner];
   return {static_cast<double>(c[0]), static_cast<double>(c[1])};
 }
 
@@ -119,9 +119,9 @@ void surface_points(const PatchCache& cache, const Surface<Real>& s,
     p.position = cache.origin + (origin + triple(0) * unscale) * inverse;
     p.d_xi = g_xi * (unscale * inverse);
     p.d_eta = g_eta * (unscale * inverse);
-    // Where nothing but rounding is left of the tangent plane, that of the polygon.
     const Vec3 across = g_xi.cross(g_eta);
-    const double least = 8.0 * static_cast<double>(std::numeric_limits<Real>::epsilon()) *
+    const double least = kNormalRoundings *
+                         static_cast<double>(std::numeric_limits<Real>::epsilon()) *
                          std::max(g_xi.squaredNorm(), g_eta.squaredNorm());
     const bool spans = across.squaredNorm() > least * least;
     p.normal = spans ? Vec3(across.normalized()) : upward;

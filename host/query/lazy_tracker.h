@@ -15,7 +15,7 @@ namespace gliss {
 // and the nearest point of those is taken. A tick may therefore allocate.
 class GLISS_EXPORT LazyTracker {
  public:
-  // The mesh must be validated. query.method: kGregory.
+  // The mesh must be validated; HIPs and contacts are in its unit. query.method: kGregory.
   explicit LazyTracker(Mesh mesh, const LazyOptions& options = {}, const QueryOptions& query = {});
   Contact tick(const Vec3& hip);
 

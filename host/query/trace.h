@@ -30,9 +30,9 @@ struct TraceStatistics : ForceStatistics {
   double loop_gain{};  // LoopGain::largest, of the path's closed_loops
 };
 
-// Steps arrive in order, all methods of a tick together (steps[i] belongs to options.methods[i]).
-using TraceSink =
-    std::function<bool(std::size_t tick, std::span<const TraceStep> steps)>;  // false stops
+// Takes steps in order, all methods of a tick together (steps[i] belongs to options.methods[i]).
+// False stops the trace.
+using TraceSink = std::function<bool(std::size_t tick, std::span<const TraceStep> steps)>;
 
 // HIPs in the mesh's unit.
 GLISS_EXPORT std::vector<TraceStatistics> trace(const PatchCache& cache, std::span<const Vec3> hips,

@@ -75,8 +75,8 @@ struct DenseRow {
   std::string target;
   double target_step = 0, memory_ratio = 0, time_ratio = 0;
   bool reached = false;
-  double needed_triangles =
-      0;  // where not reached: as the last two tried say; NaN: no end in sight
+  // Where not reached: as the last two tried say; NaN: no end in sight.
+  double needed_triangles = 0;
 };
 
 // The most that a recommended row may cost.
@@ -84,10 +84,10 @@ struct CompareBudget {
   std::optional<double> force_error, tick, memory;  // ratio, s, bytes
 };
 
-// HIPs at one depth.
+// HIPs at one depth, and the pushes of the exact surface there, both in the mesh's unit.
 struct ComparePath {
-  double depth = 0;                   // m
-  std::vector<Vec3> hips, reference;  // mesh's unit; pushes of the exact surface
+  double depth = 0;  // m
+  std::vector<Vec3> hips, reference;
 };
 
 // Random walks, all at one depth; none: they are switched off.

@@ -42,7 +42,7 @@ struct FeltPath {
   double median_tick = 0;    // s
   std::vector<Vec3> push{};  // [tick]
 };
-// `depth` of the path, mesh's unit. `reference`: pushes to compare with, or empty.
+// `depth` of the path. `reference`: pushes to compare with, or empty.
 GLISS_EXPORT FeltPath feel_path(const PatchCache& cache, const QueryOptions& options,
                                 std::span<const Vec3> path, double depth,
                                 std::span<const Vec3> reference);

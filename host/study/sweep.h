@@ -78,7 +78,8 @@ struct SweepStatistics {
   }
 };
 
-// Samples of one chunk, depth and method, in the order of the grid.
+// Samples of one chunk, depth and method, in the order of the grid. HIP and SCP in the mesh's unit,
+// the force in N, the residual angle in rad.
 struct SweepBlock {
   std::size_t depth_index = 0, method_index = 0;
   std::vector<std::uint32_t> face;

@@ -16,7 +16,7 @@
 namespace gliss {
 
 struct WalkOptions {
-  double depth = 0;    // mesh's unit
+  double depth = 0;    // mesh's unit, like walk_depth
   double step = 0.01;  // of the depth, a tick: 0.01 stands for a loop of 1000 Hz, 0.1 for 100 Hz
   std::size_t walkers = 100, ticks = 2500;  // ticks of a walker, those of pressing in left out
   std::uint64_t seed = 1;

@@ -25,8 +25,8 @@ template <class Real>
 struct TrackOptions {
   Solver solver = Solver::kNewton;
   int max_iterations = 0;
-  Real tolerance =
-      0;  // length of the last step relative to the size of the patch (paper: residual angle)
+  // Length of the last step relative to the size of the patch (paper: residual angle).
+  Real tolerance = 0;
   int budget = 0;  // evaluations after which a search begins no further descent; 0: no limit
 };
 

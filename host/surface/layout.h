@@ -24,6 +24,9 @@ inline constexpr std::size_t kPatchOrigin = 3 * PATCH_ORIGIN, kPatchNormal = 3 *
                              kPatchSag = PATCH_SAG, kPatchTangent = 3 * PATCH_TANGENT,
                              kPatchLow = 3 * PATCH_LOW, kPatchHigh = 3 * PATCH_HIGH,
                              kPatchBend = PATCH_BEND, kPatchCurvature = PATCH_CURVATURE;
+inline constexpr std::size_t kDomainHead = DOMAIN_HEAD, kDomainStride = DOMAIN_STRIDE,
+                             kDomainCorner = DOMAIN_CORNER;
+inline constexpr double kNormalRoundings = NORMAL_ROUNDINGS;
 inline constexpr std::size_t kFairReals = FAIR_REALS, kFairCurve = FAIR_NORMAL - FAIR_CURVE,
                              kFairSound = FAIR_SOUND;
 inline constexpr std::size_t kFrameReals = FRAME_REALS, kShapeReals = SHAPE_REALS;
@@ -81,6 +84,9 @@ static_assert(kNone == NONE);
 #undef FAIR_NORMAL
 #undef FAIR_SOUND
 #undef FAIR_REALS
+#undef DOMAIN_HEAD
+#undef DOMAIN_STRIDE
+#undef DOMAIN_CORNER
 #undef FRAME_NORMAL
 #undef FRAME_TANGENT
 #undef FRAME_REALS
@@ -106,6 +112,7 @@ static_assert(kNone == NONE);
 #undef PATCH_BEND
 #undef PATCH_CURVATURE
 #undef PATCH_REALS
+#undef NORMAL_ROUNDINGS
 #undef NODE_REALS
 #undef NODE_LEAF
 #undef PATCH_BURIED

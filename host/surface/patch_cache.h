@@ -68,8 +68,8 @@ struct GLISS_EXPORT PatchCache {
   LargeArray<PatchKind> kind;            // [patch]
   LargeArray<std::uint8_t> folded;       // [patch], 1: the exact patch folds or degenerates
   LargeArray<double> rho_min;            // [patch], least radius of curvature, mesh's unit
-  LargeArray<std::uint32_t>
-      corner_of_face;  // [side], which corner of its face it starts at; valence: the centre
+  // [side], which corner of its face it starts at; valence: the centre.
+  LargeArray<std::uint32_t> corner_of_face;
   LargeArray<std::uint32_t> face_valence;  // [face]
 
   Precision precision() const {

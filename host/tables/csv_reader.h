@@ -21,8 +21,8 @@ struct GLISS_EXPORT CsvError : std::runtime_error {
 // read_csv("points.csv", {.alternatives = {{"x", "y", "z"}, {"x_mm", "y_mm", "z_mm"}}, .optional =
 // {"step"}})
 struct CsvRequest {
-  std::vector<std::vector<std::string>>
-      alternatives;                        // the first of which the file has all columns is read
+  // The first of which the file has all columns is read.
+  std::vector<std::vector<std::string>> alternatives;
   std::vector<std::string> optional = {};  // read as well where the file has them
   std::vector<std::string> texts = {};     // likewise, as they stand there
   // Asked many times a second, on the thread that reads; what it throws ends the reading.

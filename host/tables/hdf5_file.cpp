@@ -112,8 +112,8 @@ class Hdf5File final : public ResultFile {
 
   Handle open_or_create_group(const std::string& name) const {
     if (name.empty()) return {H5Gopen2(file_, "/", H5P_DEFAULT), H5Gclose, action_};
-    const hid_t existing =
-        H5Gopen2(file_, name.c_str(), H5P_DEFAULT);  // the parent of another table
+    // The parent of another table.
+    const hid_t existing = H5Gopen2(file_, name.c_str(), H5P_DEFAULT);
     if (existing >= 0) return {existing, H5Gclose, action_};
     const Handle links = hdf5::properties(H5P_LINK_CREATE),
                  creation = hdf5::properties(H5P_GROUP_CREATE);

@@ -18,8 +18,8 @@ namespace gliss {
 // of 0.5 ms is judged by.
 class GLISS_EXPORT DurationHistogram {
  public:
-  static constexpr Nanoseconds kLargest =
-      std::chrono::seconds(60);  // more counts as this, except in max()
+  // More counts as this, except in max().
+  static constexpr Nanoseconds kLargest = std::chrono::seconds(60);
 
   void add(Nanoseconds duration) noexcept;  // negative: as 0
   std::uint64_t count() const { return count_; }

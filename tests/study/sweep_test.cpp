@@ -33,8 +33,8 @@ TEST(Sweep, gives_the_same_bytes_on_any_number_of_threads) {
 
 // n rings (rings + 1) / 2 points on n sides.
 TEST(Sweep, counts_its_samples) {
-  const PatchCache triangles =
-      test::cache_of(test::with_normals(prism(3).mesh));  // 3 quads, 2 triangles
+  // 3 quads, 2 triangles.
+  const PatchCache triangles = test::cache_of(test::with_normals(prism(3).mesh));
   EXPECT_EQ(sample_count(triangles, 1), 18u);
   EXPECT_EQ(sample_count(triangles, 4), 180u);
   EXPECT_EQ(rings_for(triangles, 18), 1u);

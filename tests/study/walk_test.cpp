@@ -121,8 +121,8 @@ TEST(CrossingOracle, counts_ways_in_and_out_of_a_ball) {
 // Counts what a mesh's surface does to a HIP that walks beneath it.
 struct Held {
   ForceStatistics felt;
-  std::uint64_t lost_uncrossed =
-      0;  // contacts lost under more than 20 % of k d, no way out crossed
+  // Contacts lost under more than 20 % of k d, no way out crossed.
+  std::uint64_t lost_uncrossed = 0;
 };
 
 Held hold(const PatchCache& cache, const CrossingOracle& oracle, std::span<const Walk> walks,
