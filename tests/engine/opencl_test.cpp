@@ -15,6 +15,7 @@
 #include "gliss/surface/names.h"
 #include "tests/engine/opencl_fault.h"
 #include "tests/support/bytes.h"
+#include "tests/support/require.h"
 #include "tests/support/surfaces.h"
 
 namespace gliss {
@@ -257,7 +258,7 @@ class OpenClTest : public ::testing::Test {
     try {
       opencl_devices();
     } catch (const DeviceError& e) {
-      GTEST_SKIP() << "skipped: " << e.what();
+      GLISS_SKIP_UNLESS_REQUIRED(e.what());
     }
   }
   void TearDown() override { test::pretend_nothing(); }
