@@ -9,6 +9,8 @@
 #include "gliss/surface/layout.h"
 #include "tests/extremes/extreme_errors.h"
 #include "tests/extremes/extreme_polygons.h"
+#include "tests/oracle/union_oracle.h"
+#include "tests/support/open_meshes.h"
 #include "tests/support/require.h"
 
 namespace gliss {
@@ -60,7 +62,12 @@ Mesh collection() {
     mesh.face_begin.push_back(static_cast<std::uint32_t>(mesh.corner_vertex.size()));
   }
   mesh.corner_normal = mesh.corner_vertex;
-  return mesh;
+  // And what has borders and neighbours.
+  return test::joined({mesh, test::moved(test::open_strip(), {0, -10, 0}),
+                       test::moved(test::fan_of_five(), {30, -20, 0}),
+                       test::moved(test::half_torus(), {0, -80, 0}),
+                       test::moved(test::sheet(1.5), {60, -60, 0}),
+                       test::moved(test::lone_triangle(), {0, -20, 0})});
 }
 
 struct Questions {

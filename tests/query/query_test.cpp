@@ -3,6 +3,7 @@
 #include "gliss/generate/generate.h"
 #include "gliss/query/contact_tracker.h"
 #include "tests/oracle/brute_force.h"
+#include "tests/support/open_meshes.h"
 
 namespace gliss {
 namespace {
@@ -164,27 +165,10 @@ TEST(Nearest, is_negative_inside_and_positive_outside) {
   }
 }
 
-// A strip of quads over the x axis, `width` wide, rolled a little: two long borders, two short.
-Mesh strip(int quads, double width) {
-  Mesh mesh;
-  for (int i = 0; i <= quads; ++i) {
-    for (const double y : {-width / 2, width / 2}) {
-      mesh.positions.push_back({1.0 * i, y, 0.3 * std::sin(0.7 * i)});
-    }
-  }
-  for (std::uint32_t i = 0; i < static_cast<std::uint32_t>(quads); ++i) {
-    for (const std::uint32_t vertex : {2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1}) {
-      mesh.corner_vertex.push_back(vertex);
-    }
-    mesh.face_begin.push_back(static_cast<std::uint32_t>(mesh.corner_vertex.size()));
-  }
-  return test::with_normals(mesh);
-}
-
 TEST(Nearest, stops_at_the_borders_of_an_open_mesh) {
   Rng rng(26);
   for (const double width : {2.0, 0.05}) {
-    const Mesh mesh = strip(8, width);
+    const Mesh mesh = test::open_strip(8, width);
     const PatchCache cache = test::cache_of(mesh);
     const test::PatchBruteForce brute_force(mesh);
     for (int i = 0; i < 20; ++i) {
