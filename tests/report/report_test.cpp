@@ -107,6 +107,14 @@ TEST_F(Report, BarsAreTheStepsOfForceToZeroAndBackToo) {
   EXPECT_THAT(floats(gregory["change"]), ElementsAre(0.5f));
 }
 
+TEST_F(Report, NeverTakesWhatIsNotFiniteForASmallStep) {
+  for (const std::string force : {"nan", "inf", "-inf"}) {
+    folder_.write("forces.csv", std::string(kTraceHeader) + "0,flat,0,0,0,0,0,0,0,0,1,1,contact\n" +
+                                    "1,flat,0,0,0,0,0,0,0,0," + force + ",1,contact\n");
+    expect_refused("forces.csv", "forces.csv:3: column 'fz': '" + force + "' is not finite");
+  }
+}
+
 TEST_F(Report, TracesInCsvAndHdf5AreTheSame) {
   const std::string words = "ball.obj --path hand.csv --unit mm -o ";
   make("trace", words + "forces.csv");
