@@ -165,6 +165,37 @@ TEST(Nearest, is_negative_inside_and_positive_outside) {
   }
 }
 
+// Acute edges and corners, whose faces have normals of their own: no face's normal tells alone.
+TEST(Nearest, knows_inside_from_outside_at_creases) {
+  Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {10, 0, 0}, {3, 2, 0}, {4, 1, 9}};
+  for (const std::array<std::uint32_t, 3>& face :
+       {std::array{0u, 2u, 1u}, std::array{0u, 1u, 3u}, std::array{1u, 2u, 3u},
+        std::array{2u, 0u, 3u}}) {
+    const Vec3 &a = mesh.positions[face[0]], &b = mesh.positions[face[1]],
+               &c = mesh.positions[face[2]];
+    for (const std::uint32_t v : face) {
+      mesh.corner_vertex.push_back(v);
+      mesh.corner_normal.push_back(static_cast<std::uint32_t>(mesh.normals.size()));
+    }
+    mesh.normals.push_back((b - a).cross(c - a).normalized());
+    mesh.face_begin.push_back(static_cast<std::uint32_t>(mesh.corner_vertex.size()));
+  }
+  const PatchCache cache = test::cache_of(mesh);
+  Rng rng(27);
+  int inside = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const Vec3 hip = test::random_in_box(rng, mesh, 1.5);
+    double above = -1e9;  // the highest of the planes
+    for (std::uint32_t f = 0; f < 4; ++f)
+      above = std::max(above, mesh.normals[f].dot(hip - mesh.positions[mesh.corner_vertex[3 * f]]));
+    const Contact contact = nearest(cache, hip);
+    EXPECT_EQ(contact.touching, above < 0) << hip.transpose() << ", " << above;
+    inside += above < 0;
+  }
+  EXPECT_GT(inside, 100);
+}
+
 TEST(Nearest, stops_at_the_borders_of_an_open_mesh) {
   Rng rng(26);
   for (const double width : {2.0, 0.05}) {
