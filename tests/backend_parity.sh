@@ -4,20 +4,21 @@
 # OpenCL is compared where it is PoCL, which computes as the host does.
 set -eu
 gliss=$1
+. "$(dirname "$0")/support/isas.sh"
+. "$(dirname "$0")/support/skip.sh"
 methods=${2:-gregory}
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 
 "$gliss" generate knot -o "$scratch/knot.obj" >/dev/null
 pocl=
-if "$gliss" devices >"$scratch/devices" 2>"$scratch/error"; then
+if "$gliss" devices >"$scratch/devices" 2>/dev/null; then
   # Its number: that of its first line.
   pocl=$(awk '/^[0-9]+: / {n = $1 + 0} /Portable Computing Language/ {print n; exit}' \
     "$scratch/devices")
-  [ -n "$pocl" ] || echo "left out: opencl (no device of PoCL)"
-else
-  echo "left out: opencl ($(head -n 1 "$scratch/error"))"
 fi
+[ -n "$pocl" ] || leave_out_unless_required "there is no device of PoCL"
+best=$(isas_here | tail -n 1)
 
 # same ISA BACKEND [OPTION...]: its hash is that of the first.
 same() {
@@ -36,12 +37,12 @@ same() {
 
 for precision in double float; do
   want=
-  same v3 serial
-  for isa in baseline v3 v4; do
+  same "$best" serial
+  for isa in $(isas_here); do
     same $isa tbb --threads 2
   done
   for threads in 1 4; do
-    same v3 tbb --threads $threads
+    same "$best" tbb --threads $threads
   done
-  [ -z "$pocl" ] || same v3 opencl --device "$pocl" --threads 2
+  [ -z "$pocl" ] || same "$best" opencl --device "$pocl" --threads 2
 done

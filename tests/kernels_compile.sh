@@ -2,7 +2,8 @@
 # The programs of kernels/ as OpenCL C, for both versions, both precisions and the widths in use. usage: kernels_compile.sh ROOT. Exit code 77: no clang.
 set -eu
 root=$1
-command -v clang >/dev/null 2>&1 || { echo "skipped: clang is absent"; exit 77; }
+. "$(dirname "$0")/support/skip.sh"
+command -v clang >/dev/null 2>&1 || skip_unless_required "clang is absent"
 
 for version in CL1.2 CL3.0; do
   for scalar in float double; do

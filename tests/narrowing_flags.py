@@ -6,6 +6,8 @@ import shlex
 import subprocess
 import sys
 
+from support.skip import skip_unless_required
+
 FLAG = "-fno-tree-slp-vectorize"
 SKIP = 77
 
@@ -25,8 +27,7 @@ def is_gcc(entry):
 
 commands, root = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]).resolve()
 if not commands.exists():
-    print("skipped: this generator writes no compile_commands.json")
-    sys.exit(SKIP)
+    skip_unless_required("this generator writes no compile_commands.json")
 entries = json.loads(commands.read_text(encoding="utf-8"))
 sources = []
 for entry in entries:

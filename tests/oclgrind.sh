@@ -4,11 +4,12 @@
 # code 77: Oclgrind is absent.
 set -eu
 tests=$1
+. "$(dirname "$0")/support/skip.sh"
 library=
 for candidate in /usr/lib/oclgrind /usr/lib/*/oclgrind /usr/local/lib /usr/local/lib/oclgrind; do
   [ -e "$candidate/liboclgrind-rt-icd.so" ] && library=$candidate/liboclgrind-rt-icd.so && break
 done
-[ -n "$library" ] || { echo "skipped: oclgrind is absent"; exit 77; }
+[ -n "$library" ] || skip_unless_required "oclgrind is absent"
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 

@@ -7,7 +7,7 @@ import shlex
 import subprocess
 import sys
 
-SKIP = 77
+from support.skip import skip_unless_required
 
 
 def searches_of(entry):
@@ -30,8 +30,7 @@ def failure(compiler, searches, header):
 
 commands, root = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]).resolve()
 if not commands.exists():
-    print("skipped: this generator writes no compile_commands.json")
-    sys.exit(SKIP)
+    skip_unless_required("this generator writes no compile_commands.json")
 faults, refused = [], 0
 for source in (*root.glob("host/*/*"), *root.glob("runtime/*/*")):
     for header in re.findall(r'^\s*#\s*include\s*"([^"]*)"', source.read_text(encoding="utf-8"), re.MULTILINE):

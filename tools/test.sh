@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # What CI runs: installs packages (as root or with sudo), checks the formatting, builds everything with warnings
 # as errors, runs the tests: some under ASan, UBSan and TSan, with the corpora of the fuzz targets, then all.
+# What is installed here is tested: a skip for want of it is a failure (GLISS_REQUIRE).
 # Arguments go to ctest, and only those tests run: tools/test.sh -R Sweep
 set -euo pipefail
 cd "$(dirname -- "${BASH_SOURCE[0]}")/.."
@@ -8,6 +9,7 @@ source tools/packages.sh
 install_packages "${build_packages[@]}" "${test_packages[@]}"
 install_packages "${optional_test_packages[@]}" ||
   echo "Without ${optional_test_packages[*]}: tests that need it will be skipped" >&2
+if command -v apt-get >/dev/null; then export GLISS_REQUIRE=1; fi
 
 # Another release formats in another way.
 find kernels host runtime tools tests bench -name '*.h' -o -name '*.cpp' -o -name '*.inc' | sort |

@@ -4,6 +4,7 @@
 
 #include "gliss/tables/hdf5_reader.h"
 #include "tests/support/places.h"
+#include "tests/support/require.h"
 #include "tests/support/run_files.h"
 
 namespace gliss {
@@ -30,8 +31,10 @@ struct Call {
 class FaultInjection : public test::RunTest {
  protected:
   void SetUp() override {
-    if (strace({"-o", "probe", "-e", "inject=fsync:error=EIO:when=1"}, {"--version"}).code != 0)
-      GTEST_SKIP() << "no strace, or it is refused";
+    const int code =
+        strace({"-o", "probe", "-e", "inject=fsync:error=EIO:when=1"}, {"--version"}).code;
+    if (code == test::kNotStarted) GLISS_SKIP_UNLESS_REQUIRED("strace is absent");
+    if (code != 0) GTEST_SKIP() << "strace is refused";
     folder_.write("tet.obj",
                   "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
     folder_.write("path.csv", "x,y,z\n0.1,0.1,2\n0.1,0.1,0.5\n0.1,0.1,0.4\n0.2,0.1,0.4\n");

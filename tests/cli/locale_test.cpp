@@ -5,6 +5,7 @@
 #include "gliss/generate/generate.h"
 #include "tests/support/german_locale.h"
 #include "tests/support/places.h"
+#include "tests/support/require.h"
 
 namespace gliss {
 namespace {
@@ -14,7 +15,7 @@ using ::testing::HasSubstr;
 class LocaleTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (!german_.made()) GTEST_SKIP() << test::GermanLocale::kAbsent;
+    if (!german_.made()) GLISS_SKIP_UNLESS_REQUIRED(test::GermanLocale::kAbsent);
     ASSERT_THAT(run("locale", {"-k", "decimal_point"}, true).out, HasSubstr("\",\""));
     save_obj(goldberg(2).mesh, folder_ / "ball.obj");
     folder_.write("tent.off",

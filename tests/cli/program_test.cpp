@@ -20,6 +20,7 @@
 #include "gliss/tables/csv_reader.h"
 #include "tests/support/gliss_process.h"
 #include "tests/support/places.h"
+#include "tests/support/require.h"
 #include "tests/support/scratch_folder.h"
 
 namespace gliss {
@@ -383,7 +384,7 @@ TEST_F(Program, AnyNumberOfThreadsSweepsTheSame) {
 
 TEST_F(Program, PythonReadsTheSweep) {
   if (std::system("/usr/bin/python3 -c 'import h5py' >/dev/null 2>&1") != 0)
-    GTEST_SKIP() << "no h5py";
+    GLISS_SKIP_UNLESS_REQUIRED("h5py is absent");
   output_of("sweep knot.obj --unit mm --depth 2mm,4.5mm --rings 3 -o s.h5 --vtp s.vtp");
   EXPECT_THAT(folder_.read("s.vtp"), HasSubstr("\"force_shaded\""));
   EXPECT_THAT(folder_.read("s_mesh.vtp"), HasSubstr("\"rho_min\""));

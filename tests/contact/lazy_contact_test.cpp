@@ -156,9 +156,10 @@ TEST(LazyContact, is_the_contact_of_the_whole_cache_where_the_worker_keeps_up) {
   EXPECT_LT(lazy.worker().held(), 8u);
 }
 
-TEST(LazyContact, carries_its_state_from_region_to_region) {
-  const std::shared_ptr<const LazyMesh> mesh = lazy_knot();
-  LazyContact lazy(mesh, {});
+// Goes along the knot beside the whole cache's contact; false where the worker was late, which
+// tells nothing. `patience`: how long it is given.
+bool is_carried_along(int patience) {
+  LazyContact lazy(lazy_knot(), {});
   ContactTracker whole(whole_knot(), {});
   const std::vector<Vec3> path = way_on_knot(0.1, 3000);
   std::size_t same = 0, asked = 0;
@@ -168,10 +169,10 @@ TEST(LazyContact, carries_its_state_from_region_to_region) {
     const std::uint64_t regions = lazy.worker().regions();
     lazy.post(hip);
     for (int i = 0; i < 5 || (i < 20 && lazy.worker().regions() != regions); ++i)
-      std::this_thread::sleep_for(200us);
+      std::this_thread::sleep_for(patience * 200us);
     const Contact want = whole.tick(hip), got = lazy.tick(hip);
     if (want.distance > 1) continue;
-    if (got.flags & kNotBuilt) GTEST_SKIP() << "the machine is too busy for the worker";
+    if (got.flags & kNotBuilt) return false;
     ++asked;
     // A vertex is as near on each of its faces, and roundings differ after another.
     most = std::max(most, (got.scp - want.scp).norm());
@@ -185,6 +186,11 @@ TEST(LazyContact, carries_its_state_from_region_to_region) {
                "{:.2g} mm off, {} of {} ticks as many iterations; {} of {} patches each, of {}",
                most, same, asked, lazy.worker().regions(),
                lazy.worker().patches() / lazy.worker().regions(), whole_knot().patch_count());
+  return true;
+}
+
+TEST(LazyContact, carries_its_state_from_region_to_region) {
+  EXPECT_TRUE(is_carried_along(1) || is_carried_along(4) || is_carried_along(16));
 }
 
 TEST(LazyContact, keeps_ahead_of_a_hand_in_real_time) {

@@ -421,5 +421,18 @@ TEST(Guard, bears_any_two_times) {
   }
 }
 
+TEST(Guard, tells_failures_from_limits_and_what_it_comes_back_from) {
+  for (const GuardReason reason :
+       {kDeviceFault, kTimeBackwards, kTimeStalled, kNotFinite, kLateInput})
+    EXPECT_TRUE(is_failure(reason)) << guard_reason_name(reason);
+  for (const GuardReason reason : {kNone, kStopRequested, kForceLimit, kRateLimit})
+    EXPECT_FALSE(is_failure(reason)) << guard_reason_name(reason);
+  for (const GuardReason reason : {kNotFinite, kLateInput})
+    EXPECT_TRUE(may_reengage(reason)) << guard_reason_name(reason);
+  for (const GuardReason reason :
+       {kNone, kDeviceFault, kStopRequested, kTimeBackwards, kTimeStalled, kForceLimit, kRateLimit})
+    EXPECT_FALSE(may_reengage(reason)) << guard_reason_name(reason);
+}
+
 }  // namespace
 }  // namespace gliss

@@ -13,6 +13,7 @@
 #include "tests/engine/opencl_fault.h"
 #include "tests/support/bytes.h"
 #include "tests/support/places.h"
+#include "tests/support/require.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/surfaces.h"
 
@@ -57,7 +58,7 @@ class OpenClFault : public ::testing::TestWithParam<Precision> {
   void SetUp() override {
     test::fail_call(nullptr);
     test::pretend_nothing();
-    if (const std::string why = no_device(); !why.empty()) GTEST_SKIP() << "skipped: " << why;
+    if (const std::string why = no_device(); !why.empty()) GLISS_SKIP_UNLESS_REQUIRED(why);
     const std::vector<OpenClDevice> devices = opencl_devices();
     if (GetParam() == Precision::kDouble && !devices.front().fp64)
       GTEST_SKIP() << "skipped: " << devices.front().name << " has no fp64";
@@ -254,7 +255,7 @@ INSTANTIATE_TEST_SUITE_P(Precisions, OpenClFault,
                          });
 
 TEST(OpenClWithoutFp64, RefusesDoublesAndComputesInFloat) {
-  if (const std::string why = no_device(); !why.empty()) GTEST_SKIP() << "skipped: " << why;
+  if (const std::string why = no_device(); !why.empty()) GLISS_SKIP_UNLESS_REQUIRED(why);
   test::pretend(CL_DEVICE_DOUBLE_FP_CONFIG, 0);
   OpenClOptions options;
   options.device = "0";
@@ -272,7 +273,7 @@ TEST(OpenClWithoutFp64, RefusesDoublesAndComputesInFloat) {
 class OpenClProgram : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (const std::string why = no_device(); !why.empty()) GTEST_SKIP() << "skipped: " << why;
+    if (const std::string why = no_device(); !why.empty()) GLISS_SKIP_UNLESS_REQUIRED(why);
     save_obj(torus_knot(24, 6).mesh, folder_ / "knot.obj");
     ASSERT_EQ(run("", "--backend tbb").code, 0);
     want_ = folder_.read("out.csv");

@@ -15,6 +15,8 @@
 #include "gliss/surface/names.h"
 #include "tests/engine/opencl_fault.h"
 #include "tests/support/bytes.h"
+#include "tests/support/open_meshes.h"
+#include "tests/support/require.h"
 #include "tests/support/surfaces.h"
 
 namespace gliss {
@@ -90,6 +92,8 @@ const Case kCases[] = {
        return lantern({40, 40, 8, 8, 4});
      }},
     {"region", false, [] { return torus_knot(24, 6).mesh; }, faces_of_region},
+    {"half_torus", false, test::half_torus},
+    {"open_fan", false, test::fan_of_five},
     {"ribbon", false, many_valences, all_faces, "ribbon"},
     {"bezier", false, many_valences, all_faces, "bezier"},
     {"table", false, many_valences, all_faces, "table:2"},
@@ -257,7 +261,7 @@ class OpenClTest : public ::testing::Test {
     try {
       opencl_devices();
     } catch (const DeviceError& e) {
-      GTEST_SKIP() << "skipped: " << e.what();
+      GLISS_SKIP_UNLESS_REQUIRED(e.what());
     }
   }
   void TearDown() override { test::pretend_nothing(); }

@@ -108,11 +108,13 @@ const std::vector<const char*> kRound{"knot", "torus", "goldberg", "banana", "sp
 
 INSTANTIATE_TEST_SUITE_P(
     , ExtremeDepth,
-    ::testing::Values(Parts{"round parts", kRound, Precision::kDouble, 1e-9, 2e-4},
-                      Parts{"sharp parts", kSharp, Precision::kDouble, 1e-9, 0.012, 0, 5e-9},
-                      Parts{"round parts, float", kRound, Precision::kFloat, 1e-6, 0, 0, 5e-5},
-                      Parts{"sharp parts, float", kSharp, Precision::kFloat, 1e-6, 5e-3, 1e-4,
-                            5e-3}),
+    ::testing::Values(
+        Parts{"round parts", kRound, Precision::kDouble, 1e-9, 2e-4},
+        Parts{"sharp parts", kSharp, Precision::kDouble, 1e-9, 0.012, 0, 5e-9},
+        Parts{"round parts, float", kRound, Precision::kFloat, 1e-6, 0, 0, 5e-5},
+        Parts{"sharp parts, float", kSharp, Precision::kFloat, 1e-6, 5e-3, 1e-4, 5e-3},
+        Parts{"open parts", test::kOpenExtremes, Precision::kDouble, 1e-9},
+        Parts{"open parts, float", test::kOpenExtremes, Precision::kFloat, 1e-6, 0, 0, 5e-5}),
     [](const auto& info) {
       std::string name = info.param.name;
       std::erase(name, ',');

@@ -42,6 +42,18 @@ inline Vec3 over_a_vertex(Rng& rng, const Extreme& e) {
   return along_normal(rng, e, site_on_side(e, random_side(rng, e), 0));
 }
 
+// Beyond a side of a border, or its corner, by up to a size; above or beneath it.
+inline Vec3 past_a_border(Rng& rng, const Extreme& e) {
+  std::uint32_t side = random_side(rng, e);
+  while (e.topology.side_twin[side] != kNone) side = random_side(rng, e);
+  const double t = uniform(rng, 0, 1);
+  const SurfacePoint p = site_on_side(e, side, rng() % 4 ? t : 0),
+                     before = site_on_side(e, side, 0), after = site_on_side(e, side, 1);
+  const Vec3 out = (after.position - before.position).cross(p.normal).normalized();
+  const double reach = e.size * std::pow(10, uniform(rng, -9, 0));
+  return p.position + uniform(rng, 0, 1) * reach * out + uniform(rng, -1, 1) * reach * p.normal;
+}
+
 // A HIP over a pole of the two meshes with poles: their last two vertices.
 inline Vec3 over_a_pole(Rng& rng, const Extreme& e) {
   const std::size_t first_pole = e.mesh.positions.size() - 2;

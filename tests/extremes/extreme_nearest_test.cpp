@@ -49,7 +49,9 @@ void judge(const Extreme& e, const Vec3& hip, double nearest_distance, const Con
   const bool finite = c.scp.allFinite() && c.normal.allFinite() && c.push.allFinite() &&
                       std::isfinite(c.distance) && in_domain(e.cache, c.at);
   const double distance = finite ? (evaluate(e.cache, c.at).position - hip).norm() : 0;
-  if (!finite || c.touching != (c.distance < 0) || (c.touching && distance > e.size)) {
+  // Behind an open skin is inside, however deep.
+  const bool is_deep = c.touching && e.cache.is_closed && distance > e.size;
+  if (!finite || c.touching != (c.distance < 0) || is_deep) {
     ++j.unsound;
     return;
   }
@@ -168,6 +170,23 @@ const Kind kKinds[] = {
 // clang-format on
 
 INSTANTIATE_TEST_SUITE_P(, ExtremeNearest, ::testing::ValuesIn(kKinds),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+// clang-format off
+const Kind kOpenKinds[] = {
+    {"edges", "over edges of open parts", test::over_an_edge, test::kOpenExtremes, 3000, kMillion,
+     {1e-5, 5e-4, 1e-5, 1e-4, 1e-4}},
+    {"vertices", "over vertices of open parts", test::over_a_vertex, test::kOpenExtremes, 3000, kMillion,
+     {1e-5, 1e-3, 1e-5, 5e-4, 1e-4}},
+    {"borders", "past borders", test::past_a_border, test::kOpenExtremes, 3000, kMillion, {2e-5, 1e-3, 2e-4, 1e-3, 1e-4}},
+    {"medial_axis", "on the medial axis of open parts", test::on_the_medial_axis, test::kOpenExtremes, 1000, kMillion,
+     {1e-4, 3e-3, 1e-4, 2e-3, 1e-4}},
+    {"surface", "exactly on the surface of open parts", test::on_the_surface, test::kOpenExtremes, 1000, kMillion},
+    {"far", "1 to 10 sizes outside open parts", test::far_outside<1>, test::kOpenExtremes, 1000, kMillion,
+     {5e-4, 1e-3, 1e-4, 1e-4, 1e-4}}};
+// clang-format on
+
+INSTANTIATE_TEST_SUITE_P(Open, ExtremeNearest, ::testing::ValuesIn(kOpenKinds),
                          [](const auto& info) { return std::string(info.param.name); });
 
 }  // namespace

@@ -86,15 +86,23 @@ void tremble(ContactTracker& tracker, Rng& rng, const Place& place, const Vec3& 
   }
 }
 
-class ExtremePingPong : public ::testing::TestWithParam<bool> {};
+struct Over {
+  const char* name;
+  bool vertex;
+  const std::vector<const char*>& meshes;
+};
+
+void PrintTo(const Over& over, std::ostream* out) { *out << over.name; }
+
+class ExtremePingPong : public ::testing::TestWithParam<Over> {};
 
 TEST_P(ExtremePingPong, over_comes_to_rest) {
   constexpr std::size_t kBlock = 250;
-  const bool vertex = GetParam();
+  const auto& [over_name, vertex, meshes] = GetParam();
   const auto engine = make_tbb_engine();
-  const std::uint64_t each = test::samples(4'000, 1'000'000) / kMeshes.size();
+  const std::uint64_t each = test::samples(4'000, 1'000'000) / meshes.size();
   Unrest still, trembling;
-  for (const char* name : kMeshes) {
+  for (const char* name : meshes) {
     const Extreme& e = test::extreme(name);
     Unrest s_mesh, t_mesh;
     std::mutex mutex;
@@ -121,7 +129,7 @@ TEST_P(ExtremePingPong, over_comes_to_rest) {
         t_mesh.crossings, t_mesh.flagged, t_mesh.worst);
     still.add(s_mesh), trembling.add(t_mesh);
   }
-  const std::string over = vertex ? "over a vertex: " : "over an edge: ";
+  const std::string over = std::string("over ") + over_name + ": ";
   test::hold({"Tracking", "still " + over + "places where the face goes on changing", 0},
              static_cast<double>(still.restless), still.places);
   test::hold({"Tracking", "still " + over + "drift of the contact point a tick, of size", 1e-12},
@@ -136,8 +144,16 @@ TEST_P(ExtremePingPong, over_comes_to_rest) {
              static_cast<double>(still.flagged + trembling.flagged), still.places);
 }
 
-INSTANTIATE_TEST_SUITE_P(, ExtremePingPong, ::testing::Values(false, true),
-                         [](const auto& info) { return info.param ? "vertex" : "edge"; });
+INSTANTIATE_TEST_SUITE_P(
+    , ExtremePingPong,
+    ::testing::Values(Over{"an edge", false, kMeshes}, Over{"a vertex", true, kMeshes},
+                      Over{"an edge of open parts", false, test::kOpenExtremes},
+                      Over{"a vertex of open parts", true, test::kOpenExtremes}),
+    [](const auto& info) {
+      std::string name = info.param.name;
+      std::replace(name.begin(), name.end(), ' ', '_');
+      return name;
+    });
 
 }  // namespace
 }  // namespace gliss

@@ -1,11 +1,12 @@
-// The surfaces that the tests at the extremes ask: smooth, thin, sharp, folded, with poles; each
-// with its cache in both precisions and its oracle.
+// The surfaces that the tests at the extremes ask: smooth, thin, sharp, folded, with poles, open;
+// each with its cache in both precisions and its oracle.
 #pragma once
 
 #include "gliss/build/build_cache.h"
 #include "gliss/generate/generate.h"
 #include "tests/extremes/extremes.h"
 #include "tests/oracle/dense_oracle.h"
+#include "tests/support/open_meshes.h"
 
 namespace gliss::test {
 
@@ -72,6 +73,25 @@ inline Mesh crumpled(double tilt = 1.25) {
   return mesh;
 }
 
+// The first faces of a mesh, as a mesh of their own.
+inline Mesh first_faces(Mesh mesh, std::uint32_t count) {
+  mesh.face_begin.resize(count + 1);
+  mesh.corner_vertex.resize(mesh.face_begin.back());
+  mesh.corner_normal.resize(mesh.face_begin.back());
+  return mesh;
+}
+
+// What `gliss bake --region` makes: patches of the first faces of a mesh, the others known but not
+// built.
+inline PatchCache region_of(const Mesh& whole, std::uint32_t count, Precision precision,
+                            BuildReport* report = nullptr) {
+  BuildOptions options;
+  options.precision = precision;
+  options.faces.resize(count);
+  std::iota(options.faces.begin(), options.faces.end(), 0u);
+  return build_cache(whole, options, report);
+}
+
 struct Extreme {
   std::string name;
   Mesh mesh;
@@ -91,6 +111,17 @@ struct Extreme {
         size(size_of(mesh)),
         rho(cache.smallest_rho()) {}
 
+  // A region of a mesh: `mesh` is its faces.
+  Extreme(std::string of, const Mesh& whole, std::uint32_t faces)
+      : name(std::move(of)),
+        mesh(first_faces(with_normals(whole), faces)),
+        topology(build_topology(mesh)),
+        cache(region_of(with_normals(whole), faces, Precision::kDouble, &report)),
+        narrow(region_of(with_normals(whole), faces, Precision::kFloat)),
+        oracle(cache, mesh.face_count() < 100 ? 16 : 8),
+        size(size_of(mesh)),
+        rho(cache.smallest_rho()) {}
+
   // Least radius of curvature of a face.
   double rho_of(std::uint32_t face) const {
     double least = std::numeric_limits<double>::infinity();
@@ -106,10 +137,16 @@ struct Extreme {
   }
 };
 
+// Those with borders.
+inline const std::vector<const char*> kOpenExtremes{"open strip", "open fan", "half torus",
+                                                    "triangle", "region"};
+
 // Made at the first use.
 inline const Extreme& extreme(const std::string& name) {
   static std::map<std::string, Extreme> made;
   if (const auto found = made.find(name); found != made.end()) return found->second;
+  // Five and a half rings round the tube of a torus: borders at both ends, one with a notch.
+  if (name == "region") return made.try_emplace(name, name, torus().mesh, 66u).first->second;
   const auto mesh = [&]() -> Mesh {
     if (name == "knot") return torus_knot(60, 8).mesh;
     if (name == "torus") return torus().mesh;
@@ -120,6 +157,10 @@ inline const Extreme& extreme(const std::string& name) {
     if (name == "sphere") return lat_long_sphere();
     if (name == "fans") return two_fans();
     if (name == "crumpled") return crumpled();
+    if (name == "open strip") return open_strip();
+    if (name == "open fan") return fan_of_five();
+    if (name == "half torus") return half_torus();
+    if (name == "triangle") return lone_triangle();
     return load_shared("meshes/" + name);
   };
   return made.try_emplace(name, name, mesh()).first->second;

@@ -23,7 +23,7 @@ struct Loop {
   const char* name;
   Legs (*legs)(Rng&, const Extreme&);
   // Values that are reached where they are more than the goal.
-  double after_four = 1e-6, back = 1e-9, back_sharp = 1e-9, error = 1e-9;
+  double after_four = 1e-6, back = 1e-9, back_sharp = 1e-9, error = 1e-9, back_open = 1e-9;
   const char* why = kStops;
 };
 
@@ -77,7 +77,12 @@ Tracked follow(const Extreme& e, const Loop& loop, const QueryOptions& options,
   const double depth = uniform(rng, 0.02, 0.25) * rho_of(e, legs);
   const std::vector<SurfacePoint> feet = test::points_along(e, legs, 0.0012 * e.size);
   ContactTracker tracker(e.cache, options);
-  tracker.tick(feet[0].position + 0.1 * depth * feet[0].normal);
+  if (e.topology.border_side_count == 0) {
+    tracker.tick(feet[0].position + 0.1 * depth * feet[0].normal);
+  } else {  // in contact already: through the very rim a HIP may come in or pass behind
+    tracker.track(feet[0].position - depth * feet[0].normal,
+                  {legs[0].face, legs[0].from.x(), legs[0].from.y()});
+  }
   Tracked tracked;
   Vec3 first = Vec3::Zero(), last = Vec3::Zero();
   for (const SurfacePoint& foot : feet) {
@@ -141,12 +146,18 @@ TEST_P(ExtremeTracking, follows_with_four_steps_of_newton) {
 
 TEST_P(ExtremeTracking, gives_the_force_back_on_closed_paths) {
   const Loop& loop = GetParam();
-  for (const bool sharp : {false, true}) {
-    const Tracked found =
-        follow_loops(loop, sharp ? kSharp : kRound, {}, test::samples(15'000, 1'000'000));
-    const std::string loops = std::string("loops ") + loop.name + (sharp ? ", sharp parts" : "");
+  const struct {
+    const char* name;
+    const Names& meshes;
+    double back;
+  } parts[] = {{"", kRound, loop.back},
+               {", sharp parts", kSharp, loop.back_sharp},
+               {", open parts", test::kOpenExtremes, loop.back_open}};
+  for (const auto& [name, meshes, back] : parts) {
+    const Tracked found = follow_loops(loop, meshes, {}, test::samples(15'000, 1'000'000));
+    const std::string loops = std::string("loops ") + loop.name + name;
     test::hold({"Tracking", loops + ": force at the end from that at the start, of k depth", 1e-9,
-                sharp ? loop.back_sharp : loop.back, loop.why},
+                back, loop.why},
                found.back, found.loops);
     test::hold(
         {"Tracking", loops + ": the contact point's error, of size", 1e-9, loop.error, loop.why},
@@ -159,9 +170,9 @@ TEST_P(ExtremeTracking, gives_the_force_back_on_closed_paths) {
 
 INSTANTIATE_TEST_SUITE_P(
     , ExtremeTracking,
-    ::testing::Values(Loop{"over faces", over_faces, 1e-6, 1e-6, 1e-5, 2e-8},
-                      Loop{"round a vertex", round_a_vertex, 2e-6, 1e-6, 1e-4, 1e-8},
-                      Loop{"through a vertex", through_a_vertex, 1e-6, 1e-6, 1e-5},
+    ::testing::Values(Loop{"over faces", over_faces, 1e-6, 1e-6, 1e-5, 2e-8, 1e-7},
+                      Loop{"round a vertex", round_a_vertex, 2e-6, 1e-6, 1e-4, 1e-8, 1e-6},
+                      Loop{"through a vertex", through_a_vertex, 1e-6, 1e-6, 1e-5, 1e-8},
                       Loop{"along edges", along_edges, 1e-6, 1e-6, 1e-5, 5e-7}),
     [](const auto& info) {
       std::string name = info.param.name;

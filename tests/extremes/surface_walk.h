@@ -1,5 +1,6 @@
 // Paths on a surface whose every point is known: straight lines in the domains of faces, across
-// edges, along them, through vertices and round them. All end where they began.
+// edges, along them, through vertices and round them. All end where they began. None crosses a
+// border.
 #pragma once
 
 #include <deque>
@@ -28,7 +29,9 @@ inline std::vector<std::uint32_t> way_home(const Extreme& e, std::uint32_t from,
     const std::uint32_t face = front.front();
     front.pop_front();
     for (std::uint32_t s = e.mesh.face_begin[face]; s < e.mesh.face_begin[face + 1]; ++s) {
-      const std::uint32_t twin = e.topology.side_twin[s], next = e.topology.side_face[twin];
+      const std::uint32_t twin = e.topology.side_twin[s];
+      if (twin == kNone) continue;
+      const std::uint32_t next = e.topology.side_face[twin];
       if (next == to || by[next] != kNone) continue;
       by[next] = twin;
       front.push_back(next);
@@ -42,15 +45,17 @@ inline std::vector<std::uint32_t> way_home(const Extreme& e, std::uint32_t from,
   return sides;
 }
 
-// Over `faces` faces at random and the shortest way back. The mesh is closed.
+// Over `faces` faces at random and the shortest way back; within a face that has no neighbour.
 inline Legs wander(oracle::Rng& rng, const Extreme& e, int faces) {
   const auto first = static_cast<std::uint32_t>(rng() % e.mesh.face_count());
   std::vector<std::uint32_t> sides;
   std::uint32_t face = first, entered = kNone;
   for (int i = 0; i < faces; ++i) {
-    std::uint32_t side = entered;
-    while (side == entered)
-      side = e.mesh.face_begin[face] + static_cast<std::uint32_t>(rng() % e.mesh.valence(face));
+    std::vector<std::uint32_t> ways;  // not back, unless there is no other
+    for (std::uint32_t s = e.mesh.face_begin[face]; s < e.mesh.face_begin[face + 1]; ++s)
+      if (s != entered && e.topology.side_twin[s] != kNone) ways.push_back(s);
+    if (ways.empty() && entered == kNone) break;
+    const std::uint32_t side = ways.empty() ? entered : ways[rng() % ways.size()];
     sides.push_back(side);
     entered = e.topology.side_twin[side];
     face = e.topology.side_face[entered];
@@ -65,24 +70,40 @@ inline Legs wander(oracle::Rng& rng, const Extreme& e, int faces) {
     legs.push_back({e.topology.side_face[side], at, on_side_of(e, side, t)});
     at = on_side_of(e, e.topology.side_twin[side], 1 - t);
   }
+  if (legs.empty()) {
+    const Vec2 there = oracle::random_inside<double>(rng, static_cast<int>(e.mesh.valence(first)));
+    legs.push_back({first, start, there});
+    at = there;
+  }
   legs.push_back({first, at, start});
   return legs;
 }
 
-// The sides that start at the vertex where `side` does. The mesh is closed.
+// The sides that start at the vertex where `side` does, anticlockwise; from border to border where
+// there is one.
 inline std::vector<std::uint32_t> spokes(const Extreme& e, std::uint32_t side) {
-  std::vector<std::uint32_t> all{side};
-  while ((side = next_around(e.mesh, e.topology, side)) != all.front()) all.push_back(side);
+  const std::uint32_t first = e.topology.vertex_side[e.mesh.corner_vertex[side]];
+  if (e.topology.side_twin[first] == kNone) side = first;
+  std::vector<std::uint32_t> all;
+  for (std::uint32_t next = side; next != kNone; next = next_around(e.mesh, e.topology, next)) {
+    if (!all.empty() && next == side) break;
+    all.push_back(next);
+  }
   return all;
 }
 
-// Round the vertex where a side starts, at a part of the length of its edges.
+// Round the vertex where a side starts, at a part of the length of its edges; to and fro where a
+// border runs through it.
 inline Legs round_vertex(const Extreme& e, std::uint32_t side, double part) {
   Legs legs;
   for (const std::uint32_t spoke : spokes(e, side)) {
     const std::uint32_t last = prev_side(e.mesh, e.topology, spoke);
     legs.push_back(
         {e.topology.side_face[spoke], on_side_of(e, spoke, part), on_side_of(e, last, 1 - part)});
+  }
+  if (e.topology.side_twin[prev_side(e.mesh, e.topology, spokes(e, side).back())] == kNone) {
+    for (std::size_t i = legs.size(); i-- > 0;)
+      legs.push_back({legs[i].face, legs[i].to, legs[i].from});
   }
   return legs;
 }

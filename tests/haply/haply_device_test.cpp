@@ -170,36 +170,68 @@ std::vector<Nanoseconds> times_to_zero(HaplyDevice& device, const HaplyMock& moc
   return times;
 }
 
-void expect_within_20_ms(std::vector<Nanoseconds> times) {
-  ASSERT_FALSE(times.empty());
-  std::sort(times.begin(), times.end());
-  EXPECT_LE(times.front(), 20ms);
-  EXPECT_LE(times.back(), 2s);
-  test::record("ms to zero", "{:.1f} to {:.1f}", 1e-6 * static_cast<double>(times.front().count()),
-               1e-6 * static_cast<double>(times.back().count()));
+// How late this machine wakes a thread that does nothing else.
+class Lateness {
+ public:
+  Nanoseconds worst() const { return worst_; }
+  ~Lateness() {
+    over_ = true;
+    thread_.join();
+  }
+
+ private:
+  void watch() {
+    while (!over_) {
+      const Nanoseconds before = monotonic_time();
+      std::this_thread::sleep_for(1ms);
+      worst_ = std::max(worst_.load(), monotonic_time() - before - Nanoseconds(1ms));
+    }
+  }
+
+  std::atomic<Nanoseconds> worst_{0ns};
+  std::atomic<bool> over_{false};
+  std::thread thread_{[this] { watch(); }};
+};
+
+// Some tries, of each the time to zero (none: it did not come). No time is longer than 20 ms, but
+// for what the machine was late: once for each of the threads between the write and the service. A
+// machine that is late by more than that tells nothing.
+template <class Try>
+void expect_within_20_ms(int tries, Try try_once) {
+  constexpr int kThreads = 2;
+  std::vector<Nanoseconds> times;
+  for (int i = 0; i < tries; ++i) {
+    const Lateness lateness;
+    const std::vector<Nanoseconds> time = try_once();
+    ASSERT_FALSE(time.empty());
+    if (lateness.worst() > 20ms) continue;
+    EXPECT_LE(time.front(), 20ms + kThreads * lateness.worst());
+    times.push_back(time.front());
+  }
+  ASSERT_FALSE(times.empty()) << "the machine was late all the time";
+  const auto [least, most] = std::minmax_element(times.begin(), times.end());
+  test::record("ms to zero", "{:.1f} to {:.1f} in {} of {} tries",
+               1e-6 * static_cast<double>(least->count()),
+               1e-6 * static_cast<double>(most->count()), times.size(), tries);
 }
 
 TEST(HaplyDevice, a_force_that_nobody_renews_is_zero_within_20_ms) {
   HaplyMock mock(well);
   HaplyDevice device(options(mock));
-  expect_within_20_ms(times_to_zero(device, mock, 20));
+  expect_within_20_ms(20, [&] { return times_to_zero(device, mock, 1); });
 }
 
 TEST(HaplyDevice, and_is_where_the_service_fell_silent_too) {
-  std::vector<Nanoseconds> times;
-  for (int i = 0; i < 10; ++i) {
+  expect_within_20_ms(10, [] {
     std::atomic<bool> silent{false};
     HaplyMock mock([&](std::uint64_t number) {
       return silent ? HaplyReply{"", HaplyReply::kStaySilent} : well(number);
     });
     HaplyDevice device(options(mock));
-    ASSERT_TRUE(drive(device, {0, 2, 0}, [&] { return got(mock, {0, 2, 0}); }));
+    EXPECT_TRUE(drive(device, {0, 2, 0}, [&] { return got(mock, {0, 2, 0}); }));
     silent = true;
-    const auto one = times_to_zero(device, mock, 1);
-    ASSERT_FALSE(one.empty());
-    times.insert(times.end(), one.begin(), one.end());
-  }
-  expect_within_20_ms(times);
+    return times_to_zero(device, mock, 1);
+  });
 }
 
 TEST(HaplyDevice, after_a_pause_there_is_one_message_under_way_again) {

@@ -41,8 +41,12 @@ class Probe final : public HapticDevice {
   const DeviceInfo& info() const noexcept override { return replay_.info(); }
   DeviceState read(Nanoseconds now) noexcept override {
     ++ticks;
-    if (ticks > silent_from && ticks <= silent_to) return last_;
+    if (ticks > silent_from && ticks <= silent_to) {
+      if (restamps) last_.measured = now;
+      return last_;
+    }
     last_ = replay_.read(now);
+    last_.measured += ahead;
     last_.fault = ticks == fault_at;
     if (ticks == nan_at) last_.position.y() = std::nan("");
     return last_;
@@ -55,6 +59,8 @@ class Probe final : public HapticDevice {
   static constexpr int kNever = std::numeric_limits<int>::max();
   int ticks = 0, silent_from = kNever, silent_to = kNever, fault_at = -1, nan_at = -1,
       broken_from = kNever;
+  bool restamps = false;  // what it has told before, as if it were new
+  Nanoseconds ahead{0};   // of its clock
   std::vector<Vec3> written;
 
  private:
@@ -206,6 +212,21 @@ TEST(Loop, holds_fades_and_stays_safe_when_the_device_falls_silent) {
   }
 }
 
+// Whatever it stamps: what brings nothing new grows old.
+TEST(Loop, fades_when_a_device_says_the_same_again_and_calls_it_new) {
+  for (const Nanoseconds ahead : {Nanoseconds(0ns), Nanoseconds(1s)}) {
+    for (const bool restamps : {false, true}) {
+      Probe device(entering(0.1, 0.002, 10000));
+      device.silent_from = 2000;
+      device.restamps = restamps;
+      device.ahead = ahead;
+      const Felt felt = run(device, {}, 2100);
+      EXPECT_NEAR(felt.ticks[1999].sent.norm(), 1, 0.05);
+      for (std::size_t i = 2010; i < 2100; ++i) EXPECT_EQ(felt.ticks[i].sent, Vec3::Zero()) << i;
+    }
+  }
+}
+
 TEST(Loop, engages_again_only_where_it_may_and_only_in_the_open) {
   for (const bool reengage : {false, true}) {
     std::vector<Vec3> path = entering(0.1, 0.002, 3000);
@@ -232,6 +253,9 @@ TEST(Loop, ends_safe_where_the_device_fails) {
     EXPECT_LE(felt.ticks.size(), 2012u);
     EXPECT_EQ(felt.ticks.back().sent, Vec3::Zero());
     EXPECT_EQ(felt.ticks.back().reason, GuardReason::kDeviceFault);
+    if (!by_write) {  // in the very tick
+      EXPECT_EQ(felt.ticks[1999].reason, GuardReason::kDeviceFault);
+    }
     EXPECT_EQ(device.written.back(), Vec3::Zero());
     EXPECT_LE(largest_step(felt), 0.3);
   }
@@ -286,6 +310,17 @@ TEST(Loop, tells_what_is_touched) {
   EXPECT_NEAR(felt.ticks[1].rendered.norm(), 1.8, 0.1);
   EXPECT_FALSE(felt.ticks[2].touching);
   EXPECT_GT(felt.ticks[2].iterations, 0);
+}
+
+// Of several that are touched, that which pushes hardest.
+TEST(Loop, tells_of_the_object_that_pushes_hardest) {
+  for (const std::uint32_t hardest : {0u, 1u, 2u}) {
+    std::vector<SceneObject> objects(3, SceneObject{.cache = ball(), .stiffness = 100});
+    objects[hardest].stiffness = 200;
+    Probe device(still(20, 0.001));
+    for (const LoopTick& tick : run(device, {}, ~std::size_t{0}, objects).ticks)
+      EXPECT_EQ(tick.object, hardest);
+  }
 }
 
 TEST(Loop, a_million_ticks_allocate_nothing_and_fault_nothing_in) {

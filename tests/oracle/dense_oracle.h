@@ -23,7 +23,8 @@ class DenseOracle {
  public:
   explicit DenseOracle(const PatchCache& cache, int resolution = 8)
       : cache_(&cache), resolution_(resolution) {
-    for (std::uint32_t face = 0; face < cache.mesh_face_count; ++face) add_face(face);
+    for (std::uint32_t face = 0; face < cache.mesh_face_count; ++face)
+      if (cache.face_patch[face] != kNone) add_face(face);
   }
 
   Foot nearest_sample(const Vec3& hip) const {

@@ -9,6 +9,7 @@
 #include "gliss/query/contact_tracker.h"
 #include "gliss/surface/names.h"
 #include "tests/oracle/oracle.h"
+#include "tests/support/open_meshes.h"
 #include "tests/support/places.h"
 #include "tests/support/surfaces.h"
 
@@ -69,8 +70,10 @@ void PrintTo(const Case& c, std::ostream* out) { *out << c.level << precision_na
 class Batch : public ::testing::TestWithParam<Case> {
  protected:
   static std::vector<Mesh> meshes() {
-    return {torus_knot(40, 6).mesh, goldberg().mesh, banana().mesh,
-            irregular(torus(16, 8), 1).mesh};
+    return {torus_knot(40, 6).mesh, goldberg().mesh,
+            banana().mesh,          irregular(torus(16, 8), 1).mesh,
+            test::half_torus(),     test::fan_of_five(),
+            test::open_strip()};
   }
   static PatchCache cache_of(const Mesh& mesh) {
     BuildOptions options;

@@ -66,13 +66,18 @@ TEST_P(Crossing, past_a_plate_without_entering_it_is_none) {
   }
 }
 
-// One tick ends where three hundred short ones do.
-TEST_P(Crossing, at_any_speed_ends_in_the_same_contact) {
+// One tick ends where three hundred short ones do, but where a contact slides far on its way: along
+// a fin's ridge on smooth patches, every second one.
+TEST_P(Crossing, at_any_speed_ends_in_contact_and_mostly_in_the_same) {
+  const bool is_smooth = GetParam() == Method::kGregory;
   const struct {
     const char* name;
     Mesh mesh;
-  } cases[] = {{"plate", thin_plate().mesh}, {"fin", fin().mesh}, {"goldberg", goldberg(3).mesh}};
-  for (const auto& [name, mesh] : cases) {
+    double same;  // share of ways, at least
+  } cases[] = {{"plate", thin_plate().mesh, 1},
+               {"fin", fin().mesh, is_smooth ? 0.45 : 0.97},
+               {"goldberg", goldberg(3).mesh, is_smooth ? 0.97 : 0.93}};
+  for (const auto& [name, mesh, least_same] : cases) {
     const PatchCache cache = test::cache_of(mesh);
     const Box box = cache.bounds();
     const Vec3 middle = 0.5 * (box.low + box.high), half = 0.5 * (box.high - box.low);
@@ -99,6 +104,7 @@ TEST_P(Crossing, at_any_speed_ends_in_the_same_contact) {
     EXPECT_GT(touching, kWays / 4) << name;
     // Where a way grazes a rim, or leads to a ridge, both may be right.
     EXPECT_GE(both, touching * 97 / 100) << name;
+    EXPECT_GE(same, least_same * kWays) << name;
   }
 }
 

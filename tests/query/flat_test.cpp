@@ -1,6 +1,8 @@
 // The method `flat`: the nearest point of the base polygons.
 #include "gliss/generate/generate.h"
+#include "gliss/query/contact_tracker.h"
 #include "tests/oracle/brute_force.h"
+#include "tests/support/require.h"
 
 #ifdef GLISS_WITH_EMBREE
 #include <embree3/rtcore.h>
@@ -56,6 +58,23 @@ TEST(Flat, agrees_with_brute_force_over_planar_polygons) {
     }
     EXPECT_LE(error.value, 1e-14) << made.source;
     EXPECT_LE(position.value, 1e-13) << made.source;
+  }
+}
+
+// From any polygon of a ball it slides to that beneath the HIP, however many lie between.
+TEST(Flat, slides_over_as_many_polygons_as_it_takes) {
+  Rng rng(53);
+  const Mesh mesh = goldberg(5).mesh;
+  const PatchCache cache = test::cache_of(mesh);
+  for (const Method method : {Method::kFlat, Method::kShaded}) {
+    QueryOptions options;
+    options.method = method;
+    for (int i = 0; i < 300; ++i) {
+      const Vec3 hip = oracle::uniform(rng, 11, 14) * oracle::random_unit(rng);
+      const auto from = static_cast<std::uint32_t>(rng() % mesh.face_count());
+      const Contact contact = ContactTracker(cache, options).track(hip, {from, 0, 0});
+      EXPECT_NEAR(contact.distance, nearest(cache, hip, options).distance, 1e-12);
+    }
   }
 }
 
@@ -145,7 +164,12 @@ TEST(Flat, agrees_with_embree) {
 
 #else
 
-TEST(Flat, agrees_with_embree) { GTEST_SKIP() << "skipped: built without Embree"; }
+TEST(Flat, agrees_with_embree) {
+#ifdef GLISS_WITH_OTHER_EMBREE
+  GTEST_SKIP() << "skipped: this Embree is not of version 3";
+#endif
+  GLISS_SKIP_UNLESS_REQUIRED("built without Embree 3");
+}
 
 #endif
 

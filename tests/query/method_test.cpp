@@ -42,7 +42,11 @@ TEST(Method, all_push_straight_out_of_a_plane) {
 
 TEST(Method, forces_are_stiffness_times_depth_along_what_each_calls_its_normal) {
   Rng rng(62);
-  for (const Generated& made : {goldberg(), torus_knot()}) {
+  const struct {
+    Generated made;
+    double gregory;  // off the exact surface's force, at most
+  } cases[] = {{goldberg(), 0.09}, {torus_knot(), 0.015}};
+  for (const auto& [made, most] : cases) {
     const PatchCache cache = test::cache_of(made.mesh);
     Worst gregory_error, shaded_angle;
     for (int i = 0; i < 2000; ++i) {
@@ -64,8 +68,8 @@ TEST(Method, forces_are_stiffness_times_depth_along_what_each_calls_its_normal) 
         if (method == Method::kShaded) shaded_angle.add(oracle::angle(pushed, exact.normal));
       }
     }
-    EXPECT_LE(gregory_error.value, 0.1);
-    EXPECT_LE(shaded_angle.value, 0.3);
+    EXPECT_LE(gregory_error.value, most);
+    EXPECT_LE(shaded_angle.value, 0.035);
     test::record(made.mesh.source, "gregory off by {:.3g} of the force, shaded by {:.3g} rad",
                  gregory_error.value, shaded_angle.value);
   }

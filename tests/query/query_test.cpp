@@ -3,6 +3,7 @@
 #include "gliss/generate/generate.h"
 #include "gliss/query/contact_tracker.h"
 #include "tests/oracle/brute_force.h"
+#include "tests/support/open_meshes.h"
 
 namespace gliss {
 namespace {
@@ -164,27 +165,41 @@ TEST(Nearest, is_negative_inside_and_positive_outside) {
   }
 }
 
-// A strip of quads over the x axis, `width` wide, rolled a little: two long borders, two short.
-Mesh strip(int quads, double width) {
+// Acute edges and corners, whose faces have normals of their own: no face's normal tells alone.
+TEST(Nearest, knows_inside_from_outside_at_creases) {
   Mesh mesh;
-  for (int i = 0; i <= quads; ++i) {
-    for (const double y : {-width / 2, width / 2}) {
-      mesh.positions.push_back({1.0 * i, y, 0.3 * std::sin(0.7 * i)});
+  mesh.positions = {{0, 0, 0}, {10, 0, 0}, {3, 2, 0}, {4, 1, 9}};
+  for (const std::array<std::uint32_t, 3>& face :
+       {std::array{0u, 2u, 1u}, std::array{0u, 1u, 3u}, std::array{1u, 2u, 3u},
+        std::array{2u, 0u, 3u}}) {
+    const Vec3 &a = mesh.positions[face[0]], &b = mesh.positions[face[1]],
+               &c = mesh.positions[face[2]];
+    for (const std::uint32_t v : face) {
+      mesh.corner_vertex.push_back(v);
+      mesh.corner_normal.push_back(static_cast<std::uint32_t>(mesh.normals.size()));
     }
-  }
-  for (std::uint32_t i = 0; i < static_cast<std::uint32_t>(quads); ++i) {
-    for (const std::uint32_t vertex : {2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1}) {
-      mesh.corner_vertex.push_back(vertex);
-    }
+    mesh.normals.push_back((b - a).cross(c - a).normalized());
     mesh.face_begin.push_back(static_cast<std::uint32_t>(mesh.corner_vertex.size()));
   }
-  return test::with_normals(mesh);
+  const PatchCache cache = test::cache_of(mesh);
+  Rng rng(27);
+  int inside = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const Vec3 hip = test::random_in_box(rng, mesh, 1.5);
+    double above = -1e9;  // the highest of the planes
+    for (std::uint32_t f = 0; f < 4; ++f)
+      above = std::max(above, mesh.normals[f].dot(hip - mesh.positions[mesh.corner_vertex[3 * f]]));
+    const Contact contact = nearest(cache, hip);
+    EXPECT_EQ(contact.touching, above < 0) << hip.transpose() << ", " << above;
+    inside += above < 0;
+  }
+  EXPECT_GT(inside, 100);
 }
 
 TEST(Nearest, stops_at_the_borders_of_an_open_mesh) {
   Rng rng(26);
   for (const double width : {2.0, 0.05}) {
-    const Mesh mesh = strip(8, width);
+    const Mesh mesh = test::open_strip(8, width);
     const PatchCache cache = test::cache_of(mesh);
     const test::PatchBruteForce brute_force(mesh);
     for (int i = 0; i < 20; ++i) {

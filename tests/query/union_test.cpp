@@ -5,6 +5,7 @@
 #include "gliss/query/contact_tracker.h"
 #include "tests/extremes/extremes.h"
 #include "tests/oracle/union_oracle.h"
+#include "tests/support/require.h"
 
 namespace gliss {
 namespace {
@@ -294,7 +295,7 @@ TEST(Union, gives_the_same_bytes_on_opencl) {
   try {
     opencl = make_opencl_engine(on_device);
   } catch (const DeviceError& e) {
-    GTEST_SKIP() << "skipped: " << e.what();
+    GLISS_SKIP_UNLESS_REQUIRED(e.what());
   }
   for (const Precision precision : {Precision::kFloat, Precision::kDouble}) {
     const PatchCache cache = test::cache_of(test::joined(three_spheres()), precision);

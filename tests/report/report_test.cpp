@@ -3,6 +3,7 @@
 
 #include "gliss/files/mesh_file.h"
 #include "tests/support/places.h"
+#include "tests/support/require.h"
 #include "tests/support/run_files.h"
 
 namespace gliss {
@@ -40,7 +41,7 @@ class Report : public test::RunTest {
   Report() { save_obj(goldberg().mesh, folder_ / "ball.obj"); }
   void SetUp() override {
 #ifndef GLISS_WITH_REPORT
-    GTEST_SKIP() << "this build has no report";
+    GLISS_SKIP_UNLESS_REQUIRED("this build has no report");
 #endif
   }
 
@@ -104,6 +105,14 @@ TEST_F(Report, BarsAreTheStepsOfForceToZeroAndBackToo) {
   const auto& gregory = result["methods"][1];
   EXPECT_EQ(gregory["method"], "gregory");
   EXPECT_THAT(floats(gregory["change"]), ElementsAre(0.5f));
+}
+
+TEST_F(Report, NeverTakesWhatIsNotFiniteForASmallStep) {
+  for (const std::string force : {"nan", "inf", "-inf"}) {
+    folder_.write("forces.csv", std::string(kTraceHeader) + "0,flat,0,0,0,0,0,0,0,0,1,1,contact\n" +
+                                    "1,flat,0,0,0,0,0,0,0,0," + force + ",1,contact\n");
+    expect_refused("forces.csv", "forces.csv:3: column 'fz': '" + force + "' is not finite");
+  }
 }
 
 TEST_F(Report, TracesInCsvAndHdf5AreTheSame) {

@@ -201,6 +201,35 @@ TEST(Fidelity, its_path_stays_at_its_depth_and_goes_in_small_steps) {
   }
 }
 
+// A patch that gives no numbers, on a path over it and along its edges.
+TEST(Fidelity, never_takes_what_is_not_finite_for_a_small_step) {
+  const double infinity = std::numeric_limits<double>::infinity(), nan = std::nan("");
+  EXPECT_EQ(distances_of({1, nan, 2}).largest, infinity);
+  EXPECT_EQ(distances_of({1, -infinity, 2}).largest, infinity);
+  EXPECT_EQ(distances_of({nan, nan, 2}).p99, infinity);
+  EXPECT_EQ(distances_of({1, 3, 2}).largest, 3);
+
+  const Mesh mesh = goldberg(3).mesh;
+  const Topology topology = build_topology(mesh);
+  const PatchCache sound = test::cache_of(mesh);
+  PatchCache broken = sound;
+  test::break_patch(broken, 0);
+  // The polygon's normal stands in for the patch's.
+  EXPECT_GT(normal_gaps(mesh, topology, broken, Method::kGregory).largest, 0.1);
+  EXPECT_LT(normal_gaps(mesh, topology, sound, Method::kGregory).largest, 1e-10);
+  const Vec3 to = test::at(sound, 0, {0, 0}).position,
+             from = 0.9 * test::at(sound, 1, {0, 0}).position;
+  std::vector<Vec3> path;
+  for (int i = 0; i <= 400; ++i) path.push_back(from + (0.9 * to - from) * i / 400.0);
+  const FeltPath smooth = feel_path(sound, {}, path, 1, {});
+  EXPECT_EQ(smooth.force.unsound, 0u);
+  const FeltPath felt = feel_path(broken, {}, path, 1, smooth.push);
+  EXPECT_GT(felt.force.unsound, 0u);
+  EXPECT_EQ(felt.force.largest_step, infinity);
+  EXPECT_EQ(felt.error.largest, infinity);
+  EXPECT_GE(felt.force.jumps(), felt.force.unsound);
+}
+
 TEST(Fidelity, a_tessellation_lies_on_the_surface_and_is_closed) {
   for (const Generated& made : {torus_knot(24, 6), goldberg()}) {
     const PatchCache cache = test::cache_of(made.mesh);

@@ -114,6 +114,29 @@ TEST(Sweep, stops_when_progress_says_so) {
   EXPECT_EQ(stopped.complete, stopped.statistics[0].samples == whole.statistics[0].samples);
 }
 
+// A patch that gives no numbers: all pairs with one of its samples are jumps, and none is small.
+TEST(Sweep, never_takes_what_is_not_finite_for_a_small_step) {
+  const Mesh mesh = goldberg(3).mesh;
+  PatchCache cache = test::cache_of(mesh);
+  test::break_patch(cache, 0);
+  const std::uint32_t rings = 4, n = mesh.valence(0);
+  SweepOptions options = options_of({1e-3}, rings);
+  options.methods = {Method::kGregory};
+  const SweepStatistics s = sweep(cache, *make_serial_engine(), options).statistics[0];
+  const double infinity = std::numeric_limits<double>::infinity();
+  const std::uint64_t broken = n * rings * (rings + 1) / 2;  // samples
+  EXPECT_EQ(s.error.unsound(), broken);
+  EXPECT_GE(s.step.unsound(), broken);
+  EXPECT_EQ(s.edge_step.unsound(), std::uint64_t{n} * rings);
+  EXPECT_GE(s.jumps, s.step.unsound() + s.edge_step.unsound());
+  for (const Histogram* of : {&s.step, &s.edge_step, &s.error}) {
+    EXPECT_EQ(of->max(), infinity);
+    EXPECT_TRUE(std::isfinite(of->mean()));
+    EXPECT_TRUE(of->is_consistent());
+  }
+  EXPECT_LT(s.touching, s.samples);
+}
+
 TEST(HistogramTest, merges_to_the_same_in_any_order) {
   Histogram low, high, all;
   for (int i = 1; i <= 1000; ++i) {

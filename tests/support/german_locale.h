@@ -10,7 +10,7 @@ namespace gliss::test {
 class GermanLocale {
  public:
   static constexpr const char *kName = "de_DE.UTF-8",
-                              *kAbsent = "skipped: no localedef with the sources of de_DE";
+                              *kAbsent = "there is no localedef with the sources of de_DE";
 
   // True if there is such a locale: not without localedef and the sources of package locales.
   bool made() const { return made_; }

@@ -53,6 +53,27 @@ inline Mesh half_torus() {
   });
 }
 
+// A strip of quads a mm long over the x axis, `width` mm wide, waved: two long borders, two short.
+inline Mesh open_strip(std::uint32_t quads = 8, double width = 2) {
+  return open_grid("open strip", quads, 1, [&](std::uint32_t i, std::uint32_t j) {
+    return Vec3(1.0 * i, (j - 0.5) * width, 0.3 * std::sin(0.7 * i));
+  });
+}
+
+// Nothing but borders, and bent by its normals.
+inline Mesh lone_triangle() {
+  Mesh mesh;
+  mesh.source = "lone triangle";
+  mesh.unit = 1e-3;
+  mesh.positions = {{0, 0, 0}, {10, 1, 0}, {3, 8, 1}};
+  mesh.normals = {Vec3(-0.2, -0.1, 1).normalized(), Vec3(0.2, -0.1, 1).normalized(),
+                  Vec3(0, 0.3, 1).normalized()};
+  mesh.corner_vertex = {0, 1, 2};
+  mesh.corner_normal = mesh.corner_vertex;
+  mesh.face_begin.push_back(3);
+  return mesh;
+}
+
 // Five of the six triangles round a point, its cone 3 mm high.
 inline Mesh fan_of_five() {
   Mesh mesh;

@@ -116,6 +116,13 @@ inline SurfacePoint at(const PatchCache& cache, std::uint32_t face, const Vec2& 
   return evaluate(cache, {face, X.x(), X.y()});
 }
 
+// Takes the numbers of a face's patch away, as no file can: its points and normals are none.
+inline void break_patch(PatchCache& cache, std::uint32_t face) {
+  auto& surface = std::get<Surface<double>>(cache.surface);
+  const std::size_t begin = 3 * std::size_t{surface.control_begin[cache.face_patch[face]]};
+  surface.control[begin] = std::numeric_limits<double>::quiet_NaN();
+}
+
 // The largest of many errors; a NaN stays.
 struct Worst {
   double value = 0;

@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "tests/support/require.h"
 #include "tests/support/scratch_folder.h"
 
 namespace gliss {
@@ -67,7 +68,7 @@ void write_tables(const std::string& path) {
 TEST(ResultFile, Hdf5IsReadByH5py) {
   constexpr const char* kPython = "/usr/bin/python3";
   if (std::system((std::string(kPython) + " -c 'import h5py' 2>/dev/null").c_str()) != 0) {
-    GTEST_SKIP() << "no h5py";
+    GLISS_SKIP_UNLESS_REQUIRED("h5py is absent");
   }
   const ScratchFolder folder;
   write_tables(folder / "r.h5");
