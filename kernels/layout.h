@@ -98,7 +98,11 @@
 // the base polygon.
 #define TILE_CENTRE_XY 0        // 16 bits each, from the low to the high corner of the patch's box
 #define TILE_CENTRE_Z_RADIUS 1  // the same, and of the cylinder in 2 / 65535 of the box's length
-#define TILE_AXIS 2  // x and y of the unit axis, (bits - 32768) / 32768; z is not negative
+// x and y of the unit axis, (12 bits - 2048) / 2048 each; z is not negative. Then 8 bits: their
+// square is 2^15 times the tangent of an angle to the axis that no normal exceeds; TILE_ANY_TURN: a
+// nearest point may lie there though its normal does not lead to the HIP.
+#define TILE_AXIS 2
+#define TILE_ANY_TURN 255
 // Half the height, as the radius; 8 bits each: least and largest curvature, ((bits - 128) / 127)^3
 // of PATCH_CURVATURE.
 #define TILE_HALF_CURVES 3

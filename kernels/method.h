@@ -249,13 +249,8 @@ FN_LARGE contact track_contact(surface_view view, hip_point h, contact last,
 // Where the contact would be had it gone on as in the last tick; where it was, if that is outside.
 FN domain_vector ahead_of(surface_view view, contact last) {
   const int n = valence_of(view, last.patch);
-  GLOBAL scalar* domain = domain_of(view, n);
   const domain_vector ahead = make_vector(last.xi + last.drift.xi, last.eta + last.drift.eta);
-  for (int k = 0; k < n; ++k) {
-    if (!(side_distance(domain, n, k, ahead.xi, ahead.eta).f > K(0)))
-      return make_vector(last.xi, last.eta);
-  }
-  return ahead;
+  return is_inside(domain_of(view, n), n, ahead) ? ahead : make_vector(last.xi, last.eta);
 }
 
 // As track_contact after a tick that was in contact as well: starts from where the SCP was going,

@@ -167,7 +167,7 @@ FN foot better_foot(foot best, foot f) {
   return best;
 }
 
-// Tiles of a patch that may hold a point nearer than what is known.
+// Tiles of a patch that may hold a nearest point nearer than what is known.
 #define OPEN_TILES 32
 typedef struct {
   int count, left;  // left: those that are neither started from nor settled
@@ -191,7 +191,7 @@ FN int gather_tiles(surface_view view, patch_tiles tiles, int next, real distanc
     const real3 away = away_from(tiles, next);
     if (!may_reach(tiles, next, away, distance)) continue;
     const tile_reach reach = reach_of(tiles, next, away);
-    if (!(reach.distance2 < below)) continue;
+    if (!(reach.distance2 < below) || !reach.has_foot) continue;
     const int at = open->count++;
     open->tile[at] = next;
     open->is_settled[at] = 0;
@@ -249,39 +249,65 @@ FN int leads_to(surface_view view, hip_point h, foot f, foot best) {
                            sqrt(best.distance2) * numbers_of(view, f.patch)[PATCH_SCALE]);
 }
 
-// How far from the middle of its tile a descent is followed, in radii and in rows of the domain,
-// and for how many steps: beyond, other starts are nearer.
-#define NEAR_TILE K(1.25f)
-#define STEPS_AT_ONCE 2
-#define STEPS_NEAR_TILE 12
+// Leaps on along the way from one foot of a descent to the next, for as long as that is nearer.
+// Where the distance is nearly level, along a valley or a ridge, steps are short.
+FN_LARGE foot leap_ahead(surface_view view, hip_point h, foot from, foot f, int max_iterations) {
+  if (f.patch != from.patch) return f;
+  const int n = valence_of(view, f.patch);
+  const domain_vector way = make_vector(f.xi - from.xi, f.eta - from.eta);
+  for (real length = K(4); f.iterations < max_iterations; length *= K(4)) {
+    const domain_vector at = make_vector(fma(length, way.xi, f.xi), fma(length, way.eta, f.eta));
+    if (!is_inside(domain_of(view, n), n, at)) break;
+    ++f.iterations;
+    const foot to = move_foot(view, h, f, f.patch, at.xi, at.eta);
+    if (!(to.distance2 < f.distance2)) break;
+    f = to;
+    f.flags &= ~(FOOT_BORDER | FOOT_CREASE);
+    f.last2 = f.before2 = -K(1);
+  }
+  return f;
+}
 
-// Descends from the middle of a tile for as long as that may lead to a minimum there. From where it
-// is nearer than what is known it goes on all the way.
-FN_LARGE foot descend_from_tile(surface_view view, hip_point h, patch_tiles tiles, int tile, foot f,
-                                track_options options, foot best) {
+// The squared distance (mesh frame) that a foot is above the minimum of its model.
+FN real fall_of(surface_view view, foot f, newton_model model) {
+  const domain_vector gradient = gradient_of(f.at, f.r), step = solve(model.m, model.det, gradient);
+  const real unscale = numbers_of(view, f.patch)[PATCH_UNSCALE];
+  return -fma(gradient.xi, step.xi, gradient.eta * step.eta) * unscale * unscale;
+}
+
+// A descent falls by no more than so many times what its model says. It is asked after so many
+// steps, or, where it is nearer than what is known, whether it creeps.
+#define MOST_FALL K(3)
+#define STEPS_AT_ONCE 2
+#define STEPS_NEARER 16
+
+// Descends from the middle of a tile for as long as that may lead to a nearer minimum. From where
+// it is nearer than what is known it goes on all the way.
+FN_LARGE foot descend_from_tile(surface_view view, hip_point h, foot f, track_options options,
+                                foot best) {
   // A minimum that is its patch's only one needs no search there.
   const int is_sole = is_sole_minimum(view, best);
   const known_minimum known = {is_sole ? best.patch : NONE, best.distance2};
-  const uint patch = f.patch;
-  const domain_vector at = make_vector(f.xi, f.eta);
-  const real unscale = numbers_of(view, patch)[PATCH_UNSCALE];
-  const real3 start = mul3(unscale, f.r);
-  const real reach = NEAR_TILE * radius_of(tiles, tile) * unscale,
-             most = NEAR_TILE / (real)tiles.levels;
   track_options some = options;
-  for (some.max_iterations = 0; some.max_iterations < options.max_iterations;) {
-    some.max_iterations += STEPS_AT_ONCE;
-    if (some.max_iterations > options.max_iterations || f.distance2 < best.distance2)
-      some = options;
+  int steps = STEPS_AT_ONCE;
+  while (f.iterations < options.max_iterations) {
+    const foot from = f;
+    some.max_iterations = f.iterations + (f.distance2 < best.distance2 ? STEPS_NEARER : steps);
+    if (some.max_iterations > options.max_iterations) some = options;
     f = end_foot(view, h, f, some, known);
-    if (f.flags & FOOT_CONVERGED) break;
+    if ((f.flags & FOOT_CONVERGED) || f.iterations == from.iterations) break;
+    const newton_model model = model_of(first_form(f.at), f.bend);
+    const int fell = f.distance2 < from.distance2;
+    if (fell && !model.is_sound) f = leap_ahead(view, h, from, f, options.max_iterations);
     if (f.distance2 < best.distance2) continue;
     if (is_sole && f.patch == best.patch) break;
-    const real3 way = sub3(mul3(numbers_of(view, f.patch)[PATCH_UNSCALE], f.r), start);
-    const real xi = f.xi - at.xi, eta = f.eta - at.eta;
-    if (f.iterations >= STEPS_NEAR_TILE || dot3(way, way) > reach * reach ||
-        (f.patch == patch && fma(xi, xi, eta * eta) > most * most) || leads_to(view, h, f, best))
-      break;
+    if (!fell) {  // where so many do not suffice to shorten a step
+      steps *= 2;
+      continue;
+    }
+    const int is_model = model.is_sound && options.solver == SOLVER_NEWTON;
+    if (is_model && f.distance2 - MOST_FALL * fall_of(view, f, model) > best.distance2) break;
+    if (leads_to(view, h, f, best)) break;
   }
   return f;
 }
@@ -294,7 +320,7 @@ FN foot search_tile(surface_view view, hip_point h, uint patch, patch_tiles tile
   const int tile = open->tile[from];
   foot f = start_foot(view, h, patch, at.xi, at.eta);
   f.bend = bend_of(f.at, f.r, second_of(tiles, tile), options.solver);
-  f = descend_from_tile(view, h, tiles, tile, f, options, best);
+  f = descend_from_tile(view, h, f, options, best);
   best = better_foot(best, f);
   open->is_settled[from] = 1;
   --open->left;

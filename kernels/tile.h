@@ -1,6 +1,6 @@
-// Tiles: pieces that a patch's domain is cut into, each in a flat cylinder, and how it curves
-// there. A search leaves out those that are too far, and knows from which of the others it has to
-// start.
+// Tiles: pieces that a patch's domain is cut into, each in a flat cylinder, how far its normals
+// turn and how it curves there. A search leaves out those that are too far or turned away, and
+// knows from which of the others it has to start.
 //
 // A patch of n sides has n L^2: the triangle from its centre to each side is cut into L rows, row r
 // of 2 r + 1 tiles. Made on the host (host/build/patch_tiles.h).
@@ -41,6 +41,7 @@ FN real high_half(uint word) { return (real)(int)(word >> 16); }
 typedef struct {
   real distance2;  // squared, mesh frame: no point of the tile is nearer
   real height;     // of the HIP over the tile, local
+  int has_foot;    // false: no normal of the tile leads to the HIP (Johnson and Cohen 2001)
 } tile_reach;
 
 // From a tile's centre to the HIP.
@@ -62,14 +63,10 @@ FN int may_reach(patch_tiles t, int i, real3 away, real distance) {
   return dot3(away, away) <= most * most;
 }
 
-FN real radius_of(patch_tiles t, int i) {
-  return t.unit * high_half(t.word[TILE_UINTS * i + TILE_CENTRE_Z_RADIUS]);
-}
-
 FN real3 axis_of(patch_tiles t, int i) {
   const uint axis = t.word[TILE_UINTS * i + TILE_AXIS];
-  const real x = (low_half(axis) - K(32768)) * K(0x1p-15f),
-             y = (high_half(axis) - K(32768)) * K(0x1p-15f);
+  const real x = ((real)(int)(axis & 4095u) - K(2048)) * K(0x1p-11f),
+             y = ((real)(int)(axis >> 12 & 4095u) - K(2048)) * K(0x1p-11f);
   return make3(x, y, sqrt(larger(K(1) - fma(x, x, y * y), K(0))));
 }
 
@@ -83,6 +80,9 @@ FN tile_reach reach_of(patch_tiles t, int i, real3 away) {
              above = fabs(r.height) - t.unit * low_half(word[TILE_HALF_CURVES]);
   const real out = larger(aside, K(0)), up = larger(above, K(0));
   r.distance2 = fma(out, out, up * up) * t.unscale2;
+  const real turn = (real)(int)(word[TILE_AXIS] >> 24),
+             most = fabs(r.height) + t.unit * low_half(word[TILE_HALF_CURVES]);
+  r.has_foot = turn == TILE_ANY_TURN || aside <= turn * turn * K(0x1p-15f) * most;
   return r;
 }
 
@@ -124,6 +124,14 @@ FN domain_vector middle_of(patch_tiles t, GLOBAL scalar* domain, int i) {
   const domain_vector a = domain_corner(domain, k), b = domain_corner(domain, wrap(k + 1, t.n));
   const real u = (ring - along) * part, v = along * part;
   return make_vector(fma(u, a.xi, v * b.xi), fma(u, a.eta, v * b.eta));
+}
+
+// True if a point lies within the domain, off its sides.
+FN int is_inside(GLOBAL scalar* domain, int n, domain_vector x) {
+  for (int k = 0; k < n; ++k) {
+    if (!(side_distance(domain, n, k, x.xi, x.eta).f > K(0))) return 0;
+  }
+  return 1;
 }
 
 // The tile that a point of the domain lies in.

@@ -280,6 +280,7 @@ class CacheBuilder {
     for_chunks(BatchStep::kControl, [&](const Chunk& c) { store_chunk(c, s, boxes); });
     s.control.shrink_to_fit();
     s.tile.shrink_to_fit();
+    if (!base_only_) free_sharp_sides(s, backend_.parallel);
     build_hierarchy(boxes, s.node, s.child, backend_.parallel);
     find_parts(boxes, s);
   }

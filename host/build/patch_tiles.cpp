@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "gliss/surface/instances.h"
 #include "gliss/surface/layout.h"
@@ -16,14 +17,26 @@ using Vec2 = Eigen::Vector2d;
 constexpr double kMostTurn = 0.2;  // rad, of a normal from the mean of its tile, if possible
 constexpr std::uint32_t kMostTiles = 512;  // of a patch of few sides
 constexpr double kMostCurvature = 1e4;     // local: what curves more has no end of it
+constexpr double kShrink = 1 - 0x1p-16;    // of the samples' domain: off the sides
+constexpr std::uint32_t kRings = 4;        // of samples in a tile, at least
+// Between samples, normals turn so much farther and curvatures range so much farther.
+constexpr double kMoreTurn = 1.25, kMoreCurvature = 0.5;
+constexpr double kLeastTurn = 2e-3;  // rad: more than what two patches that meet smoothly differ by
+constexpr std::uint32_t kTurnShift = 24;  // of its bits in a tile's axis
 
+Vec2 domain_corner(std::uint32_t n, std::uint32_t k) {
+  const double angle = 2 * std::numbers::pi * k / n;
+  return {std::cos(angle), std::sin(angle)};
+}
+
+// The least and the largest of some numbers. NaN counts as no bound at all.
 struct Range {
   double low = std::numeric_limits<double>::infinity(), high = -low;
-  void add(double a, double b) {
-    // NaN counts as no bound at all.
-    low = a >= low ? low : std::isnan(a) ? -kMostCurvature : a;
-    high = b <= high ? high : std::isnan(b) ? kMostCurvature : b;
+  void add(double x) {
+    low = x >= low ? low : std::isnan(x) ? -kMostCurvature : x;
+    high = x <= high ? high : std::isnan(x) ? kMostCurvature : x;
   }
+  double wide() const { return high - low; }
 };
 
 struct Sample {
@@ -35,20 +48,29 @@ struct Sample {
 class Lattice {
  public:
   Lattice(const PatchFrame& frame, const double* control, std::uint32_t form, std::uint32_t n,
-          const ValenceTables& tables)
-      : n_(n), rings_(kernels<double>().probe_levels(n)) {
-    const std::uint32_t count = tables.probe_count[n];
-    const double *xi = tables.probes_of(n), *eta = xi + kernels<double>().probe_reals(n) / 2;
-    rows_.resize(9 * std::size_t{count});
-    kernels<double>().evaluate(tables.domain_of(n), control, form, n, xi, eta, count, count,
-                               rows_.data());
+          std::uint32_t rings, const ValenceTables& tables)
+      : n_(n), rings_(rings) {
+    for (std::uint32_t k = 0; k <= n; ++k) corners_.push_back(domain_corner(n, k));
+    std::vector<double> xi{0}, eta{0};
+    for (std::uint32_t ring = 1; ring <= rings; ++ring) {
+      for (std::uint32_t k = 0; k < n; ++k) {
+        for (std::uint32_t i = 0; i < ring; ++i) {
+          const Vec2 at = kShrink / rings * ((ring - i) * corners_[k] + i * corners_[k + 1]);
+          xi.push_back(at.x()), eta.push_back(at.y());
+        }
+      }
+    }
+    const std::size_t count = xi.size();
+    std::vector<double> rows(9 * count);
+    kernels<double>().evaluate(tables.domain_of(n), control, form, n, xi.data(), eta.data(), count,
+                               count, rows.data());
     Eigen::Matrix3d axes;
     axes << frame.tangent, frame.normal.cross(frame.tangent), frame.normal;
     const Eigen::Matrix3d turn = axes.transpose();
     samples_.resize(count);
-    for (std::uint32_t i = 0; i < count; ++i) {
+    for (std::size_t i = 0; i < count; ++i) {
       const auto row = [&](std::size_t r) {
-        return Vec3(rows_[r * count + i], rows_[(r + 1) * count + i], rows_[(r + 2) * count + i]);
+        return Vec3(rows[r * count + i], rows[(r + 1) * count + i], rows[(r + 2) * count + i]);
       };
       const Vec3 d_xi = row(3), d_eta = row(6);
       samples_[i] = {turn * row(0), turn * d_xi.cross(d_eta).normalized()};
@@ -80,27 +102,27 @@ class Lattice {
   void find_curvatures() {
     bends_.reserve(std::size_t{n_} * rings_ * rings_);
     for (std::uint32_t k = 0; k < n_; ++k) {
-      const Vec2 p = corner(k), q = corner(k + 1), along = q - p;
+      const Vec2 p = corners_[k] / rings_, q = corners_[k + 1] / rings_;
+      const Eigen::Matrix2d up = inverse_of(p, q), down = inverse_of(q - p, q);
       for (std::uint32_t r = 0; r < rings_; ++r) {
         for (std::uint32_t j = 0; j < 2 * r + 1; ++j) {
           const std::uint32_t i = j / 2;
           const Sample &a = at(k, r, i), &c = at(k, r + 1, i + 1),
                        &b = j % 2 == 0 ? at(k, r + 1, i) : at(k, r, i + 1);
-          bends_.push_back(bend_of(a, b, c, (j % 2 == 0 ? p : along) / rings_, q / rings_));
+          bends_.push_back(bend_of(a, b, c, j % 2 == 0 ? up : down));
         }
       }
     }
   }
 
-  Vec2 corner(std::uint32_t k) const {
-    const double angle = 2 * std::numbers::pi * k / n_;
-    return {std::cos(angle), std::sin(angle)};
+  static Eigen::Matrix2d inverse_of(const Vec2& x, const Vec2& y) {
+    return (Eigen::Matrix2d() << x, y).finished().inverse();
   }
 
-  // By the turn of the normals along two sides (Rusinkiewicz 2004), which are `x` and `y` in the
-  // domain.
-  static Bend bend_of(const Sample& a, const Sample& b, const Sample& c, const Vec2& x,
-                      const Vec2& y) {
+  // By the turn of the normals along two sides (Rusinkiewicz 2004); `sides`: the inverse of theirs
+  // in the domain.
+  static Bend bend_of(const Sample& a, const Sample& b, const Sample& c,
+                      const Eigen::Matrix2d& sides) {
     const Vec3 u = b.position - a.position, v = c.position - a.position,
                turn_u = b.normal - a.normal, turn_v = c.normal - a.normal;
     const double e = u.squaredNorm(), f = u.dot(v), g = v.squaredNorm(), det = e * g - f * f;
@@ -108,8 +130,7 @@ class Lattice {
     const double mean = 0.5 * (e * n - 2 * f * m + g * l) / det, gauss = (l * n - m * m) / det;
     const double apart = std::sqrt(std::max(mean * mean - gauss, 0.0));
     const double longest2 = std::max({e, g, (v - u).squaredNorm()});
-    const Eigen::Matrix2d sides = (Eigen::Matrix2d() << x, y).finished().inverse(),
-                          form = (Eigen::Matrix2d() << -l, -m, -m, -n).finished();
+    const Eigen::Matrix2d form = (Eigen::Matrix2d() << -l, -m, -m, -n).finished();
     const Eigen::Matrix2d second = sides.transpose() * form * sides;
     if (!(det > 1e-12 * longest2 * longest2))
       return {-kMostCurvature, kMostCurvature, longest2, second};
@@ -117,7 +138,7 @@ class Lattice {
   }
 
   std::uint32_t n_, rings_;
-  std::vector<double> rows_;
+  std::vector<Vec2> corners_;  // of the domain
   std::vector<Sample> samples_;
   std::vector<Bend> bends_;
   double stretch2_ = 0;
@@ -199,7 +220,8 @@ class TileWriter {
   void write(const Tile& tile, std::vector<std::uint32_t>& words) const {
     Vec3 axis = mean_normal(lattice_, tile);
     const double sign = axis.z() < 0 ? -1 : 1;
-    const std::uint32_t axis_word = write_axis(sign * axis, axis);
+    std::uint32_t axis_word = write_axis(sign * axis, axis);
+    axis_word |= turn(tile, sign * axis) << kTurnShift;
     Vec3 middle = Vec3::Zero();
     double top = -std::numeric_limits<double>::infinity(), bottom = -top, count = 0;
     tile.for_points(lattice_, [&](const Sample& s) { middle += s.position, ++count; });
@@ -229,12 +251,24 @@ class TileWriter {
 
   // `axis` becomes what is read.
   static std::uint32_t write_axis(const Vec3& from, Vec3& axis) {
-    const std::uint32_t x = code(32768 + std::trunc(32767 * from.x()), 65535),
-                        y = code(32768 + std::trunc(32767 * from.y()), 65535);
-    axis.x() = (x - 32768.0) / 32768;
-    axis.y() = (y - 32768.0) / 32768;
+    const std::uint32_t x = code(2048 + std::trunc(2047 * from.x()), 4095),
+                        y = code(2048 + std::trunc(2047 * from.y()), 4095);
+    axis.x() = (x - 2048.0) / 2048;
+    axis.y() = (y - 2048.0) / 2048;
     axis.z() = std::sqrt(std::max(1 - axis.head<2>().squaredNorm(), 0.0));
-    return x | y << 16;
+    return x | y << 12;
+  }
+
+  // The bits of the angle that no normal exceeds.
+  std::uint32_t turn(const Tile& tile, const Vec3& axis) const {
+    double least = 1;
+    tile.for_points(lattice_, [&](const Sample& s) {
+      const double cosine = s.normal.dot(axis);
+      least = cosine >= least ? least : std::isnan(cosine) ? -1 : cosine;
+    });
+    const double angle = kMoreTurn * std::acos(std::max(least, -1.0)) + kLeastTurn;
+    if (!(angle < std::numbers::pi / 2)) return kTileAnyTurn;
+    return code(std::ceil(std::sqrt(std::ldexp(std::tan(angle), 15))), kTileAnyTurn);
   }
 
   Extent extent_of(const Tile& tile, const Vec3& middle, const Vec3& axis) const {
@@ -255,12 +289,13 @@ class TileWriter {
   }
 
   std::uint32_t curves(const Tile& tile, double sign) const {
-    Range range;
-    tile.for_bends(lattice_, [&](const Lattice::Bend& b) { range.add(b.low, b.high); });
-    if (sign < 0) range = {-range.high, -range.low};
+    Range lows, highs;
+    tile.for_bends(lattice_, [&](const Lattice::Bend& b) { lows.add(b.low), highs.add(b.high); });
+    double least = lows.low - kMoreCurvature * lows.wide(),
+           most = highs.high + kMoreCurvature * highs.wide();
+    if (sign < 0) least = -std::exchange(most, -least);
     const auto root = [&](double c) { return 127 * std::cbrt(c / curvature_); };
-    return code(std::floor(128 + root(range.low)), 255) |
-           code(std::ceil(128 + root(range.high)), 255) << 8;
+    return code(std::floor(128 + root(least)), 255) | code(std::ceil(128 + root(most)), 255) << 8;
   }
 
   std::uint32_t second(const Tile& tile) const {
@@ -286,8 +321,10 @@ class TileWriter {
 PatchTiles cut_tiles(const PatchFrame& frame, const PatchShape& shape, const Vec3& low,
                      const Vec3& high, const double* control, std::uint32_t form, std::uint32_t n,
                      const ValenceTables& tables) {
-  const Lattice lattice(frame, control, form, n, tables);
+  const std::uint32_t rings = kernels<double>().probe_levels(n);
+  Lattice lattice(frame, control, form, n, rings, tables);
   const std::uint32_t levels = levels_of(lattice);
+  if (levels * kRings > rings) lattice = Lattice(frame, control, form, n, levels * kRings, tables);
   PatchTiles tiles;
   tiles.curvature = 1 / shape.rho_min;
   for_tiles(lattice, 1, [&](const Tile& tile) {
@@ -303,5 +340,81 @@ PatchTiles cut_tiles(const PatchFrame& frame, const PatchShape& shape, const Vec
   for_tiles(lattice, levels, [&](const Tile& tile) { writer.write(tile, tiles.words); });
   return tiles;
 }
+
+namespace {
+
+// Where normals on both sides of an edge are compared, along it.
+constexpr double kAlong[] = {1.0 / 64, 0.25, 0.5, 0.75, 63.0 / 64};
+constexpr std::size_t kCompared = std::size(kAlong);
+
+// Unit normals of some patches along their sides: [side][kCompared].
+template <class Real>
+void side_normals(const Surface<Real>& s, std::size_t begin, std::size_t end,
+                  LargeArray<Eigen::Vector3f>& normals) {
+  std::vector<Real> xi, eta, rows;
+  for (std::size_t p = begin; p < end; ++p) {
+    const std::uint32_t n = s.valence(static_cast<std::uint32_t>(p)), first = s.side_begin[p];
+    const std::size_t count = n * kCompared;
+    if (xi.size() != count) {
+      xi.clear(), eta.clear();
+      for (std::uint32_t k = 0; k < n; ++k) {
+        for (const double t : kAlong) {
+          const Vec2 at = kShrink * ((1 - t) * domain_corner(n, k) + t * domain_corner(n, k + 1));
+          xi.push_back(static_cast<Real>(at.x())), eta.push_back(static_cast<Real>(at.y()));
+        }
+      }
+      rows.resize(9 * count);
+    }
+    kernels<Real>().evaluate(&s.domain[s.domain_begin[n]],
+                             &s.control[3 * std::size_t{s.control_begin[p]}], s.form[p], n,
+                             xi.data(), eta.data(), count, count, rows.data());
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto row = [&](std::size_t r) {
+        return Vec3(static_cast<double>(rows[r * count + i]),
+                    static_cast<double>(rows[(r + 1) * count + i]),
+                    static_cast<double>(rows[(r + 2) * count + i]));
+      };
+      const Vec3 d_xi = row(3), d_eta = row(6);
+      normals[first * kCompared + i] = d_xi.cross(d_eta).normalized().cast<float>();
+    }
+  }
+}
+
+bool is_smooth(const LargeArray<Eigen::Vector3f>& normals, std::uint32_t side, std::uint32_t twin) {
+  for (std::size_t i = 0; i < kCompared; ++i) {
+    const Eigen::Vector3f apart =
+        normals[side * kCompared + i] - normals[(twin + 1) * kCompared - 1 - i];
+    if (!(apart.cast<double>().norm() < 0.5 * kLeastTurn)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+template <class Real>
+void free_sharp_sides(Surface<Real>& s, const ParallelFor& parallel) {
+  constexpr std::size_t kGrain = 64;
+  LargeArray<Eigen::Vector3f> normals(s.side_twin.size() * kCompared);
+  parallel(s.patch_count(), kGrain,
+           [&](std::size_t begin, std::size_t end) { side_normals(s, begin, end, normals); });
+  parallel(s.patch_count(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t p = begin; p < end; ++p) {
+      const std::uint32_t first = s.side_begin[p], n = s.side_begin[p + 1] - first;
+      const std::uint32_t of_fan = (s.tile_begin[p + 1] - s.tile_begin[p]) / n;
+      const auto levels = static_cast<std::uint32_t>(std::lround(std::sqrt(of_fan)));
+      for (std::uint32_t k = 0; k < n; ++k) {
+        const std::uint32_t twin = s.side_twin[first + k];
+        if (twin != kNone && is_smooth(normals, first + k, twin)) continue;
+        for (std::uint32_t i = (levels - 1) * (levels - 1); i < of_fan; ++i) {
+          const std::size_t tile = s.tile_begin[p] + std::size_t{k} * of_fan + i;
+          s.tile[kTileUints * tile + kTileAxis] |= kTileAnyTurn << kTurnShift;
+        }
+      }
+    }
+  });
+}
+
+template void free_sharp_sides(Surface<float>&, const ParallelFor&);
+template void free_sharp_sides(Surface<double>&, const ParallelFor&);
 
 }  // namespace gliss

@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "gliss/base/parallel.h"
 #include "gliss/build/patch_draft.h"
+#include "gliss/surface/surface.h"
 
 namespace gliss {
 
@@ -14,10 +16,16 @@ struct PatchTiles {
 };
 
 // Cuts a patch in any form into tiles. `low` and `high`: its oriented box as it is stored. Bounds
-// are from samples, a probe's ring apart, widened by what lies between: half as much again as the
-// curvature at the samples says.
+// are from samples, four to a tile's side at least, widened by what lies between: half as much
+// again as the curvature at the samples says. The normal's is for a patch whose neighbours meet it
+// smoothly.
 PatchTiles cut_tiles(const PatchFrame& frame, const PatchShape& shape, const Vec3& low,
                      const Vec3& high, const double* control, std::uint32_t form, std::uint32_t n,
                      const ValenceTables& tables);
+
+// Takes the bound on normals from the tiles along borders and along edges whose two patches differ
+// in their normals: a nearest point may lie there that is no foot.
+template <class Real>
+void free_sharp_sides(Surface<Real>& s, const ParallelFor& parallel);
 
 }  // namespace gliss

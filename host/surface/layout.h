@@ -40,7 +40,8 @@ inline constexpr std::uint32_t kNodeLeaf = NODE_LEAF;
 inline constexpr std::uint32_t kPatchBuried = PATCH_BURIED, kPatchMixed = PATCH_MIXED;
 inline constexpr std::uint32_t kPartMask = PART_MASK;
 inline constexpr std::size_t kPartUints = PART_UINTS;
-inline constexpr std::size_t kTileUints = TILE_UINTS;
+inline constexpr std::size_t kTileAxis = TILE_AXIS, kTileUints = TILE_UINTS;
+inline constexpr std::uint32_t kTileAnyTurn = TILE_ANY_TURN;
 inline constexpr std::size_t kContactXi = CONTACT_XI, kContactEta = CONTACT_ETA,
                              kContactScp = CONTACT_SCP, kContactNormal = CONTACT_NORMAL,
                              kContactOffset = CONTACT_OFFSET, kContactPush = CONTACT_PUSH,
@@ -125,6 +126,7 @@ static_assert(kNone == NONE);
 #undef TILE_CENTRE_XY
 #undef TILE_CENTRE_Z_RADIUS
 #undef TILE_AXIS
+#undef TILE_ANY_TURN
 #undef TILE_HALF_CURVES
 #undef TILE_BEND
 #undef TILE_UINTS

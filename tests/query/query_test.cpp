@@ -110,10 +110,7 @@ TEST(Nearest, is_nearer_than_every_sample_up_to_ten_sizes_away) {
         if (!(excess <= 1e-12 * (test::size_of(mesh) + hip.norm()))) ++missed, miss.add(excess);
       }
     }
-    // On the fin's ridge, radius 0.4 % of its size, 1 of 600 misses a second minimum by 5e-5 of the
-    // size.
-    EXPECT_LE(missed, mesh.source.starts_with("fin") ? 1 : 0)
-        << "of " << asked << ", by up to " << miss.value << " mm";
+    EXPECT_EQ(missed, 0) << "of " << asked << ", by up to " << miss.value << " mm";
   }
 }
 
