@@ -67,8 +67,10 @@ Comparison::Comparison(const Mesh& mesh, const Topology& topology, const PatchCa
       exact_points_(points_.size()) {
   if (!options_.normals_given) {
     smooth_mesh_ = mesh;
-    smooth_mesh_.normals = vertex_normals(mesh, NormalWeights::kSmooth);
-    smooth_mesh_.corner_normal = smooth_mesh_.corner_vertex;
+    smooth_mesh_.normals.clear();
+    smooth_mesh_.corner_normal.clear();
+    smooth_mesh_.tangents.clear();
+    add_vertex_normals(smooth_mesh_, NormalWeights::kSmooth);
   }
   evaluate(exact_, points_, exact_points_);
   for (const SurfacePoint& p : exact_points_)
