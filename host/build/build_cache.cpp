@@ -114,6 +114,7 @@ class CacheBuilder {
       cache_.mesh_hash = options_.like->mesh_hash;
       cache_.is_closed = options_.like->is_closed;
       cache_.face_valence = options_.like->face_valence;
+      cache_.crease_count = options_.like->crease_count;
       return;
     }
     Box box{mesh_.positions[mesh_.corner_vertex[0]], mesh_.positions[mesh_.corner_vertex[0]]};
@@ -126,6 +127,8 @@ class CacheBuilder {
     std::frexp(0.5 * (box.high - box.low).maxCoeff(), &exponent);
     cache_.scale = std::ldexp(1.0, -exponent);
     cache_.mesh_hash = hash_of(mesh_);
+    cache_.crease_count =
+        static_cast<std::uint32_t>(std::count(mesh_.sharp.begin(), mesh_.sharp.end(), 1) / 2);
     cache_.face_valence.resize(mesh_.face_count());
     for (std::size_t f = 0; f < mesh_.face_count(); ++f) cache_.face_valence[f] = mesh_.valence(f);
   }
@@ -136,6 +139,10 @@ class CacheBuilder {
       c.position.push_back((mesh_.positions[mesh_.corner_vertex[s]] - cache_.origin) *
                            cache_.scale);
       c.normal.push_back(mesh_.normals[mesh_.corner_normal[s]].normalized());
+    }
+    if (is_sharp(face)) {
+      for (std::uint32_t i = 2 * mesh_.face_begin[face]; i < 2 * mesh_.face_begin[face + 1]; ++i)
+        c.tangent.push_back(mesh_.tangents[i] * cache_.scale);
     }
     return c;
   }
@@ -148,6 +155,16 @@ class CacheBuilder {
   }
 
   bool is_fair(std::uint32_t face) const { return fair_ && cache_.face_valence[face] <= 4; }
+  // A side has tangents of its own.
+  bool is_sharp(std::uint32_t face) const {
+    if (mesh_.tangents.empty()) return false;
+    const auto* tangents = mesh_.tangents.data();
+    return std::any_of(tangents + 2 * mesh_.face_begin[face],
+                       tangents + 2 * mesh_.face_begin[face + 1],
+                       [](const Vec3& t) { return !t.isZero(0); });
+  }
+  // The batch has nothing for its patch.
+  bool is_single(std::uint32_t face) const { return is_fair(face) || is_sharp(face); }
 
   // Of the faces, and of the triangles that a face may be split into.
   void make_tables() {
@@ -191,21 +208,21 @@ class CacheBuilder {
   }
 
   void draft_faces() {
-    std::vector<std::uint32_t> fair, others, at;  // at: places of the others in faces_
+    std::vector<std::uint32_t> single, others, at;  // at: places of the others in faces_
     for (std::uint32_t i = 0; i < faces_.size(); ++i) {
-      if (is_fair(faces_[i])) {
-        fair.push_back(i);
+      if (is_single(faces_[i])) {
+        single.push_back(i);
       } else {
         others.push_back(faces_[i]);
         at.push_back(i);
       }
     }
-    for (std::size_t first = 0; first < fair.size(); first += backend_.chunk) {
-      const std::size_t count = std::min(backend_.chunk, fair.size() - first);
+    for (std::size_t first = 0; first < single.size(); first += backend_.chunk) {
+      const std::size_t count = std::min(backend_.chunk, single.size() - first);
       backend_.parallel(count, kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = first + begin; i < first + end; ++i) {
-          const PatchDraft patch = draft(face_of(faces_[fair[i]]));
-          judge(faces_[fair[i]], examine(patch, tables_), patch.soundness, drafted_[fair[i]]);
+          const PatchDraft patch = draft(face_of(faces_[single[i]]));
+          judge(faces_[single[i]], examine(patch, tables_), patch.soundness, drafted_[single[i]]);
         }
       });
       backend_.progress(first + count);
@@ -218,7 +235,7 @@ class CacheBuilder {
                 b.soundness[p], drafted_[at[c.first + p]]);
         }
       });
-      backend_.progress(fair.size() + c.first + b.size());
+      backend_.progress(single.size() + c.first + b.size());
     });
   }
 
@@ -346,14 +363,15 @@ class CacheBuilder {
               &b.corner[b.side_begin[p] * 6],
               &b.control[b.side_begin[p] * kSideReals],
               &b.triangle[3 * b.first_triangle(p)]};
-      PatchDraft fair;
-      if (is_fair(faces_[c.first + p])) {
-        fair = draft(face_of(faces_[c.first + p]));
-        out->form = fair.form;
-        out->drafted = fair.control.data();
+      PatchDraft single;
+      if (!base_only_ && is_single(faces_[c.first + p])) {
+        single = draft(face_of(faces_[c.first + p]));
+        out->form = single.form;
+        out->drafted = single.control.data();
       }
       choose_form(*out);
-      if (!fair.control.empty() && out->form == fair.form) out->control = std::move(fair.control);
+      if (!single.control.empty() && out->form == single.form)
+        out->control = std::move(single.control);
     }
     for (const PatchDraft& d : drafted.tamer) {
       *out = {d.valence(),     d.kind,           &d.frame,          d.shape,
@@ -461,7 +479,7 @@ PatchCache build_base(const Mesh& mesh, const Topology& topology, Precision prec
 PatchCache build_cache(const Mesh& mesh, const BuildOptions& options, BuildReport* report,
                        const BuildBackend& backend) {
   const PlainArithmetic plain;
-  if (!mesh.normals.empty())
+  if (has_vertex_normals(mesh))
     return build_cache(mesh, build_topology(mesh), options, report, backend);
   Mesh with_normals = mesh;
   add_vertex_normals(with_normals, normal_weights(options.level.construction));
