@@ -170,6 +170,36 @@ FN_LARGE fan_place find_in_fan(surface_view view, uint side, real3 w) {
   }
   return r;
 }
+
+// The side that starts at the same vertex and goes most along a direction, seen from a vertex where
+// creases meet: there a way may point into no patch and yet lead along an edge that is none of the
+// two of `side`'s patch. NONE where these do, where none does, and where no crease meets others.
+FN_LARGE uint edge_in_fan(surface_view view, uint side, real3 w) {
+  const corner_tangents own = tangents_at(view, side);
+  if (dot3(own.p, w) > K(0) || dot3(own.q, w) > K(0)) return NONE;
+  uint first = side;  // of an open fan
+  for (uint twin = view.side_twin[side]; twin != NONE; twin = view.side_twin[first]) {
+    first = next_in_patch(view, twin);
+    if (first == side) break;
+  }
+  const real3 normal = load3(view.corner + 6 * (ulong)side, 1);
+  int is_sharp = 0;
+  uint best = NONE, at = first;
+  real most = K(16) * EPSILON * norm3(w);
+  do {
+    const real3 p = tangents_at(view, at).p,
+                apart = sub3(load3(view.corner + 6 * (ulong)at, 1), normal);
+    is_sharp = is_sharp || dot3(apart, apart) > K(0);
+    const real along = dot3(p, w) / larger(norm3(p), TINY);
+    if (along > most) {
+      most = along;
+      best = at;
+    }
+    at = view.side_twin[prev_in_patch(view, at)];
+  } while (at != NONE && at != first);
+  return is_sharp ? best : NONE;
+}
+
 // A walk round a corner of more sides counts: as an evaluation for so many each. No descent begins
 // one after so many.
 #define WIDE_FAN 64
@@ -360,6 +390,8 @@ FN_LARGE foot track_foot(surface_view view, hip_point h, foot f, track_options o
         if (f.walked > FAN_STEPS_A_DESCENT) break;
         const fan_place fan = find_in_fan(view, first_side + (uint)held.b, mul3(K(-1), f.r));
         next = fan.side;
+        if (next == NONE && !just_crossed)
+          next = edge_in_fan(view, first_side + (uint)held.b, mul3(K(-1), f.r));
         ends = fan.is_border;
         f.walked += fan.steps > WIDE_FAN ? fan.steps : 0;
         if (next != NONE) {
