@@ -148,7 +148,8 @@ Comparison::Surface Comparison::build(const CompareCandidate& candidate, Precisi
     const Mesh& mesh = is_smooth && !options_.normals_given ? smooth_mesh_ : mesh_;
     surface.cache = build_cache(mesh, topology_, options, nullptr, engine.build_backend());
   } else {
-    surface.cache = build_base(mesh_, topology_, precision);
+    const Mesh& mesh = options_.baseline != nullptr ? *options_.baseline : mesh_;
+    surface.cache = build_base(mesh, topology_, precision);
   }
   surface.seconds = clock.seconds();
   return surface;
