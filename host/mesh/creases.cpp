@@ -31,14 +31,15 @@ Vec3 edge_of(const Mesh& mesh, const Topology& topology, std::uint32_t side) {
   return start_of(mesh, next_side(mesh, topology, side)) - start_of(mesh, side);
 }
 
-// The unit normal of a corner, along that of its face where it is reflex.
+// The unit normal of a corner: on the side of its face's where it is reflex, its face's where it is
+// straight.
 Vec3 corner_normal(const Mesh& mesh, const Topology& topology, std::uint32_t corner,
                    const Vec3& face_normal) {
   const Vec3 m = edge_of(mesh, topology, prev_side(mesh, topology, corner))
                      .stableNormalized()
-                     .cross(edge_of(mesh, topology, corner).stableNormalized())
-                     .stableNormalized();
-  return m.dot(face_normal) < 0 ? Vec3(-m) : m;
+                     .cross(edge_of(mesh, topology, corner).stableNormalized());
+  if (!(m.norm() > kCollinear)) return face_normal.stableNormalized();
+  return (m.dot(face_normal) < 0 ? Vec3(-m) : m).normalized();
 }
 
 // The normal of a face beside one of its sides: that of the two corners there.

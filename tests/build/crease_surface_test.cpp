@@ -121,6 +121,29 @@ TEST(CreaseSurface, a_cylinder_is_round_and_its_caps_are_flat) {
   }
 }
 
+// Caps cut into triangles: where two sides of one lie on the rim, its corner is straight.
+TEST(CreaseSurface, triangles_with_two_sides_on_a_rim_are_flat) {
+  for (const Level& level : levels()) {
+    const Mesh mesh = sharpened(with_creases(in_triangles(prism(12).mesh)), level);
+    BuildReport report;
+    const PatchCache cache = cache_at(mesh, level, &report);
+    Worst off, tilt;
+    for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
+      const Vec3 face = newell_normal(mesh, f).normalized();
+      if (std::abs(face.z()) < 0.5) continue;
+      for (const SurfacePoint& p : points_of(cache, f)) {
+        off.add(std::abs(std::abs(p.position.z()) - 5));
+        tilt.add((p.normal - face).norm());
+      }
+    }
+    record(surface_name(level), "{:.1e} off, normals {:.1e} rad; {} flagged", off.value, tilt.value,
+           report.flagged_faces.size());
+    EXPECT_EQ(report.bent, 0u);
+    EXPECT_LT(off.value, 1e-14);
+    EXPECT_LT(tilt.value, 1e-9);
+  }
+}
+
 // Cubic curves in long double, from ends and tangents.
 Vec3 curve_at(const Mesh& mesh, const Topology& topology, std::uint32_t side, double at) {
   using Wide = Eigen::Matrix<long double, 3, 1>;

@@ -112,6 +112,23 @@ TEST_F(CreasesTest, corners_of_a_cube_have_the_normals_of_their_faces) {
   }
 }
 
+// The top of the cube has a corner within its front edge, where two faces meet below: its edges say
+// nothing of a normal there but for rounding.
+TEST_F(CreasesTest, a_straight_corner_has_the_normal_of_its_face) {
+  for (const char* middle : {"0.5 0 1", "0.3333333333333333 1e-17 1"}) {
+    const Sharpened s(with_creases(
+        load("straight.obj", fmt::format("{}v {}\nv 0.4 0 0\nf 4 3 2 10 1\nf 5 9 6 7 8\n"
+                                         "f 1 10 9 5\nf 10 2 6 9\nf 2 3 7 6\nf 3 4 8 7\n"
+                                         "f 4 1 5 8\n",
+                                         kCubeVertices, middle))));
+    expect_sound(s);
+    for (std::uint32_t side = 0; side < s.topology.side_face.size(); ++side) {
+      const Vec3 face = newell_normal(s.mesh, s.topology.side_face[side]).normalized();
+      EXPECT_LT((s.normal(side) - face).norm(), 1e-14) << side;
+    }
+  }
+}
+
 TEST_F(CreasesTest, a_rim_goes_on_as_the_circle_through_its_vertices) {
   const Sharpened s(with_creases(prism(12).mesh));
   expect_sound(s);
