@@ -171,25 +171,34 @@ FN_LARGE fan_place find_in_fan(surface_view view, uint side, real3 w) {
   return r;
 }
 
+// True if the corners where two sides start have different normals.
+FN int are_apart(surface_view view, uint a, uint b) {
+  const real3 d = sub3(load3(view.corner + 6 * (ulong)a, 1), load3(view.corner + 6 * (ulong)b, 1));
+  return dot3(d, d) > K(0);
+}
+
 // The side that starts at the same vertex and goes most along a direction, seen from a vertex where
 // creases meet: there a way may point into no patch and yet lead along an edge that is none of the
 // two of `side`'s patch. NONE where these do, where none does, and where no crease meets others.
 FN_LARGE uint edge_in_fan(surface_view view, uint side, real3 w) {
-  const corner_tangents own = tangents_at(view, side);
-  if (dot3(own.p, w) > K(0) || dot3(own.q, w) > K(0)) return NONE;
+  int is_sharp = 0;
   uint first = side;  // of an open fan
   for (uint twin = view.side_twin[side]; twin != NONE; twin = view.side_twin[first]) {
     first = next_in_patch(view, twin);
     if (first == side) break;
+    is_sharp = is_sharp || are_apart(view, first, side);
   }
-  const real3 normal = load3(view.corner + 6 * (ulong)side, 1);
-  int is_sharp = 0;
-  uint best = NONE, at = first;
+  uint at = view.side_twin[prev_in_patch(view, side)];
+  for (; !is_sharp && at != NONE && at != side; at = view.side_twin[prev_in_patch(view, at)])
+    is_sharp = are_apart(view, at, side);
+  if (!is_sharp) return NONE;
+  const corner_tangents own = tangents_at(view, side);
+  if (dot3(own.p, w) > K(0) || dot3(own.q, w) > K(0)) return NONE;
+  uint best = NONE;
   real most = K(16) * EPSILON * norm3(w);
+  at = first;
   do {
-    const real3 p = tangents_at(view, at).p,
-                apart = sub3(load3(view.corner + 6 * (ulong)at, 1), normal);
-    is_sharp = is_sharp || dot3(apart, apart) > K(0);
+    const real3 p = tangents_at(view, at).p;
     const real along = dot3(p, w) / larger(norm3(p), TINY);
     if (along > most) {
       most = along;
@@ -197,7 +206,7 @@ FN_LARGE uint edge_in_fan(surface_view view, uint side, real3 w) {
     }
     at = view.side_twin[prev_in_patch(view, at)];
   } while (at != NONE && at != first);
-  return is_sharp ? best : NONE;
+  return best;
 }
 
 // A walk round a corner of more sides counts: as an evaluation for so many each. No descent begins
