@@ -1,8 +1,9 @@
 // Creases of a scene's objects, and of lazy ones.
 #include <gtest/gtest.h>
 
-#include "gliss/contact/lazy_contact.h"
-#include "gliss/query/lazy_tracker.h"
+#include "gliss/build/build_cache.h"
+#include "gliss/files/mesh_file.h"
+#include "gliss/query/lazy_mesh.h"
 #include "gliss/scene/open_scene.h"
 #include "tests/support/scene_files.h"
 #include "tests/support/sharp_meshes.h"
