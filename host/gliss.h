@@ -30,6 +30,7 @@
 #include "gliss/haply/haply_device.h"
 #include "gliss/loop/loop.h"
 #include "gliss/loop/verdict.h"
+#include "gliss/mesh/creases.h"
 #include "gliss/mesh/mesh.h"
 #include "gliss/mesh/regions.h"
 #include "gliss/mesh/topology.h"

@@ -1,4 +1,46 @@
-// From a patch's exact control data to that of another form. On the host only, in scalars.
+// Sides with tangents of their own, and from a patch's exact control data to that of another form.
+// On the host only, in scalars.
+
+// C'(0) and C'(1) of a side at a crease, in place of those of eq. 7 to 9; both (0, 0, 0) at others.
+typedef struct {
+  real3 start, end;
+} crease_tangents;
+
+FN crease_tangents load_tangents(GLOBAL scalar* tangents, int k) {
+  const crease_tangents r = {load3(tangents, 2 * k), load3(tangents, 2 * k + 1)};
+  return r;
+}
+
+FN int has_tangents(crease_tangents t) { return dot3(t.start, t.start) > K(0); }
+
+// As store_side, of a polygon with creases; `tangents` [n][2][3]. Where the side before has
+// tangents, T begins as it ends: with v_int (12) along -C'_prev(1), which is at right angles to the
+// normal there, (11) has that direction whatever n_int is. In the same way T ends as the side after
+// begins.
+FN real store_crease_side(GLOBAL scalar* corners, GLOBAL scalar* tangents, int n, int k,
+                          GLOBAL_OUT scalar* side) {
+  const int before = wrap(k - 1, n), next = wrap(k + 1, n);
+  const corner start = load_corner(corners, k), end = load_corner(corners, next);
+  side_ends ends = side_ends_of(start, end);
+  const crease_tangents own = load_tangents(tangents, k), back = load_tangents(tangents, before),
+                        on = load_tangents(tangents, next);
+  if (has_tangents(own)) {
+    ends.ts = own.start;
+    ends.te = own.end;
+    ends.sound = smaller(norm3(ends.m0), norm3(ends.me));
+  }
+  side_data data = build_side(load_corner(corners, before), start, end,
+                              load_corner(corners, wrap(next + 1, n)), ends);
+  if (has_tangents(back)) {
+    data.across[0] = mul3(K(-1), back.end);
+    data.length[0] = norm3(back.end);
+  }
+  if (has_tangents(on)) {
+    data.across[1] = on.start;
+    data.length[1] = norm3(on.start);
+  }
+  return store_data(data, side);
+}
 
 // The in-plane vector r as k c + h m.
 typedef struct {

@@ -49,9 +49,8 @@ FN real3 cubic_3(real3 edge, real3 ts, real3 te) {
   return sub3(add3(ts, te), mul3(splat(K(2)), edge));
 }
 
-FN side_data build_side(corner before, corner start, corner end, corner after) {
+FN side_data build_side(corner before, corner start, corner end, corner after, side_ends ends) {
   side_data r;
-  const side_ends ends = side_ends_of(start, end);
   r.sound = ends.sound;
   r.curve[0] = start.p;
   r.curve[1] = ends.ts;
@@ -97,13 +96,8 @@ FN corner load_corner(control_data corners, int k) {
   return r;
 }
 
-// Control data of side k of a polygon from its corners [n][2][3]: position, unit normal. Returns
-// the soundness of its ribbon: 0 where the edge is parallel to a normal, 1 at right angles.
-FN real store_side(control_data corners, int n, int k, control_out side) {
-  const int next = wrap(k + 1, n);
-  const side_data data =
-      build_side(load_corner(corners, wrap(k - 1, n)), load_corner(corners, k),
-                 load_corner(corners, next), load_corner(corners, wrap(next + 1, n)));
+// Stores them and returns their soundness.
+FN real store_data(side_data data, control_out side) {
   for (int i = 0; i < 4; ++i) {
     put3(side, SIDE_C + i, data.curve[i]);
     put3(side, SIDE_NORMAL + i, data.normal[i]);
@@ -116,4 +110,14 @@ FN real store_side(control_data corners, int n, int k, control_out side) {
   side[SIDE_EASE] = splat(K(0));
   store_ends(side);
   return data.sound;
+}
+
+// Control data of side k of a polygon from its corners [n][2][3]: position, unit normal. Returns
+// the soundness of its ribbon: 0 where the edge is parallel to a normal, 1 at right angles.
+FN real store_side(control_data corners, int n, int k, control_out side) {
+  const int next = wrap(k + 1, n);
+  const corner start = load_corner(corners, k), end = load_corner(corners, next);
+  return store_data(build_side(load_corner(corners, wrap(k - 1, n)), start, end,
+                               load_corner(corners, wrap(next + 1, n)), side_ends_of(start, end)),
+                    side);
 }

@@ -29,8 +29,9 @@ typedef struct {
 } fair_curve;
 
 // Tangents of eq. 7 and 8. `by_arc`: as long as those of the circle with their directions, which is
-// longer than the edge, whose length they have in the paper.
-FN fair_curve fair_curve_of(corner start, corner end, int by_arc, real3 turn) {
+// longer than the edge, whose length they have in the paper. At a crease `own` are those that both
+// faces share.
+FN fair_curve fair_curve_of(corner start, corner end, int by_arc, real3 turn, crease_tangents own) {
   fair_curve r;
   r.p0 = start.p;
   r.p1 = end.p;
@@ -41,7 +42,11 @@ FN fair_curve fair_curve_of(corner start, corner end, int by_arc, real3 turn) {
   r.sound = ends.sound;
   r.t0 = ends.ts;
   r.t1 = ends.te;
-  if (by_arc) {
+  if (has_tangents(own)) {
+    r.t0 = own.start;
+    r.t1 = own.end;
+    r.sound = smaller(norm3(ends.m0), norm3(ends.me));
+  } else if (by_arc) {
     const real cosine = dot3(unit3(r.t0), unit3(r.t1));
     const real longer = K(2) / (K(1) + sqrt(larger(K(0.5f) * (K(1) + cosine), K(0))));
     r.t0 = mul3(longer, r.t0);
@@ -97,7 +102,8 @@ FN fair_section fair_section_of(fair_curve side, corner beyond) {
 // smooth surface that angle is noise, which it is not allowed to add.
 FN real3 fair_turn(corner start, corner end, corner left, corner right) {
   const real3 none = {K(0), K(0), K(0)};
-  const fair_curve side = fair_curve_of(start, end, 1, none);
+  const crease_tangents as_asked = {none, none};
+  const fair_curve side = fair_curve_of(start, end, 1, none, as_asked);
   const fair_section a = fair_section_of(side, left), b = fair_section_of(side, right);
   real angle = clamp_to(-(a.lean + b.lean) / (a.gain + b.gain), FAIR_MOST_TURN);
   const real x = smaller(fabs(angle) / FAIR_SMOOTH_TURN, K(1));

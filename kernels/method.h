@@ -60,7 +60,11 @@ FN real angle_between(real3 a, real3 b) {
 // The normal of the corner at which `side` starts, its length the angle there.
 FN real3 corner_normal(surface_view view, uint side) {
   const corner_tangents t = tangents_at(view, side);
-  return mul3(angle_between(t.p, t.q), unit3(cross3(t.p, t.q)));
+  const real3 across = cross3(t.p, t.q);
+  // Where a crease goes on through the corner, its tangents are one and say nothing.
+  const int is_straight = norm3(across) <= K(1e-5f) * norm3(t.p) * norm3(t.q);
+  return mul3(angle_between(t.p, t.q),
+              is_straight ? load3(view.corner + 6 * (ulong)side, 1) : unit3(across));
 }
 
 // The normal at a foot that is held by an edge or a corner with several normals: their sum, at a

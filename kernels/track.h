@@ -170,6 +170,51 @@ FN_LARGE fan_place find_in_fan(surface_view view, uint side, real3 w) {
   }
   return r;
 }
+
+// True if the corners where two sides start have normals more than 0.01 rad apart.
+FN int are_apart(surface_view view, uint a, uint b) {
+  const real3 d = sub3(load3(view.corner + 6 * (ulong)a, 1), load3(view.corner + 6 * (ulong)b, 1));
+  return dot3(d, d) > K(1e-4f);
+}
+
+// True if the edge where `side` starts is a crease there: the patches on both sides have normals of
+// their own and one tangent. Where normals differ and no crease was asked for, so do tangents.
+FN int is_crease_at(surface_view view, uint side) {
+  const uint twin = view.side_twin[side];
+  if (twin == NONE) return 0;
+  const uint beyond = next_in_patch(view, twin);
+  if (!are_apart(view, side, beyond)) return 0;
+  const real3 p = tangents_at(view, side).p, q = tangents_at(view, beyond).q;
+  return norm3(cross3(p, q)) <= K(1e-5f) * norm3(p) * norm3(q);
+}
+
+// The side of a crease that starts at the same vertex and goes most along a direction: from a
+// corner a way may point into no patch and yet lead along an edge that is none of the two of
+// `side`'s patch. NONE where one of these leads there, or no crease does.
+FN_LARGE uint edge_in_fan(surface_view view, uint side, real3 w) {
+  uint first = side;  // of an open fan
+  for (uint twin = view.side_twin[side]; twin != NONE; twin = view.side_twin[first]) {
+    first = next_in_patch(view, twin);
+    if (first == side) break;
+  }
+  uint best = NONE, at = first;
+  real most = K(16) * EPSILON * norm3(w);
+  do {
+    if (is_crease_at(view, at)) {
+      const real3 p = tangents_at(view, at).p;
+      const real along = dot3(p, w) / larger(norm3(p), TINY);
+      if (along > most) {
+        most = along;
+        best = at;
+      }
+    }
+    at = view.side_twin[prev_in_patch(view, at)];
+  } while (at != NONE && at != first);
+  if (best == NONE) return NONE;
+  const corner_tangents own = tangents_at(view, side);
+  return dot3(own.p, w) > K(0) || dot3(own.q, w) > K(0) ? NONE : best;
+}
+
 // A walk round a corner of more sides counts: as an evaluation for so many each. No descent begins
 // one after so many.
 #define WIDE_FAN 64
@@ -360,6 +405,8 @@ FN_LARGE foot track_foot(surface_view view, hip_point h, foot f, track_options o
         if (f.walked > FAN_STEPS_A_DESCENT) break;
         const fan_place fan = find_in_fan(view, first_side + (uint)held.b, mul3(K(-1), f.r));
         next = fan.side;
+        if (next == NONE && !just_crossed)
+          next = edge_in_fan(view, first_side + (uint)held.b, mul3(K(-1), f.r));
         ends = fan.is_border;
         f.walked += fan.steps > WIDE_FAN ? fan.steps : 0;
         if (next != NONE) {

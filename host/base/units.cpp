@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "gliss/base/message.h"
@@ -30,6 +31,7 @@ constexpr Unit kLengths[] = {{"m", {}},
                              {"in", {254, 1e4}}};
 constexpr Unit kForces[] = {{"N", {}}, {"mN", {1, 1e3}}, {"kN", {1e3, 1}}};
 constexpr Unit kTimes[] = {{"s", {}}, {"ms", {1, 1e3}}, {"us", {1, 1e6}}, {"ns", {1, 1e9}}};
+constexpr Unit kAngles[] = {{"rad", {}}, {"deg", {std::numbers::pi, 180}}};
 constexpr char kAcceptedLengths[] = "m, cm, mm, um, nm or in";
 
 template <std::size_t count>
@@ -43,6 +45,8 @@ std::optional<Factor> find(const Unit (&units)[count], std::string_view name) {
 std::optional<Factor> find_length(std::string_view name) { return find(kLengths, name); }
 
 std::optional<Factor> find_time(std::string_view name) { return find(kTimes, name); }
+
+std::optional<Factor> find_angle(std::string_view name) { return find(kAngles, name); }
 
 std::optional<Factor> find_stiffness(std::string_view name) {
   const auto slash = name.find('/');
@@ -96,6 +100,10 @@ double parse_stiffness(std::string_view text) {
 double parse_time(std::string_view text) {
   return parse(text, find_time,
                "a time is a number in s, ms, us or ns, or in seconds without a unit");
+}
+
+double parse_angle(std::string_view text) {
+  return parse(text, find_angle, "an angle is a number in deg or rad, or in rad without a unit");
 }
 
 double parse_unit(std::string_view text) {

@@ -20,6 +20,7 @@ struct GLISS_EXPORT UnitError : std::runtime_error {
 GLISS_EXPORT double parse_length(std::string_view text);     // [m]; m, cm, mm, um, nm, in
 GLISS_EXPORT double parse_stiffness(std::string_view text);  // [N/m]; N, mN or kN over a length
 GLISS_EXPORT double parse_time(std::string_view text);       // [s]; s, ms, us, ns
+GLISS_EXPORT double parse_angle(std::string_view text);      // [rad]; deg, rad
 // "mm" -> 1e-3; also a positive number of metres.
 GLISS_EXPORT double parse_unit(std::string_view text);
 

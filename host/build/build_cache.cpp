@@ -118,6 +118,7 @@ class CacheBuilder {
       cache_.mesh_hash = options_.like->mesh_hash;
       cache_.is_closed = options_.like->is_closed;
       cache_.face_valence = options_.like->face_valence;
+      cache_.crease_count = options_.like->crease_count;
       return;
     }
     Box box{mesh_.positions[mesh_.corner_vertex[0]], mesh_.positions[mesh_.corner_vertex[0]]};
@@ -130,6 +131,8 @@ class CacheBuilder {
     std::frexp(0.5 * (box.high - box.low).maxCoeff(), &exponent);
     cache_.scale = std::ldexp(1.0, -exponent);
     cache_.mesh_hash = hash_of(mesh_);
+    cache_.crease_count =
+        static_cast<std::uint32_t>(std::count(mesh_.sharp.begin(), mesh_.sharp.end(), 1) / 2);
     cache_.face_valence.resize(mesh_.face_count());
     for (std::size_t f = 0; f < mesh_.face_count(); ++f) cache_.face_valence[f] = mesh_.valence(f);
   }
@@ -142,6 +145,10 @@ class CacheBuilder {
       c.position.push_back(mesh_frame().position(s));
       c.normal.push_back(mesh_frame().normal(s));
     }
+    if (is_sharp(face)) {
+      for (std::uint32_t i = 2 * mesh_.face_begin[face]; i < 2 * mesh_.face_begin[face + 1]; ++i)
+        c.tangent.push_back(mesh_.tangents[i] * cache_.scale);
+    }
     return c;
   }
 
@@ -153,6 +160,16 @@ class CacheBuilder {
   }
 
   bool is_fair(std::uint32_t face) const { return fair_ && cache_.face_valence[face] <= 4; }
+  // True if a side has tangents of its own.
+  bool is_sharp(std::uint32_t face) const {
+    if (mesh_.tangents.empty()) return false;
+    const auto* tangents = mesh_.tangents.data();
+    return std::any_of(tangents + 2 * mesh_.face_begin[face],
+                       tangents + 2 * mesh_.face_begin[face + 1],
+                       [](const Vec3& t) { return !t.isZero(0); });
+  }
+  // True if the batch has nothing for its patch.
+  bool is_single(std::uint32_t face) const { return is_fair(face) || is_sharp(face); }
 
   // Makes the tables of the faces, and of the triangles that a face may be split into.
   void make_tables() {
@@ -177,7 +194,8 @@ class CacheBuilder {
       c.in_batch.assign(c.count, kNone);
       valences.clear();
       for (std::size_t i = 0; i < c.count; ++i) {
-        if (is_fair(faces_[c.first + i]) || !drafted_[c.first + i].tamer.empty()) continue;
+        const bool is_drafted = !base_only_ && is_single(faces_[c.first + i]);
+        if (is_drafted || !drafted_[c.first + i].tamer.empty()) continue;
         c.in_batch[i] = static_cast<std::uint32_t>(valences.size());
         valences.push_back(cache_.face_valence[faces_[c.first + i]]);
       }
@@ -478,7 +496,7 @@ PatchCache build_base(const Mesh& mesh, const Topology& topology, Precision prec
 PatchCache build_cache(const Mesh& mesh, const BuildOptions& options, BuildReport* report,
                        const BuildBackend& backend) {
   const PlainArithmetic plain;
-  if (!mesh.normals.empty())
+  if (has_vertex_normals(mesh))
     return build_cache(mesh, build_topology(mesh), options, report, backend);
   Mesh with_normals = mesh;
   add_vertex_normals(with_normals, normal_weights(options.level.construction));

@@ -40,8 +40,9 @@ FairSides::End FairSides::corner(std::uint32_t side) const {
 }
 
 // 3 or 4 if both of its faces are triangles, or quads, that have the same normals at its ends, or
-// if it is a triangle's at a border; else 0.
+// if it is a triangle's at a border; else 0, as at creases.
 std::uint32_t FairSides::joined_valence(std::uint32_t side) const {
+  if (has_tangents(side)) return 0;
   const std::uint32_t n = mesh_.valence(topology_.side_face[side]),
                       twin = topology_.side_twin[side];
   if (twin == kNone) return n == 3 ? 3 : 0;
@@ -52,11 +53,21 @@ std::uint32_t FairSides::joined_valence(std::uint32_t side) const {
   return is_joined ? n : 0;
 }
 
+bool FairSides::has_tangents(std::uint32_t side) const {
+  return !mesh_.tangents.empty() && !mesh_.tangents[2 * side].isZero(0);
+}
+
 FairEdge<double> FairSides::edge(std::uint32_t side) const {
   const std::uint32_t next = next_side(mesh_, topology_, side), twin = topology_.side_twin[side];
   FairEdge<double> e;
   const End start = corner(side), end = corner(next);
   std::copy_n(end.reals, 6, e.end);
+  if (has_tangents(side)) {
+    for (int i = 0; i < 2; ++i) {
+      const Vec3 t = mesh_.tangents[2 * side + i] * scale_;
+      std::copy_n(t.data(), 3, e.tangents + 3 * i);
+    }
+  }
   e.by_arc = joined_valence(side) == 3;
   if (!e.by_arc || twin == kNone) return e;
   const End beyond[2] = {corner(next_side(mesh_, topology_, next)),

@@ -119,6 +119,23 @@ std::array<double, kFairReals> fair_side(const FaceCorners& face, std::uint32_t 
   return side;
 }
 
+// The paper's patch: tangents of the face's own sides, as eq. 7 to 9 have them at the others.
+void draft_sharp(const FaceCorners& face, PatchDraft& d) {
+  const std::uint32_t n = d.valence();
+  const auto sides = static_cast<std::uint32_t>(face.tangent.size() / 2);
+  std::vector<double> tangents(6 * n, 0.0);
+  for (std::uint32_t k = 0; k < n; ++k) {
+    const std::uint32_t start = d.face_corner[k];
+    if (start >= sides || d.face_corner[(k + 1) % n] != (start + 1) % sides) continue;
+    for (std::uint32_t i = 0; i < 2; ++i) {
+      const Vec3 tangent = d.frame.scale * face.tangent[2 * start + i];
+      std::copy_n(tangent.data(), 3, &tangents[6 * k + 3 * i]);
+    }
+  }
+  d.soundness =
+      kernels<double>().build_sharp_patch(d.corner.data(), tangents.data(), n, d.control.data());
+}
+
 // Its control data, from sides that both patches at an edge have in common.
 void draft_fair(const FaceCorners& face, PatchDraft& d) {
   const std::uint32_t n = d.valence();
@@ -150,6 +167,10 @@ PatchDraft draft_patch(const FaceCorners& face, std::vector<std::uint32_t> face_
     return d;
   }
   d.control.resize(n * kSideReals);
+  if (!face.tangent.empty()) {
+    draft_sharp(face, d);
+    return d;
+  }
   kernels<double>().build_patches(d.corner.data(), d.valence(), 1, d.control.data(), &d.soundness);
   return d;
 }

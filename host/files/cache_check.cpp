@@ -138,12 +138,14 @@ class Check {
 
   // A face has one patch of its own valence, or triangles that follow each other.
   void check_faces() const {
-    std::size_t built = 0, named = 0;
+    std::size_t built = 0, named = 0, corners = 0;
     for (std::size_t f = 0; f < faces_; ++f) {
       const std::uint32_t n = c_.face_valence[f];
       require(n >= 3 && n <= kMaxValence, "face_valence", f, "out of range");
       named += c_.face_patch[f] != kNone;
+      corners += n;
     }
+    if (c_.crease_count > corners / 2) fail("header", "more creases than edges");
     for (std::uint32_t p = 0; p < patches_; ++p) {
       const std::uint32_t face = c_.patch_face[p];
       require(face < faces_, "patch_face", p, "out of range");

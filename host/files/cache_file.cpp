@@ -51,6 +51,7 @@ Header header_of(const PatchCache& cache) {
   h.table_cells = cache.level.cells;
   h.mesh_hash = cache.mesh_hash;
   h.mesh_face_count = cache.mesh_face_count;
+  h.creases = cache.crease_count;
   h.unit = cache.unit;
   std::copy_n(cache.origin.data(), 3, h.origin);
   h.scale = cache.scale;
@@ -73,6 +74,7 @@ class Reader {
     cache.origin = Vec3(header_.origin[0], header_.origin[1], header_.origin[2]);
     cache.scale = header_.scale;
     cache.mesh_face_count = header_.mesh_face_count;
+    cache.crease_count = header_.creases;
     cache.mesh_hash = header_.mesh_hash;
     if (static_cast<Precision>(header_.precision) == Precision::kDouble) cache.surface.emplace<1>();
     std::size_t next = 0;
@@ -156,8 +158,7 @@ class Reader {
     const bool table = header_.level == Level::kTable;
     if (header_.level > Level::kTable || header_.table_cells > kMostTableCells ||
         table != (header_.table_cells > 0) ||
-        header_.construction > static_cast<std::uint32_t>(Construction::kFair) ||
-        header_.reserved != 0) {
+        header_.construction > static_cast<std::uint32_t>(Construction::kFair)) {
       fail("header", "an unknown level");
     }
   }

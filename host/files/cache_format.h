@@ -36,7 +36,7 @@ struct Header {
   char gliss_version[12];                 // of the program that built it, for people
   std::uint32_t numbers_revision;         // kNumbersRevision
   std::uint32_t side_reals, patch_reals;  // numbers of a side and of a patch
-  std::uint32_t precision, construction, level, table_cells, mesh_face_count, reserved;
+  std::uint32_t precision, construction, level, table_cells, mesh_face_count, creases;
   std::uint64_t mesh_hash;
   double unit, origin[3], scale;
 };

@@ -68,7 +68,46 @@ Mesh load_mesh(const std::string& path, const LoadOptions& options,
   }
   read(text, mesh, report);
   validate(mesh, options, report);
+  if (options.creases.any()) {
+    const Topology topology = build_topology(mesh);
+    std::vector<std::uint32_t> sides;
+    if (!options.creases.edges.empty()) sides = read_edges(options.creases.edges, mesh, topology);
+    mark_creases(mesh, topology, options.creases, sides);
+  }
   return mesh;
+}
+
+std::vector<std::uint32_t> read_edges(const std::string& path, const Mesh& mesh,
+                                      const Topology& topology) {
+  std::vector<std::uint32_t> sides;
+  LineReader lines(path);
+  const auto fail = [&](const std::string& why) {
+    throw MeshError(fmt::format("{}:{}: {}", path, lines.line_number(), why));
+  };
+  for (std::string_view line; lines.next(line);) {
+    line = line.substr(0, line.find('#'));
+    std::vector<std::string_view> words;
+    for (std::size_t i = 0; (i = line.find_first_not_of(" \t\r", i)) != line.npos;) {
+      const std::size_t end = std::min(line.find_first_of(" \t\r", i), line.size());
+      words.push_back(line.substr(i, end - i));
+      i = end;
+    }
+    if (words.empty()) continue;
+    VertexPair edge{};
+    if (words.size() != 2) fail("an edge is two vertex numbers");
+    for (std::size_t i = 0; i < 2; ++i) {
+      const std::optional<std::int64_t> number = detail::parse_integer(words[i]);
+      if (!number || *number < 0 || *number >= static_cast<std::int64_t>(mesh.positions.size())) {
+        fail(fmt::format("{} is no vertex: they are numbered from 0 to {}",
+                         detail::quoted(words[i]), mesh.positions.size() - 1));
+      }
+      edge[i] = static_cast<std::uint32_t>(*number);
+    }
+    sides.push_back(find_inner_edge(mesh, topology, edge));
+    if (sides.back() == kNone)
+      fail(fmt::format("the mesh has no edge {} {} between two faces", edge[0], edge[1]));
+  }
+  return sides;
 }
 
 void save_obj(const Mesh& mesh, const std::string& path, const std::string& comment) {

@@ -9,12 +9,18 @@
 
 namespace gliss {
 
-// Reads OBJ, OFF or PLY (by extension), validates and repairs. Pipes and devices are refused, and
-// lines of over 16 MiB. No face is dropped in silence: counts are checked against the file. Appends
-// what was found to *findings (may be null). Throws MeshError on the first finding of severity
-// kError, after all findings are appended.
+// Reads OBJ, OFF or PLY (by extension), validates, repairs and marks creases. Pipes and devices are
+// refused, and lines of over 16 MiB. No face is dropped in silence: counts are checked against the
+// file. Appends what was found to *findings (may be null). Throws MeshError on the first finding of
+// severity kError, after all findings are appended.
 GLISS_EXPORT Mesh load_mesh(const std::string& path, const LoadOptions& options = {},
                             std::vector<Finding>* findings = nullptr);
+
+// Sides of the edges that a text file lists: the numbers of two vertices a line, from 0; # begins a
+// comment. Throws MeshError, which names file and line, for other lines and for edges that the mesh
+// has not between two faces.
+GLISS_EXPORT std::vector<std::uint32_t> read_edges(const std::string& path, const Mesh& mesh,
+                                                   const Topology& topology);
 
 // Writes OBJ (positions, normals as v//vn, n-gons) with 17 digits, atomically. Throws
 // std::system_error.

@@ -1,4 +1,4 @@
-// Wavefront OBJ: v, vn and f; everything that is no geometry is skipped, never a face.
+// Wavefront OBJ: v, vn, f and s; everything that is no geometry is skipped, never a face.
 #include <algorithm>
 #include <array>
 
@@ -33,7 +33,8 @@ class ObjReader {
       mesh_.normals.push_back(cursor_.vector("normal"));
       return cursor_.end();
     }
-    constexpr std::array kSkipped{"vt", "o", "g", "s", "usemtl", "mtllib"};
+    if (keyword == "s") return read_group();
+    constexpr std::array kSkipped{"vt", "o", "g", "usemtl", "mtllib"};
     if (std::find(kSkipped.begin(), kSkipped.end(), keyword) == kSkipped.end()) {
       report_.add(Severity::kWarning, "unknown-statement", {.line = cursor_.line()},
                   "statement {} is ignored", quoted(keyword));
@@ -55,11 +56,22 @@ class ObjReader {
     }
   }
 
+  // The smoothing group of the faces that follow: a number, or 0 or "off" for none. Only creases by
+  // groups ask for it, so that another word is no error.
+  void read_group() {
+    const auto none = std::int64_t{0}, most = std::int64_t{kNone};
+    group_ = static_cast<std::uint32_t>(
+        std::clamp(parse_integer(cursor_.word()).value_or(none), none, most));
+    mesh_.face_group.resize(mesh_.face_count(), 0);
+    has_groups_ = true;
+  }
+
   void read_face() {
     for (std::string_view word = cursor_.word(); !word.empty(); word = cursor_.word()) {
       read_corner(word);
     }
     end_face(mesh_, cursor_.line(), report_);
+    if (has_groups_) mesh_.face_group.push_back(group_);
   }
 
   // v, v/vt, v//vn or v/vt/vn
@@ -137,6 +149,8 @@ class ObjReader {
   Mesh& mesh_;
   Report& report_;
   TextCursor cursor_;
+  std::uint32_t group_ = 0;
+  bool has_groups_ = false;
 };
 
 // Cuts the first line off the text, with its line ending.

@@ -1,7 +1,10 @@
-// Torus, banana, prism, plate and fin; the knot and the Goldberg sphere have files of their own.
+// Torus, banana, prism, cylinder, cube, plate and fin; the knot and the Goldberg sphere have files
+// of their own.
 #include "gliss/generate/generate.h"
 
+#include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "gliss/base/message.h"
@@ -67,6 +70,59 @@ Generated prism(int sides, double radius, double height) {
   }
   add_tube(mesh, 2, sides, false);
   return {std::move(mesh), nullptr};
+}
+
+Generated cylinder(int around, int along, double radius, double height) {
+  require(around >= 3 && around <= static_cast<int>(kMaxValence), "cylinder: 3 to 1000 around");
+  require(along >= 1, "cylinder: at least 1 face along");
+  require(radius > 0 && height > 0, "cylinder: needs a size");
+  Mesh mesh = make_mesh(detail::message("cylinder(", around, ", ", along, ")"));
+  for (int i = 0; i <= along; ++i) {
+    const Vec3 centre(0, 0, height * (1.0 * i / along - 0.5));
+    add_ring(mesh, around, centre, Vec3::UnitX(), Vec3::UnitY(), radius, true);
+  }
+  add_tube(mesh, static_cast<std::uint32_t>(along) + 1, static_cast<std::uint32_t>(around), false);
+  share_normals(mesh);
+  for (const std::size_t cap : {mesh.face_count() - 2, mesh.face_count() - 1}) {
+    for (std::uint32_t c = mesh.face_begin[cap]; c < mesh.face_begin[cap + 1]; ++c)
+      mesh.corner_normal[c] = static_cast<std::uint32_t>(mesh.normals.size());
+    mesh.normals.push_back(cap + 1 == mesh.face_count() ? Vec3::UnitZ() : Vec3(-Vec3::UnitZ()));
+  }
+  return {std::move(mesh), std::make_shared<ExactCylinder>(radius, height / 2)};
+}
+
+Generated cube(int cells, double size) {
+  require(cells >= 1 && cells <= 1000, "cube: 1 to 1000 squares along an edge");
+  require(size > 0, "cube: needs a size");
+  Mesh mesh = make_mesh(detail::message("cube(", cells, ")"));
+  std::map<std::array<int, 3>, std::uint32_t> numbers;
+  const auto vertex = [&](const std::array<int, 3>& at) {
+    const auto [known, is_new] =
+        numbers.try_emplace(at, static_cast<std::uint32_t>(mesh.positions.size()));
+    if (is_new)
+      mesh.positions.push_back(size * (Vec3(at[0], at[1], at[2]) / cells - Vec3::Constant(0.5)));
+    return known->second;
+  };
+  for (int face = 0; face < 6; ++face) {
+    const bool is_high = face % 2 == 1;
+    const int axis = face / 2;
+    const auto at = [&](int i, int j) {
+      std::array<int, 3> place{};
+      place[static_cast<std::size_t>(axis)] = is_high ? cells : 0;
+      place[static_cast<std::size_t>((axis + 1) % 3)] = is_high ? i : j;
+      place[static_cast<std::size_t>((axis + 2) % 3)] = is_high ? j : i;
+      return vertex(place);
+    };
+    for (int j = 0; j < cells; ++j) {
+      for (int i = 0; i < cells; ++i)
+        add_face(mesh, {at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
+    }
+    Vec3 normal = Vec3::Zero();
+    normal[axis] = is_high ? 1 : -1;
+    mesh.normals.push_back(normal);
+    mesh.corner_normal.resize(mesh.corner_vertex.size(), static_cast<std::uint32_t>(face));
+  }
+  return {std::move(mesh), std::make_shared<ExactBox>(Vec3::Constant(size / 2))};
 }
 
 Generated thin_plate(int nx, int ny, double width, double thickness) {

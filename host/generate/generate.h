@@ -45,6 +45,11 @@ GLISS_EXPORT Generated goldberg(int frequency = 4, double radius = 10);
 GLISS_EXPORT Generated banana(int along = 37, int around = 11);
 // n-gon caps, n up to 1000.
 GLISS_EXPORT Generated prism(int sides = 6, double radius = 10, double height = 10);
+// A cube of `cells` x `cells` squares a side, and a cylinder of quads, `around` x `along`, with
+// n-gon caps: both with the normals of their faces, which differ across their edges and rims.
+GLISS_EXPORT Generated cube(int cells = 1, double size = 10);
+GLISS_EXPORT Generated cylinder(int around = 24, int along = 2, double radius = 10,
+                                double height = 20);
 // A closed box, width x width, of nx x ny quads at top and bottom.
 GLISS_EXPORT Generated thin_plate(int nx = 12, int ny = 12, double width = 30,
                                   double thickness = 0.5);

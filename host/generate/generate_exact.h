@@ -33,6 +33,16 @@ class ExactBox : public ExactSurface {
   Vec3 half_;
 };
 
+// A solid one about the z axis, from -half to half.
+class ExactCylinder : public ExactSurface {
+ public:
+  ExactCylinder(double radius, double half) : radius_(radius), half_(half) {}
+  Point nearest(const Vec3& point) const override;
+
+ private:
+  double radius_, half_;
+};
+
 // The point of a surface of the given distance from a curve or point: `foot` is the nearest on
 // that, `direction` any unit vector that will do where `point` is on it.
 ExactSurface::Point nearest_at_distance(const Vec3& point, const Vec3& foot, double distance,

@@ -14,6 +14,7 @@ std::uint64_t hash_of(const Mesh& mesh) {
   add(mesh.face_begin);
   add(mesh.corner_vertex);
   add(mesh.corner_normal);
+  add(mesh.sharp);
   return hash;
 }
 

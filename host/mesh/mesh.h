@@ -26,8 +26,15 @@ struct Mesh {
   std::vector<std::uint32_t> corner_vertex;  // [corner], anticlockwise seen from outside
   std::vector<std::uint32_t> corner_normal;  // [corner], into normals; empty when normals is
   std::vector<std::uint32_t> face_line;      // [face], line of the source file; empty: generated
-  double unit = 1.0;                         // metres per unit of length
-  std::string source;                        // file name for messages
+  // [face], smoothing group of an OBJ file, 0: none; empty: it names none
+  std::vector<std::uint32_t> face_group;
+  // Creases (creases.h). [side], 1: its edge is one; empty: there are none. Made after `validate`.
+  std::vector<std::uint8_t> sharp;
+  // [side][2], what add_vertex_normals leaves besides normals where there are creases: C'(0) and
+  // C'(1) of the curve that both faces at an edge share; (0, 0, 0): as the normals ask.
+  std::vector<Vec3> tangents;
+  double unit = 1.0;   // metres per unit of length
+  std::string source;  // file name for messages
 
   std::size_t face_count() const { return face_begin.size() - 1; }
   std::uint32_t valence(std::size_t face) const { return face_begin[face + 1] - face_begin[face]; }

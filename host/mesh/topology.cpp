@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "gliss/mesh/creases.h"
 #include "gliss/mesh/mesh_edges.h"
 
 namespace gliss {
@@ -84,16 +85,19 @@ Vec3 newell_normal(const Mesh& mesh, std::size_t face) {
 
 namespace {
 
-std::vector<Vec3> angle_normals(const Mesh& mesh) {
+// [corner], which of `count` normals it takes part in.
+using Groups = std::span<const std::uint32_t>;
+
+std::vector<Vec3> angle_normals(const Mesh& mesh, Groups group, std::size_t count) {
   constexpr double kVanishing = 1e-9;  // of the sum of angles
-  std::vector<Vec3> normals(mesh.positions.size(), Vec3::Zero());
-  std::vector<double> angles(mesh.positions.size(), 0);
+  std::vector<Vec3> normals(count, Vec3::Zero());
+  std::vector<double> angles(count, 0);
   for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
     const Vec3 normal = newell_normal(mesh, face).stableNormalized();
     for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c) {
       const double angle = corner_angle(mesh, face, c, normal);
-      normals[mesh.corner_vertex[c]] += angle * normal;
-      angles[mesh.corner_vertex[c]] += angle;
+      normals[group[c]] += angle * normal;
+      angles[group[c]] += angle;
     }
   }
 
@@ -112,7 +116,7 @@ std::vector<Vec3> angle_normals(const Mesh& mesh) {
   for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
     const Vec3 normal = newell_normal(mesh, face);
     for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c) {
-      const std::uint32_t v = mesh.corner_vertex[c];
+      const std::uint32_t v = group[c];
       const bool empty = std::binary_search(vanished.begin(), vanished.end(), v);
       if (empty && normal.squaredNorm() > normals[v].squaredNorm()) normals[v] = normal;
     }
@@ -123,31 +127,30 @@ std::vector<Vec3> angle_normals(const Mesh& mesh) {
   return normals;
 }
 
-// Calls f(vertex, ahead, back) for every corner, with its edges away from the vertex.
+// Calls f(group, ahead, back) for every corner, with its edges away from the vertex.
 template <class F>
-void for_corners(const Mesh& mesh, F f) {
+void for_corners(const Mesh& mesh, Groups group, F f) {
   for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
     for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c) {
-      const std::uint32_t v = mesh.corner_vertex[c];
-      const Vec3& at = mesh.positions[v];
-      f(v, Vec3(mesh.positions[mesh.corner_vertex[next_corner(mesh, face, c)]] - at),
+      const Vec3& at = mesh.positions[mesh.corner_vertex[c]];
+      f(group[c], Vec3(mesh.positions[mesh.corner_vertex[next_corner(mesh, face, c)]] - at),
         Vec3(mesh.positions[mesh.corner_vertex[prev_corner(mesh, face, c)]] - at));
     }
   }
 }
 
 // Moves normals towards Max's where both see all corners.
-void smooth_normals(const Mesh& mesh, std::vector<Vec3>& normals) {
+void smooth_normals(const Mesh& mesh, Groups group, std::vector<Vec3>& normals) {
   constexpr double kApart = 0.80, kAgreed = 0.95;  // least cosines to a corner's own normal
   std::vector<Vec3> smooth(normals.size(), Vec3::Zero());
-  for_corners(mesh, [&](std::uint32_t v, const Vec3& ahead, const Vec3& back) {
+  for_corners(mesh, group, [&](std::uint32_t v, const Vec3& ahead, const Vec3& back) {
     const Vec3 normal =
         ahead.stableNormalized().cross(back.stableNormalized()) / (ahead.norm() * back.norm());
     if (normal.allFinite()) smooth[v] += normal;
   });
   std::vector<double> least(normals.size(), 1);
   for (Vec3& n : smooth) n = n.stableNormalized();
-  for_corners(mesh, [&](std::uint32_t v, const Vec3& ahead, const Vec3& back) {
+  for_corners(mesh, group, [&](std::uint32_t v, const Vec3& ahead, const Vec3& back) {
     const Vec3 corner = ahead.cross(back).stableNormalized();
     least[v] = std::min({least[v], corner.dot(normals[v]), corner.dot(smooth[v])});
   });
@@ -160,16 +163,32 @@ void smooth_normals(const Mesh& mesh, std::vector<Vec3>& normals) {
 
 }  // namespace
 
-std::vector<Vec3> vertex_normals(const Mesh& mesh, NormalWeights weights) {
-  std::vector<Vec3> normals = angle_normals(mesh);
-  if (weights == NormalWeights::kSmooth) smooth_normals(mesh, normals);
+std::vector<Vec3> group_normals(const Mesh& mesh, std::span<const std::uint32_t> group,
+                                std::size_t count, NormalWeights weights) {
+  std::vector<Vec3> normals = angle_normals(mesh, group, count);
+  if (weights == NormalWeights::kSmooth) smooth_normals(mesh, group, normals);
   return normals;
 }
 
+std::vector<Vec3> vertex_normals(const Mesh& mesh, NormalWeights weights) {
+  return group_normals(mesh, mesh.corner_vertex, mesh.positions.size(), weights);
+}
+
+bool has_vertex_normals(const Mesh& mesh) {
+  return !mesh.normals.empty() && (mesh.sharp.empty() || !mesh.tangents.empty());
+}
+
 void add_vertex_normals(Mesh& mesh, NormalWeights weights) {
-  if (!mesh.normals.empty()) return;
-  mesh.normals = vertex_normals(mesh, weights);
-  mesh.corner_normal = mesh.corner_vertex;
+  if (has_vertex_normals(mesh)) return;
+  if (!mesh.sharp.empty()) {
+    SharpCorners corners = sharp_corners(mesh, build_topology(mesh), weights);
+    mesh.normals = std::move(corners.normals);
+    mesh.corner_normal = std::move(corners.corner_normal);
+    mesh.tangents = std::move(corners.tangents);
+  } else {
+    mesh.normals = vertex_normals(mesh, weights);
+    mesh.corner_normal = mesh.corner_vertex;
+  }
 }
 
 }  // namespace gliss

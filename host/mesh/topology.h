@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "gliss/base/export.h"
@@ -44,12 +45,20 @@ enum class NormalWeights {
   kSmooth
 };
 
-// Gives a mesh without normals one unit normal per vertex. Leaves meshes with normals alone.
+// Gives a mesh without normals one unit normal per vertex, and one with creases the normals and
+// tangents of creases.h. Leaves others alone.
 GLISS_EXPORT void add_vertex_normals(Mesh& mesh, NormalWeights weights = NormalWeights::kAngle);
+// True if it has nothing to add.
+GLISS_EXPORT bool has_vertex_normals(const Mesh& mesh);
 
-// The normals that add_vertex_normals adds; an unused vertex gets (0, 0, 1).
+// One unit normal per vertex; an unused one gets (0, 0, 1).
 GLISS_EXPORT std::vector<Vec3> vertex_normals(const Mesh& mesh,
                                               NormalWeights weights = NormalWeights::kAngle);
+
+// The same where the corners of a vertex may be of several groups, [corner] numbers below `count`.
+GLISS_EXPORT std::vector<Vec3> group_normals(const Mesh& mesh, std::span<const std::uint32_t> group,
+                                             std::size_t count,
+                                             NormalWeights weights = NormalWeights::kAngle);
 
 // Normal of a polygon by Newell's method; length is twice the area of a planar polygon.
 GLISS_EXPORT Vec3 newell_normal(const Mesh& mesh, std::size_t face);

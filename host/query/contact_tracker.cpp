@@ -61,7 +61,8 @@ class ContactTracker::Tick {
     if (!is_out && is_touching(end)) return accept(end);
     // No surface lies between the last HIP and this one: it has not come out, whatever the sheets
     // say that lie nearest where a surface folds over itself.
-    if (!is_out && clear_of(end) > moved && hold()) return contact(state_);
+    if (!is_out && clear_of(end) > moved && !left_over_crease(next) && hold())
+      return contact(state_);
     t_.last_ = gone.scp;
     t_.clear_ = 0;
     t_.behind_ = false;
@@ -187,6 +188,26 @@ class ContactTracker::Tick {
     t_.held_push_ = 0;
     return contact(raw);
   }
+  // True if the contact went over a crease to `next`: its last normal is more like that of a face
+  // beyond a crease than like that of the face where it is now. There a HIP may be outside though
+  // it has crossed no surface since the last tick: the contact was held for as long as its face
+  // goes on.
+  bool left_over_crease(const RawContact<Real>& next) const {
+    if (cache_.crease_count == 0) return false;
+    const auto normal_at = [&](std::uint32_t side) {
+      return Vec3(Eigen::Map<const Eigen::Matrix<Real, 3, 1>>(&s_.corner[6 * std::size_t{side} + 3])
+                      .template cast<double>());
+    };
+    const std::uint32_t patch = next.uints[kContactPatch];
+    const Vec3 last = contact_of(cache_, s_, state_).normal;
+    for (std::uint32_t side = s_.side_begin[patch]; side < s_.side_begin[patch + 1]; ++side) {
+      const std::uint32_t twin = s_.side_twin[side];
+      if (twin != kNone && normal_at(twin).dot(last) > normal_at(side).dot(last) + kApart)
+        return true;
+    }
+    return false;
+  }
+
   // The tick ends with the SCP where it was. False once that pushes four times as far as at first.
   bool hold() {
     RawContact<Real> same = state_;
@@ -267,6 +288,7 @@ class ContactTracker::Tick {
     return cache_.is_closed || (was_near && !behind) ? accept(end) : accept_free(end);
   }
 
+  static constexpr double kApart = 1e-3;  // of cosines, more than one face's normals differ by
   // Evaluations for a point on the way, where a bound on the distance is enough.
   static constexpr int kWaySearch = 128;
 

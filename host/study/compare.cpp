@@ -67,8 +67,10 @@ Comparison::Comparison(const Mesh& mesh, const Topology& topology, const PatchCa
       exact_points_(points_.size()) {
   if (!options_.normals_given) {
     smooth_mesh_ = mesh;
-    smooth_mesh_.normals = vertex_normals(mesh, NormalWeights::kSmooth);
-    smooth_mesh_.corner_normal = smooth_mesh_.corner_vertex;
+    smooth_mesh_.normals.clear();
+    smooth_mesh_.corner_normal.clear();
+    smooth_mesh_.tangents.clear();
+    add_vertex_normals(smooth_mesh_, NormalWeights::kSmooth);
   }
   evaluate(exact_, points_, exact_points_);
   for (const SurfacePoint& p : exact_points_)
@@ -147,7 +149,8 @@ Comparison::Surface Comparison::build(const CompareCandidate& candidate, Precisi
     const Mesh& mesh = is_smooth && !options_.normals_given ? smooth_mesh_ : mesh_;
     surface.cache = build_cache(mesh, topology_, options, nullptr, engine.build_backend());
   } else {
-    surface.cache = build_base(mesh_, topology_, precision);
+    const Mesh& mesh = options_.baseline != nullptr ? *options_.baseline : mesh_;
+    surface.cache = build_base(mesh, topology_, precision);
   }
   surface.seconds = clock.seconds();
   return surface;

@@ -31,6 +31,10 @@ struct CompareOptions {
   std::vector<CompareCandidate> candidates;
   // False: the mesh's normals were made for it, so that each construction makes its own.
   bool normals_given = true;
+  // The mesh of the methods flat and shaded, which must outlive the comparison; null: the same. A
+  // mesh with creases has one normal a vertex here: where normals differ across an edge, those that
+  // shading blends jump.
+  const Mesh* baseline = nullptr;
   std::vector<Precision> precisions{Precision::kFloat, Precision::kDouble};
   std::vector<Solver> solvers{Solver::kNewton};
   std::vector<std::string> backends{"tbb"};

@@ -54,11 +54,13 @@ struct RawHip {
 };
 
 // An edge from a vertex, as the fair construction sees it (kernels/fair.h): its far end (position,
-// unit normal), how its normal turns at mid-side, and if its tangents have an arc's length.
+// unit normal), how its normal turns at mid-side, tangents at both ends of a crease or zeros, and
+// if other tangents have an arc's length.
 template <class Real>
 struct FairEdge {
   Real end[6] = {};
   Real turn[3] = {};
+  Real tangents[6] = {};
   bool by_arc = true;
 };
 
@@ -86,6 +88,10 @@ struct Kernels {
   // normal, 1 at right angles.
   void (*build_patches)(const Real* corners, std::uint32_t n, std::size_t count, Real* control,
                         Real* soundness);
+  // The same of one polygon beside creases, whose sides may have tangents [n][2][3] of their own:
+  // C'(0) and C'(1), or zeros. Returns its soundness.
+  Real (*build_sharp_patch)(const Real* corners, const Real* tangents, std::uint32_t n,
+                            Real* control);
   // Shortens the cross tangents to (1 - ease) of their length at mid-side.
   void (*ease_patch)(Real* control, std::uint32_t n, Real ease);
   // Turns the cross tangents into the plane across `normal` (unit, 3 numbers).

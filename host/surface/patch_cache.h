@@ -61,7 +61,8 @@ struct GLISS_EXPORT PatchCache {
   // True if the mesh has no open border: where the nearest point's normal says inside, a HIP is.
   bool is_closed = true;
   std::uint32_t mesh_face_count = 0;
-  std::uint64_t mesh_hash = 0;  // XXH3 of the mesh's arrays and unit
+  std::uint32_t crease_count = 0;  // edges of the mesh that are creases (mesh/creases.h)
+  std::uint64_t mesh_hash = 0;     // XXH3 of the mesh's arrays and unit
   std::variant<Surface<float>, Surface<double>> surface;
   LargeArray<std::uint32_t> patch_face;  // [patch]
   LargeArray<std::uint32_t> face_patch;  // [face], its first patch; kNone: not built

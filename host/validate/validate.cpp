@@ -72,7 +72,8 @@ void check_arrays(const Mesh& mesh, double unit, Report& report) {
                           mesh.face_begin.back() == corners &&
                           std::is_sorted(mesh.face_begin.begin(), mesh.face_begin.end()) &&
                           mesh.corner_normal.size() == (mesh.normals.empty() ? 0 : corners) &&
-                          (mesh.face_line.empty() || mesh.face_line.size() == mesh.face_count());
+                          (mesh.face_line.empty() || mesh.face_line.size() == mesh.face_count()) &&
+                          (mesh.face_group.empty() || mesh.face_group.size() == mesh.face_count());
   if (!consistent) report.fail("inconsistent-arrays", {}, "the arrays do not fit together");
   if (std::max({corners, mesh.positions.size(), mesh.normals.size()}) >= kNone) {
     report.fail("too-large", {}, "more than {} corners, vertices or normals", kNone - 1);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "gliss/base/export.h"
+#include "gliss/mesh/creases.h"
 #include "gliss/mesh/mesh.h"
 
 namespace gliss {
@@ -30,6 +31,7 @@ struct Finding {
 struct LoadOptions {
   double unit = 1.0;                // metres per unit of the file
   bool split_non_manifold = false;  // duplicate vertices instead of refusing
+  CreaseRules creases{};            // of load_mesh only: which edges of the file are creases
   // Asked many times a second, on the thread that reads and checks; what it throws ends that.
   std::function<void()> poll = nullptr;
 };

@@ -31,6 +31,7 @@ void remove(Mesh& mesh, const std::vector<bool>& corners, const std::vector<bool
     }
     if (faces[face]) continue;
     if (!mesh.face_line.empty()) mesh.face_line[face_to] = mesh.face_line[face];
+    if (!mesh.face_group.empty()) mesh.face_group[face_to] = mesh.face_group[face];
     report.file_face[face_to] = report.file_face[face];
     mesh.face_begin[++face_to] = corner_to;
   }
@@ -38,6 +39,7 @@ void remove(Mesh& mesh, const std::vector<bool>& corners, const std::vector<bool
   mesh.corner_vertex.resize(corner_to);
   if (!mesh.corner_normal.empty()) mesh.corner_normal.resize(corner_to);
   if (!mesh.face_line.empty()) mesh.face_line.resize(face_to);
+  if (!mesh.face_group.empty()) mesh.face_group.resize(face_to);
   report.file_face.resize(face_to);
 }
 

@@ -13,7 +13,8 @@ namespace {
 
 Mesh read_mesh(const ObjectDescription& described, const SceneOpening& opening) {
   if (opening.read_mesh) return opening.read_mesh(described);
-  return load_mesh(described.surface, {.unit = described.unit, .poll = opening.poll});
+  return load_mesh(described.surface,
+                   {.unit = described.unit, .creases = described.creases, .poll = opening.poll});
 }
 
 PatchCache open_surface(const ObjectDescription& described, const SceneOpening& opening) {

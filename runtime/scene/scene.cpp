@@ -70,6 +70,18 @@ ObjectDescription read_object(TomlTable table, const std::string& scene, std::si
   if (!level.empty() && !(object.level = find_level(level))) table.fail("level", no_level(level));
   if (table.has("construction"))
     table.get("construction", object.construction.emplace(), kConstructionNames);
+  std::string crease;
+  table.get("crease", crease);
+  if (!crease.empty()) {
+    if (mesh.empty()) table.fail("crease", "a cache has the creases that it was baked with");
+    try {
+      object.creases = parse_creases(crease);
+    } catch (const UnitError& error) {
+      table.fail("crease", error.what());
+    }
+    std::string& edges = object.creases.edges;
+    if (!edges.empty()) edges = beside(scene, edges);
+  }
   table.get("method", object.method, kMethodNames);
   table.get("solver", object.solver, kSolverNames);
   table.get("iterations", object.max_iterations, 1, 10000);
@@ -185,6 +197,8 @@ Scene read_scene(const std::string& path, const std::function<void()>& poll) {
   for (const TomlTable& table : root.tables("object")) {
     scene.objects.push_back(read_object(table, path, scene.objects.size() + 1));
     scene.files.push_back(scene.objects.back().surface);
+    if (!scene.objects.back().creases.edges.empty())
+      scene.files.push_back(scene.objects.back().creases.edges);
   }
   if (auto table = root.table("guards")) read_guards(*table, scene);
   if (auto table = root.table("loop")) read_loop(*table, scene);

@@ -13,6 +13,7 @@
 #include "gliss/device/device.h"
 #include "gliss/device/sim_device.h"
 #include "gliss/loop/loop.h"
+#include "gliss/mesh/creases.h"
 #include "gliss/query/query.h"
 #include "gliss/surface/patch_cache.h"
 
@@ -36,6 +37,7 @@ struct ObjectDescription : SolverOptions {
   std::optional<Precision> precision;        // as the cache has it, or double
   std::optional<Level> level;                // as the cache has it, or exact
   std::optional<Construction> construction;  // as the cache has it, or the paper's
+  CreaseRules creases{};                     // of a mesh; paths from the scene's folder
   double stiffness = 500;                    // N/m
   double settle = 0;                         // s; 0: contacts leap (QueryOptions::settle)
   Method method = Method::kGregory;

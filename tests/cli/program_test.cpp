@@ -311,6 +311,11 @@ TEST_F(Program, SaysInOneLineWhatIsWrong) {
       {"bake knot.obj -o x.gliss --faces 5-2", "'5-2'", 2},
       {"bake knot.obj -o x.gliss --region 1,2", "--region", 2},
       {"bake knot.obj -o x.gliss --region 90,0,0:91,1,1", "no face meets", 2},
+      {"bake knot.obj -o x.gliss --crease 200deg", "'200deg'", 2},
+      {"bake knot.obj -o x.gliss --crease seams", "'seams'", 2},
+      {"bake knot.obj -o x.gliss --crease groups", "names no smoothing groups", 2},
+      {"bake knot.obj -o x.gliss --crease edges:points.csv", "points.csv:1: an edge is two", 2},
+      {"info knot.gliss --crease 40deg", "--crease is for meshes", 2},
       {"bake knot.obj -o none/x.gliss", "none/x.gliss", 1},
       {"sweep knot.obj", "--depth is required", 2},
       {"sweep knot.obj --depth 2mm,2e-3", "twice", 2},
@@ -370,6 +375,37 @@ TEST_F(Program, CheckListsAllFindingsAndRefuses) {
   EXPECT_EQ(found["findings"][0]["code"], "non-manifold-edge");
   EXPECT_EQ(found["findings"][0]["severity"], "error");
   EXPECT_EQ(run("check bad.obj --split-non-manifold").code, 0);
+}
+
+TEST_F(Program, CreasesAreListedAndKept) {
+  output_of("generate cube -o cube.obj");
+  folder_.write("edges.txt", "0 1\n");
+  const auto found = json_of("check cube.obj --unit mm --crease normals");
+  EXPECT_EQ(found["creases"].size(), 12u);
+  EXPECT_EQ(found["creases"][0], (std::vector<int>{0, 1}));
+  EXPECT_EQ(json_of("check cube.obj --unit mm --crease edges:edges.txt")["creases"].size(), 1u);
+  EXPECT_TRUE(json_of("check cube.obj --unit mm")["creases"].empty());
+  for (const char* construction : {"paper", "fair"}) {
+    const std::string baked =
+        fmt::format("bake cube.obj --unit mm --construction {} ", construction);
+    EXPECT_EQ(json_of(baked + "--crease 40deg -o sharp.gliss")["creases"], 12);
+    EXPECT_EQ(json_of(baked + "-o plain.gliss")["creases"], 0);
+    EXPECT_EQ(json_of("info sharp.gliss")["creases"], 12);
+    EXPECT_NE(folder_.read("sharp.gliss"), folder_.read("plain.gliss"));
+    // A mesh and its cache give one trace.
+    const std::string path = " --path hips.csv --unit mm";
+    EXPECT_EQ(output_of("trace sharp.gliss" + path),
+              output_of(fmt::format("trace cube.obj --crease 40deg --construction {}{}",
+                                    construction, path)));
+    // Rules that find no crease change nothing.
+    output_of(baked + "--crease 120deg -o none.gliss");
+    EXPECT_EQ(folder_.read("none.gliss"), folder_.read("plain.gliss"));
+  }
+  const auto rows = json_of(
+      "compare cube.obj --unit mm --crease normals --levels exact,bezier,fair,shaded --walks 2 "
+      "--ticks 100 --dense-limit 0")["rows"];
+  ASSERT_FALSE(rows.empty());
+  for (const auto& row : rows) EXPECT_LT(row["max_distance"], 1e-8) << row["level"];
 }
 
 TEST_F(Program, AnyNumberOfThreadsSweepsTheSame) {

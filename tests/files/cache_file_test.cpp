@@ -373,7 +373,7 @@ TEST(CacheFile, HeadersThatLieAreRefused) {
   EXPECT_THAT(header([](Header& h) { h.precision = 2; }), HasSubstr("unknown precision"));
   EXPECT_THAT(header([](Header& h) { h.level = 4; }), HasSubstr("unknown level"));
   EXPECT_THAT(header([](Header& h) { h.construction = 2; }), HasSubstr("unknown level"));
-  EXPECT_THAT(header([](Header& h) { h.reserved = 1; }), HasSubstr("unknown level"));
+  EXPECT_THAT(header([](Header& h) { h.creases = 2; }), HasSubstr("more creases than edges"));
   EXPECT_THAT(header([](Header& h) { h.table_cells = 4; }), HasSubstr("unknown level"));
   EXPECT_THAT(header([](Header& h) { h.level = Level::kTable; }), HasSubstr("unknown level"));
   EXPECT_THAT(header([](Header& h) { h.precision = 1; }), HasSubstr("'domain': its entry"));

@@ -43,6 +43,41 @@ TEST_F(GenerateTest, every_mesh_is_sound_closed_and_outward) {
   }
 }
 
+// Their normals are those of their exact surfaces beside each corner, so that edges and rims are
+// seams and nothing else is odd.
+TEST_F(GenerateTest, sharp_meshes_are_sound_and_have_the_normals_of_their_faces) {
+  for (const Generated& made : {cube(), cube(3), cylinder(), cylinder(5, 1)}) {
+    SCOPED_TRACE(made.mesh.source);
+    Mesh mesh = made.mesh;
+    findings_.clear();
+    validate(mesh, {}, &findings_);
+    EXPECT_THAT(codes(), testing::ElementsAre("sharp-normals"));
+    const Topology topology = build_topology(mesh);
+    EXPECT_EQ(topology.border_side_count, 0u);
+    EXPECT_EQ(topology.part_count, 1u);
+    EXPECT_GT(volume(mesh), 0);
+    for (std::size_t face = 0; face < mesh.face_count(); ++face) {
+      Vec3 middle = Vec3::Zero();
+      for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c)
+        middle += mesh.positions[mesh.corner_vertex[c]] / mesh.valence(face);
+      for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c) {
+        const Vec3& corner = mesh.positions[mesh.corner_vertex[c]];
+        EXPECT_LT(std::abs(made.exact->nearest(corner).distance), 1e-14);
+        // From just beside the corner, outside of the face.
+        const Vec3 normal = mesh.normals[mesh.corner_normal[c]];
+        const ExactSurface::Point near =
+            made.exact->nearest(corner + 1e-6 * (middle - corner) + 0.01 * normal);
+        EXPECT_LT((near.normal - normal).norm(), 1e-5);
+        EXPECT_NEAR(near.distance, 0.01, 1e-5);
+      }
+    }
+  }
+  EXPECT_NEAR(volume(cube(2, 3).mesh), 27, 1e-12);
+  EXPECT_LT(cylinder().exact->nearest({0, 0, 9}).distance, -0.99);
+  EXPECT_THROW(cube(0), std::invalid_argument);
+  EXPECT_THROW(cylinder(2), std::invalid_argument);
+}
+
 std::map<std::uint32_t, int> sides(const Mesh& mesh) {
   std::map<std::uint32_t, int> counts;
   for (std::size_t face = 0; face < mesh.face_count(); ++face) ++counts[mesh.valence(face)];

@@ -88,13 +88,13 @@ void run(const BakeOptions& options) {
   const double seconds = clock.seconds();
   report(options,
          fmt::format("{}: {} of {} faces, {} patches of level {}, {} construction, in {}, unit {}\n"
-                     "folded {}, degenerate {}; eased {}, split {}, bent {}\n"
+                     "folded {}, degenerate {}; eased {}, split {}, bent {}{}\n"
                      "least radius of curvature {} {}, {} bytes, {:.2f} s\n",
                      options.output, faces, mesh.face_count(), cache.patch_count(),
                      level_name(cache.level), construction_name(cache.level.construction),
                      precision_name(cache.precision()), unit, found.folded, found.degenerate,
-                     found.eased, found.split, found.bent, radius_text(cache.smallest_rho()), unit,
-                     cache.bytes(), seconds),
+                     found.eased, found.split, found.bent, creases_text(cache.crease_count),
+                     radius_text(cache.smallest_rho()), unit, cache.bytes(), seconds),
          {{"output", options.output},
           {"mesh_faces", mesh.face_count()},
           {"faces", faces},
@@ -108,6 +108,7 @@ void run(const BakeOptions& options) {
           {"eased", found.eased},
           {"split", found.split},
           {"bent", found.bent},
+          {"creases", cache.crease_count},
           {"flagged_faces", found.flagged_faces},
           {"rho_min", radius_json(cache.smallest_rho())},
           {"bytes", cache.bytes()},

@@ -51,14 +51,17 @@ void run(const SurfaceOptions& options) {
   std::vector<Finding> findings;
   BuildReport built;
   std::size_t faces = 0;
+  std::vector<VertexPair> creases;
   std::exception_ptr refusal;
   try {
     const Mesh mesh = load_mesh(options.surface,
                                 {.unit = options.unit,
                                  .split_non_manifold = options.split_non_manifold,
+                                 .creases = options.creases,
                                  .poll = stop_if_interrupted},
                                 &findings);
     faces = mesh.face_count();
+    if (!mesh.sharp.empty()) creases = crease_edges(mesh, build_topology(mesh));
     const PatchCache cache = build(mesh, options, *make_engine(options), {}, &built);
     tell_tight_curvature(options, cache, usual_depth(cache), "0.5 % of the diagonal");
   } catch (const MeshError&) {
@@ -78,8 +81,9 @@ void run(const SurfaceOptions& options) {
   const auto& flagged = built.flagged_faces;
   text += fmt::format("{}: {}\n", options.surface, state_of(findings, refusal != nullptr));
   if (!refusal) {
-    text += fmt::format("{} faces; folded {}, degenerate {}; eased {}, split {}, bent {}\n", faces,
-                        built.folded, built.degenerate, built.eased, built.split, built.bent);
+    text += fmt::format("{} faces; folded {}, degenerate {}; eased {}, split {}, bent {}{}\n",
+                        faces, built.folded, built.degenerate, built.eased, built.split, built.bent,
+                        creases_text(creases.size()));
   }
   if (!flagged.empty()) {
     const auto shown = std::span(flagged).first(std::min(flagged.size(), kListed));
@@ -97,7 +101,8 @@ void run(const SurfaceOptions& options) {
           {"eased", built.eased},
           {"split", built.split},
           {"bent", built.bent},
-          {"flagged_faces", flagged}});
+          {"flagged_faces", flagged},
+          {"creases", creases}});
   if (refusal) std::rethrow_exception(refusal);
 }
 

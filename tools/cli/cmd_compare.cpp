@@ -231,6 +231,7 @@ TrueDistance true_distance(const ComparingOptions& options, const Mesh& mesh) {
   }
   SurfaceOptions surface = options;
   surface.surface = options.reference;
+  surface.creases = {};
   Mesh reference = read_mesh(surface);
   add_vertex_normals(reference);
   const auto base = std::make_shared<PatchCache>(
@@ -418,18 +419,26 @@ void run(const ComparingOptions& options) {
   const auto engine = make_engine(options);
   Mesh mesh = read_mesh(options);
   const bool normals_given = !mesh.normals.empty();
+  Mesh round;  // without its creases: walks and baselines are the same with them and without
+  if (!mesh.sharp.empty()) {
+    round = mesh;
+    round.sharp.clear();
+    add_vertex_normals(round);
+  }
   add_vertex_normals(mesh);
+  const Mesh& baseline = mesh.sharp.empty() ? mesh : round;
   const PatchCache exact = build(mesh, options, *engine);
   const Topology topology = build_topology(mesh);
   std::vector<ComparePath> paths = make_paths(options, mesh, topology, exact);
   std::vector<double> depths;
   for (const ComparePath& path : paths) depths.push_back(path.depth);
   tell_tight_curvature(options, exact, *std::max_element(depths.begin(), depths.end()));
-  CompareWalks walks = make_walks(options, mesh, topology, *engine);
+  CompareWalks walks = make_walks(options, baseline, topology, *engine);
   const std::string walks_text = text_of(walks, options.walk);
   const Json walks_json = json_of(walks, options.walk);
   CompareOptions measuring = options.compare;
   measuring.normals_given = normals_given;
+  measuring.baseline = &baseline;
   measuring.poll = stop_if_interrupted;
   measuring.make_engine = [&](const std::string& backend) {
     CommonOptions common = options;

@@ -77,6 +77,20 @@ const Shape kShapes[] = {
        add(c, "--height", o.height, 10.0, "distance of the caps");
      },
      [](const GenerateOptions& o) { return prism(o.sides, o.radius, o.height); }},
+    {"cylinder", "Cylinder with n-gon caps; normals differ across its rims.", "--around 48",
+     [](Command& c, GenerateOptions& o) {
+       add(c, "--around", o.around, 24, "faces around; sides of the caps");
+       add(c, "--along", o.along, 2, "faces from cap to cap");
+       add(c, "--radius", o.radius, 10.0, "radius of the caps");
+       add(c, "--height", o.height, 20.0, "distance of the caps");
+     },
+     [](const GenerateOptions& o) { return cylinder(o.around, o.along, o.radius, o.height); }},
+    {"cube", "Cube of squares; normals differ across its edges.", "--along 4",
+     [](Command& c, GenerateOptions& o) {
+       add(c, "--along", o.along, 1, "faces along an edge");
+       add(c, "--width", o.width, 10.0, "size");
+     },
+     [](const GenerateOptions& o) { return cube(o.along, o.width); }},
     {"plate", "Thin closed plate.", "--width 30 --thickness 0.5",
      [](Command& c, GenerateOptions& o) {
        add(c, "--along", o.along, 12, "faces in x");

@@ -124,7 +124,7 @@ void run(const SurfaceOptions& options) {
          fmt::format("faces         {} of {}: {}\n"
                      "vertices      {}, edges {}, border sides {}, parts {}\n"
                      "patches       {}: exact {}, eased {}, split {}, bent {}\n"
-                     "folded faces  {}\n"
+                     "folded faces  {}{}\n"
                      "unit          {} (coordinates here in {})\n"
                      "bounds        {:.6g} {:.6g} {:.6g} to {:.6g} {:.6g} {:.6g}\n"
                      "curvature     least radius of curvature {}, median of the patches {}\n"
@@ -134,10 +134,11 @@ void run(const SurfaceOptions& options) {
                      faces, cache.mesh_face_count, valence_text, shape.vertices, shape.edges,
                      shape.border_sides, shape.parts, cache.patch_count(), kinds.at("exact"),
                      kinds.at("eased"), kinds.at("split"), kinds.at("bent"), folded,
-                     unit_name(cache.unit), unit, low.x(), low.y(), low.z(), high.x(), high.y(),
-                     high.z(), radius_text(rho_min), radius_text(rho_median),
-                     level_name(cache.level), construction_name(cache.level.construction),
-                     form_text, precision_name(cache.precision()),
+                     creases_text(cache.crease_count), unit_name(cache.unit), unit, low.x(),
+                     low.y(), low.z(), high.x(), high.y(), high.z(), radius_text(rho_min),
+                     radius_text(rho_median), level_name(cache.level),
+                     construction_name(cache.level.construction), form_text,
+                     precision_name(cache.precision()),
                      static_cast<double>(cache.bytes()) / (1 << 20), hash_name(cache.mesh_hash)),
          {{"surface", options.surface},
           {"mesh_faces", cache.mesh_face_count},
@@ -150,6 +151,7 @@ void run(const SurfaceOptions& options) {
           {"patches", cache.patch_count()},
           {"kinds", kinds},
           {"folded_faces", folded},
+          {"creases", cache.crease_count},
           {"surface_unit", unit_name(cache.unit)},
           {"unit", unit},
           {"bounds", {{low.x(), low.y(), low.z()}, {high.x(), high.y(), high.z()}}},

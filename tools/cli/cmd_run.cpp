@@ -70,6 +70,7 @@ std::vector<SceneObject> open_objects(const Scene& scene, const RunOptions& opti
   opening.read_mesh = [&](const ObjectDescription& described) {
     surface.surface = described.surface;
     surface.unit = described.unit;
+    surface.creases = described.creases;
     return read_mesh(surface);
   };
   opening.build = [&](const Mesh& mesh, const BuildOptions& wanted) {

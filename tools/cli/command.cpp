@@ -55,6 +55,10 @@ void add_mesh_options(Command& command, SurfaceOptions& options, const std::stri
                  [&options](const std::string& text) { options.unit = parse_unit(text); });
   command.flag("--split-non-manifold", options.split_non_manifold,
                "cut non-manifold edges and vertices open instead of refusing them");
+  command.option({"--crease", "LIST",
+                  "edges to keep sharp, any of: an angle such as 40deg that faces turn by, normals "
+                  "that differ in the file, groups (smoothing), edges:FILE"},
+                 [&options](const std::string& text) { options.creases = parse_creases(text); });
 }
 
 void add_surface_options(Command& command, SurfaceOptions& options, const std::string& name) {
@@ -215,6 +219,10 @@ ParallelFor interruptible(const Engine& engine) {
 
 std::string unsound_text(std::uint64_t count, const std::string& what) {
   return count == 0 ? "" : fmt::format("{} {} are not finite\n", count, what);
+}
+
+std::string creases_text(std::size_t count) {
+  return count == 0 ? "" : fmt::format("; {} edges are creases", count);
 }
 
 std::string radius_text(double radius) {

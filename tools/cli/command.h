@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "gliss/engine/opencl.h"
+#include "gliss/mesh/creases.h"
 #include "gliss/study/sweep.h"
 #include "gliss/surface/names.h"
 #include "tools/cli/command_line.h"
@@ -49,6 +50,7 @@ struct SurfaceOptions : CommonOptions {
   std::optional<Level> level;                // as the cache has it, or exact
   std::optional<Construction> construction;  // as the cache has it, or the paper's
   bool split_non_manifold = false;
+  CreaseRules creases{};  // of a mesh
 };
 
 // Options of the commands that outsiders script against: one table out.
@@ -139,6 +141,7 @@ std::string printed(const Json& json);  // with a line end; text that is no UTF-
 // A line that counts what is not finite, such as "steps"; "" where nothing is.
 std::string unsound_text(std::uint64_t count, const std::string& what);
 
+std::string creases_text(std::size_t count);  // "; 12 edges are creases", or "" where none is
 std::string radius_text(double radius);  // "4.67", or "none" where all is flat
 Json radius_json(double radius);
 std::string unit_name(double unit);  // "mm"; "0.5 m" where it has no name

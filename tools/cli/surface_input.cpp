@@ -16,6 +16,7 @@ Mesh read_mesh(const SurfaceOptions& options) {
   Mesh mesh = load_mesh(options.surface,
                         {.unit = options.unit,
                          .split_non_manifold = options.split_non_manifold,
+                         .creases = options.creases,
                          .poll = stop_if_interrupted},
                         &findings);
   for (const Finding& finding : findings) {
@@ -41,6 +42,9 @@ PatchCache build(const Mesh& mesh, const SurfaceOptions& options, const Engine& 
 PatchCache open_surface(const SurfaceOptions& options, const Engine& engine) {
   if (!options.from_cache && !is_cache_file(options.surface))
     return build(read_mesh(options), options, engine);
+  if (options.creases.any())
+    throw InputError(options.surface +
+                     ": a cache has the creases that it was baked with; --crease is for meshes");
   return load_cache_of(options.surface, {options.precision, options.level, options.construction},
                        stop_if_interrupted);
 }
@@ -58,6 +62,8 @@ std::unique_ptr<ResultFile> create_described_file(const std::string& path, const
   file->set_attribute({"level", level_name(cache.level)});
   file->set_attribute({"construction", construction_name(cache.level.construction)});
   file->set_attribute({"precision", precision_name(cache.precision())});
+  if (cache.crease_count > 0)
+    file->set_attribute({"creases", std::int64_t{cache.crease_count}});
   return file;
 }
 

@@ -1,0 +1,62 @@
+// Creases: edges along which a surface is sharp. Which edges they are, and the normals and tangents
+// that the patches beside them have, so that they meet there without a gap and are smooth
+// everywhere else. docs/method.md has the equations.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "gliss/base/export.h"
+#include "gliss/mesh/topology.h"
+
+namespace gliss {
+
+// What makes an edge between two faces a crease: any of these.
+struct CreaseRules {
+  std::optional<double> angle{};  // rad, in [0, pi): its faces turn by more
+  bool normals = false;           // the mesh's normals differ across it, at an end
+  bool groups = false;            // its faces are not of one smoothing group
+  std::string edges{};            // it is in a list: the path of one (files/mesh_file.h)
+
+  bool any() const { return angle || normals || groups || !edges.empty(); }
+};
+
+// From words between commas: an angle ("40deg"), "normals", "groups", "edges:PATH". Throws
+// UnitError.
+GLISS_EXPORT CreaseRules parse_creases(std::string_view text);
+
+using VertexPair = std::array<std::uint32_t, 2>;
+
+// A side of the edge between two vertices; kNone: there is no such edge between two faces.
+GLISS_EXPORT std::uint32_t find_inner_edge(const Mesh& mesh, const Topology& topology,
+                                           const VertexPair& vertices);
+
+// Marks the creases of a validated mesh in mesh.sharp, which stays empty where there are none:
+// those of the rules but for rules.edges, and the edges of `sides`, each between two faces. Throws
+// MeshError where the mesh has nothing that a rule asks for.
+GLISS_EXPORT void mark_creases(Mesh& mesh, const Topology& topology, const CreaseRules& rules,
+                               std::span<const std::uint32_t> sides = {});
+
+// The marked edges, lower vertex first, ascending.
+GLISS_EXPORT std::vector<VertexPair> crease_edges(const Mesh& mesh, const Topology& topology);
+
+// What Mesh has of the same names. Where no crease cuts the corners of a vertex from each other,
+// they have its normal; a crease that ends within the mesh (a dart) cuts none there. Else each
+// sector between creases has a normal of its own, and each crease a tangent that is at right angles
+// to the normals on both of its sides.
+struct SharpCorners {
+  std::vector<Vec3> normals, tangents;
+  std::vector<std::uint32_t> corner_normal;
+};
+
+// From the marks and the normals of the mesh, if it has some: they count where they agree with the
+// marks. `weights`: of normals that are made. Any number of threads may call it.
+GLISS_EXPORT SharpCorners sharp_corners(const Mesh& mesh, const Topology& topology,
+                                        NormalWeights weights = NormalWeights::kAngle);
+
+}  // namespace gliss

@@ -1,0 +1,59 @@
+// Creases of a scene's objects, and of lazy ones.
+#include <gtest/gtest.h>
+
+#include "gliss/build/build_cache.h"
+#include "gliss/files/mesh_file.h"
+#include "gliss/query/lazy_mesh.h"
+#include "gliss/scene/open_scene.h"
+#include "tests/support/scene_files.h"
+#include "tests/support/sharp_meshes.h"
+
+namespace gliss::test {
+namespace {
+
+TEST(CreaseScene, objects_have_the_creases_that_the_scene_says) {
+  const SceneFiles files;
+  save_obj(prism(12).mesh, files.folder / "prism.obj");
+  files.folder.write("edges.txt", "0 1\n");
+  const Scene scene = files.read(
+      "[[object]]\nmesh = 'prism.obj'\nunit = 'mm'\ncrease = '40deg,edges:edges.txt'\n"
+      "[[object]]\nmesh = 'prism.obj'\nunit = 'mm'\nconstruction = 'fair'\ncrease = '20deg'\n"
+      "[[object]]\nmesh = 'prism.obj'\nunit = 'mm'\n");
+  EXPECT_NE(std::find(scene.files.begin(), scene.files.end(), files.folder / "edges.txt"),
+            scene.files.end());
+  const std::vector<SceneObject> objects = open_objects(scene);
+  ASSERT_EQ(objects.size(), 3u);
+  EXPECT_EQ(objects[0].cache->crease_count, 24u);
+  EXPECT_EQ(objects[1].cache->crease_count, 36u);
+  EXPECT_EQ(objects[2].cache->crease_count, 0u);
+}
+
+// What is built near the hand has the bytes that it has in the cache of all.
+TEST(CreaseScene, lazy_patches_beside_creases_are_those_of_the_whole) {
+  for (const Construction construction : {Construction::kPaper, Construction::kFair}) {
+    const Mesh mesh = with_creases(in_triangles(cylinder(16, 6).mesh));
+    BuildOptions options;
+    options.level.construction = construction;
+    const PatchCache all = build_cache(mesh, options);
+    const LazyMesh lazy(mesh, {.level = options.level});
+    EXPECT_EQ(lazy.base().crease_count, all.crease_count);
+    const auto& whole = std::get<1>(all.surface);
+    for (const std::uint32_t face : {0u, 40u, 100u, 191u, 200u}) {
+      const LazyRegion region = lazy.build(std::vector<std::uint32_t>{face});
+      const auto& part = std::get<1>(region.cache.surface);
+      for (std::uint32_t p = 0; p < region.cache.patch_count(); ++p) {
+        if (!region.used[p]) continue;
+        const std::uint32_t q = all.face_patch[region.cache.patch_face[p]] + p -
+                                region.cache.face_patch[region.cache.patch_face[p]];
+        const std::size_t reals = kernels<double>().control_reals(whole.form[q], whole.valence(q));
+        ASSERT_EQ(part.form[p], whole.form[q]);
+        EXPECT_TRUE(std::equal(&part.control[3 * std::size_t{part.control_begin[p]}],
+                               &part.control[3 * std::size_t{part.control_begin[p]}] + reals,
+                               &whole.control[3 * std::size_t{whole.control_begin[q]}]));
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace gliss::test
