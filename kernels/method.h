@@ -62,7 +62,7 @@ FN real3 corner_normal(surface_view view, uint side) {
   const corner_tangents t = tangents_at(view, side);
   const real3 across = cross3(t.p, t.q);
   // Where a crease goes on through the corner, its tangents are one and say nothing.
-  const int is_straight = norm3(across) <= K(1e-5f) * norm3(t.p) * norm3(t.q);
+  const int is_straight = HAS_CREASES(view) && norm3(across) <= K(1e-5f) * norm3(t.p) * norm3(t.q);
   return mul3(angle_between(t.p, t.q),
               is_straight ? load3(view.corner + 6 * (ulong)side, 1) : unit3(across));
 }

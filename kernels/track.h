@@ -405,7 +405,7 @@ FN_LARGE foot track_foot(surface_view view, hip_point h, foot f, track_options o
         if (f.walked > FAN_STEPS_A_DESCENT) break;
         const fan_place fan = find_in_fan(view, first_side + (uint)held.b, mul3(K(-1), f.r));
         next = fan.side;
-        if (next == NONE && !just_crossed)
+        if (next == NONE && !just_crossed && HAS_CREASES(view))
           next = edge_in_fan(view, first_side + (uint)held.b, mul3(K(-1), f.r));
         ends = fan.is_border;
         f.walked += fan.steps > WIDE_FAN ? fan.steps : 0;

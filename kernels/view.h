@@ -36,6 +36,10 @@ typedef struct {
 #define HAS_UNION(view) ((view).part != 0)
 #endif
 
+// True if edges of the mesh are creases. No polygon has 0 sides: the word where its table would
+// begin says it.
+#define HAS_CREASES(view) ((view).domain_begin[0] != 0u)
+
 FN int valence_of(surface_view view, uint patch) {
   return (int)(view.side_begin[patch + 1] - view.side_begin[patch]);
 }

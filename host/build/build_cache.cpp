@@ -320,6 +320,7 @@ class CacheBuilder {
   void fill_domain(Surface<Real>& s) {
     const auto most = *std::max_element(cache_.face_valence.begin(), cache_.face_valence.end());
     s.domain_begin.assign(most + 1, 0);
+    s.domain_begin[0] = cache_.crease_count > 0;  // HAS_CREASES of the kernels
     std::vector<char> used(most + 1, 0);
     for (std::uint32_t p = 0; p < s.patch_count(); ++p) used[s.valence(p)] = 1;
     // Splits ask for the domain of their whole face too.
