@@ -146,8 +146,9 @@ class CacheBuilder {
       c.normal.push_back(mesh_frame().normal(s));
     }
     if (is_sharp(face)) {
-      for (std::uint32_t i = 2 * mesh_.face_begin[face]; i < 2 * mesh_.face_begin[face + 1]; ++i)
-        c.tangent.push_back(mesh_.tangents[i] * cache_.scale);
+      for (std::uint32_t s = mesh_.face_begin[face]; s < mesh_.face_begin[face + 1]; ++s) {
+        for (const std::uint32_t end : {0u, 1u}) c.tangent.push_back(mesh_frame().tangent(s, end));
+      }
     }
     return c;
   }

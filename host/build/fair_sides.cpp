@@ -63,10 +63,8 @@ FairEdge<double> FairSides::edge(std::uint32_t side) const {
   const End start = corner(side), end = corner(next);
   std::copy_n(end.reals, 6, e.end);
   if (has_tangents(side)) {
-    for (int i = 0; i < 2; ++i) {
-      const Vec3 t = mesh_.tangents[2 * side + i] * scale_;
-      std::copy_n(t.data(), 3, e.tangents + 3 * i);
-    }
+    for (std::uint32_t i = 0; i < 2; ++i)
+      std::copy_n(frame_.tangent(side, i).data(), 3, e.tangents + 3 * i);
   }
   e.by_arc = joined_valence(side) == 3;
   if (!e.by_arc || twin == kNone) return e;
