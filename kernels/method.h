@@ -78,17 +78,9 @@ FN_LARGE real3 crease_normal(surface_view view, foot f) {
   if (held.b >= 0) {
     const uint start = view.side_begin[f.patch] + (uint)held.b;
     sum = corner_normal(view, start);
-    uint at = view.side_twin[prev_in_patch(view, start)];
-    while (at != NONE && at != start) {
+    fan_walk fan = start_fan(start);
+    for (uint at = next_in_fan(view, &fan); at != NONE; at = next_in_fan(view, &fan))
       sum = add3(sum, corner_normal(view, at));
-      at = view.side_twin[prev_in_patch(view, at)];
-    }
-    if (at == NONE) {
-      for (at = view.side_twin[start]; at != NONE; at = view.side_twin[at]) {
-        at = next_in_patch(view, at);
-        sum = add3(sum, corner_normal(view, at));
-      }
-    }
   } else if (held.a >= 0) {
     const uint side = view.side_begin[f.patch] + (uint)held.a, twin = view.side_twin[side];
     if (twin == NONE) return own;
@@ -121,16 +113,31 @@ FN contact past_border(contact c, real3 normal) {
   return c;
 }
 
-FN contact contact_of_foot(surface_view view, foot f) {
+// A converged contact at a point of a patch, whose state is still to be judged.
+FN contact contact_at(int method, uint patch, real xi, real eta, real3 scp, real3 normal,
+                      real3 offset) {
   contact c;
-  c.method = METHOD_GREGORY;
-  c.patch = f.patch;
-  c.xi = f.xi;
-  c.eta = f.eta;
-  c.scp = f.at.g;
-  c.normal = f.flags & FOOT_CREASE ? crease_normal(view, f) : normal_of_foot(view, f);
-  c.offset = mul3(numbers_of(view, f.patch)[PATCH_UNSCALE], f.r);
-  c.push = c.offset;
+  c.state = CONTACT_FREE;
+  c.method = method;
+  c.patch = patch;
+  c.xi = xi;
+  c.eta = eta;
+  c.scp = scp;
+  c.normal = normal;
+  c.offset = c.push = offset;
+  c.clear = K(0);
+  c.iterations = 0;
+  c.crossings = 0;
+  c.flags = FOOT_CONVERGED;
+  c.warm = 0;
+  c.held_count = 0;
+  return c;
+}
+
+FN contact contact_of_foot(surface_view view, foot f) {
+  const real3 normal = f.flags & FOOT_CREASE ? crease_normal(view, f) : normal_of_foot(view, f);
+  contact c = contact_at(METHOD_GREGORY, f.patch, f.xi, f.eta, f.at.g, normal,
+                         mul3(numbers_of(view, f.patch)[PATCH_UNSCALE], f.r));
   c.clear = sqrt(f.clear2);
   c.iterations = f.iterations;
   c.crossings = f.crossings;
@@ -138,7 +145,6 @@ FN contact contact_of_foot(surface_view view, foot f) {
   c.warm = 1;
   c.bend = f.bend;
   c.drift = make_vector(K(0), K(0));
-  c.held_count = 0;
   // Inside where the way out goes along the normal.
   c.state = dot3(f.r, c.normal) > K(0) ? CONTACT_TOUCHING : CONTACT_FREE;
   return f.flags & FOOT_BORDER ? past_border(c, c.normal) : c;
@@ -160,25 +166,11 @@ FN real3 triangle_normal(surface_view view, base_point b) {
   return norm3(normal) > TINY ? unit3(normal) : load3(numbers_of(view, b.patch), PATCH_NORMAL);
 }
 
-FN contact contact_of_base(surface_view view, hip_point h, base_point b, int method,
-                           int crossings) {
+FN contact contact_of_base(surface_view view, hip_point h, base_point b, int method) {
   const polygon_blend blend = blend_on_polygon(view, b.patch, b.at);
-  contact c;
-  c.method = method;
-  c.patch = b.patch;
-  c.xi = blend.xi;
-  c.eta = blend.eta;
-  c.scp = b.at.p;
-  c.normal = unit3(blend.normal);
   const real3 r = sub3(b.at.p, local_hip(view, h, b.patch));
-  c.offset = mul3(numbers_of(view, b.patch)[PATCH_UNSCALE], r);
-  c.push = c.offset;
-  c.clear = K(0);
-  c.iterations = 0;
-  c.crossings = crossings;
-  c.flags = FOOT_CONVERGED;
-  c.warm = 0;
-  c.held_count = 0;
+  contact c = contact_at(method, b.patch, blend.xi, blend.eta, b.at.p, unit3(blend.normal),
+                         mul3(numbers_of(view, b.patch)[PATCH_UNSCALE], r));
   c.state = dot3(r, c.normal) > K(0) ? CONTACT_TOUCHING : CONTACT_FREE;
   if (is_on_border(view, b)) {
     c.flags |= FOOT_BORDER;
@@ -224,7 +216,7 @@ FN_LARGE contact nearest_contact_from(surface_view view, hip_point h, foot first
 FN_LARGE contact nearest_contact(surface_view view, hip_point h, base_point base,
                                  const near_patches* near, int method, track_options options) {
   if (method != METHOD_GREGORY) {
-    contact c = contact_of_base(view, h, base, method, 0);
+    contact c = contact_of_base(view, h, base, method);
     c.clear = norm3(c.offset);
     return within_reach(h, c);
   }
@@ -244,7 +236,7 @@ FN_LARGE contact track_contact(surface_view view, hip_point h, contact last,
                                track_options options) {
   if (last.method != METHOD_GREGORY) {
     const base_point base = track_base(view, h, last.patch, options.max_iterations);
-    return within_reach(h, contact_of_base(view, h, base, last.method, 0));
+    return within_reach(h, contact_of_base(view, h, base, last.method));
   }
   const domain_point at = {last.patch, last.xi, last.eta};
   return track_contact_from(view, h, last, begin_foot(view, h, at, options), options);

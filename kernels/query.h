@@ -88,21 +88,10 @@ FN base_point nearer_neighbour(surface_view view, hip_point h, base_point from) 
     const base_point b = base_point_on(view, h, view.side_patch[twin]);
     if (b.distance2 < best.distance2) best = b;
   } else if (place.corner >= 0) {
-    const uint start = first + (uint)place.corner;
-    uint at = view.side_twin[prev_in_patch(view, start)];
-    while (at != NONE && at != start) {
+    fan_walk fan = start_fan(first + (uint)place.corner);
+    for (uint at = next_in_fan(view, &fan); at != NONE; at = next_in_fan(view, &fan)) {
       const base_point b = base_point_on(view, h, view.side_patch[at]);
       if (b.distance2 < best.distance2) best = b;
-      at = view.side_twin[prev_in_patch(view, at)];
-    }
-    if (at == NONE) {
-      at = view.side_twin[start];
-      while (at != NONE) {
-        at = next_in_patch(view, at);
-        const base_point b = base_point_on(view, h, view.side_patch[at]);
-        if (b.distance2 < best.distance2) best = b;
-        at = view.side_twin[at];
-      }
     }
   }
   return best;
@@ -149,9 +138,11 @@ FN int is_nearer(foot a, foot b) {
 }
 
 // True if a search has spent the evaluations that it may.
+FN int is_beyond(int evaluations, track_options options) {
+  return options.budget > 0 && evaluations >= options.budget;
+}
 FN int is_spent(foot best, track_options options) {
-  return options.budget > 0 &&
-         best.iterations + best.starts + best.walked / FAN_STEPS_AN_EVALUATION >= options.budget;
+  return is_beyond(best.iterations + best.starts + best.walked / FAN_STEPS_AN_EVALUATION, options);
 }
 
 // The better of what a search has found and another foot of it.

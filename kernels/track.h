@@ -139,6 +139,32 @@ FN int in_sector(surface_view view, uint side, real3 w) {
   return a >= gap * sqrt(pp) * qq && b >= gap * sqrt(qq) * pp && a + b > K(0);
 }
 
+// A walk over the other sides that start where `start` does: anticlockwise, and where a border cuts
+// that short, clockwise from `start` on.
+typedef struct {
+  uint start, at;
+  int met_border;
+} fan_walk;
+
+FN fan_walk start_fan(uint side) {
+  fan_walk r = {side, side, 0};
+  return r;
+}
+
+// The next side; NONE after the last.
+FN uint next_in_fan(surface_view view, fan_walk* w) {
+  if (!w->met_border) {
+    w->at = view.side_twin[prev_in_patch(view, w->at)];
+    if (w->at == w->start) return NONE;
+    if (w->at != NONE) return w->at;
+    w->met_border = 1;
+    w->at = w->start;
+  }
+  w->at = view.side_twin[w->at];
+  if (w->at != NONE) w->at = next_in_patch(view, w->at);
+  return w->at;
+}
+
 // The side that starts at a corner's vertex and whose patch a direction points into, and its way;
 // NONE if there is none but its own.
 typedef struct {
@@ -147,27 +173,14 @@ typedef struct {
   int steps;      // sides passed
 } fan_place;
 
-// Anticlockwise and then clockwise round the vertex at which `side` starts.
 FN_LARGE fan_place find_in_fan(surface_view view, uint side, real3 w) {
   fan_place r = {NONE, 0, 0};
-  uint at = view.side_twin[prev_in_patch(view, side)];
-  for (; at != NONE && at != side; at = view.side_twin[prev_in_patch(view, at)]) {
+  fan_walk fan = start_fan(side);
+  for (r.side = next_in_fan(view, &fan); r.side != NONE; r.side = next_in_fan(view, &fan)) {
     ++r.steps;
-    if (in_sector(view, at, w)) {
-      r.side = at;
-      return r;
-    }
+    if (in_sector(view, r.side, w)) break;
   }
-  if (at == side) return r;
-  r.is_border = 1;
-  for (at = view.side_twin[side]; at != NONE; at = view.side_twin[at]) {
-    ++r.steps;
-    at = next_in_patch(view, at);
-    if (in_sector(view, at, w)) {
-      r.side = at;
-      return r;
-    }
-  }
+  r.is_border = fan.met_border;
   return r;
 }
 
@@ -223,9 +236,9 @@ FN_LARGE uint edge_in_fan(surface_view view, uint side, real3 w) {
 
 // True if a border runs through the vertex at which `side` starts.
 FN int is_border_vertex(surface_view view, uint side) {
-  uint at = view.side_twin[prev_in_patch(view, side)];
-  while (at != NONE && at != side) at = view.side_twin[prev_in_patch(view, at)];
-  return at == NONE;
+  fan_walk fan = start_fan(side);
+  while (!fan.met_border && next_in_fan(view, &fan) != NONE) continue;
+  return fan.met_border;
 }
 
 // The step where first + second is flat or indefinite: of its curvatures relative to `first`, those

@@ -52,8 +52,16 @@ FN int is_within(surface_view view, foot f) {
 
 // True, once and for all, where a search has spent the evaluations that it may.
 FN int is_union_spent(union_search* u, track_options options) {
-  u->is_spent = u->is_spent || (options.budget > 0 && u->iterations >= options.budget);
+  u->is_spent = u->is_spent || is_beyond(u->iterations, options);
   return u->is_spent;
+}
+
+// True if the patch of a base polygon, whose nearest point is known, may hold a nearer one than
+// `distance2`.
+FN int may_hold_nearer(surface_view view, base_point b, real distance2) {
+  GLOBAL scalar* numbers = numbers_of(view, b.patch);
+  const real least = (sqrt(b.at.distance2) - numbers[PATCH_SAG]) * numbers[PATCH_UNSCALE];
+  return !(least > K(0) && least * least >= distance2);
 }
 
 // Nearest point of one part's surface: each patch is searched from one start, which tells inside
@@ -78,10 +86,8 @@ FN_LARGE foot nearest_on_part(surface_view view, hip_point h, uint part, union_s
     if (p == base.patch || part_of(view, p) != part ||
         !(patch_box_distance2(view, h, p) < best.distance2))
       continue;
-    GLOBAL scalar* numbers = numbers_of(view, p);
     const base_point b = base_point_on(view, h, p);
-    const real least = (sqrt(b.at.distance2) - numbers[PATCH_SAG]) * numbers[PATCH_UNSCALE];
-    if (least > K(0) && least * least >= best.distance2) continue;
+    if (!may_hold_nearer(view, b, best.distance2)) continue;
     const known_minimum known = {best.patch, best.distance2};
     const foot f =
         end_foot(view, h, begin_foot(view, h, start_on_base(view, b), options), options, known);
@@ -358,18 +364,11 @@ FN contact contact_of_union(surface_view view, hip_point h, union_search* u) {
     for (int i = 1; i < u->count; ++i) {
       if (u->rest[i].weight > u->rest[most].weight) most = i;
     }
-    c.method = METHOD_GREGORY;
-    c.patch = u->rest[most].at.patch;
-    c.xi = u->rest[most].at.xi;
-    c.eta = u->rest[most].at.eta;
-    c.scp = u->rest[most].scp;
-    c.normal = unit3(u->push);
-    c.offset = c.push = u->push;
+    const domain_point at = u->rest[most].at;
+    c = contact_at(METHOD_GREGORY, at.patch, at.xi, at.eta, u->rest[most].scp, unit3(u->push),
+                   u->push);
     c.clear = norm3(u->push);
-    c.crossings = 0;
-    c.flags = FOOT_CONVERGED | FOOT_CREASE;
-    c.warm = 0;
-    c.held_count = 0;
+    c.flags |= FOOT_CREASE;
     for (int i = 0; i < u->count; ++i) {
       if (i != most && c.held_count < 2) c.held[c.held_count++] = u->rest[i].at;
     }
@@ -446,10 +445,8 @@ FN_LARGE contact unite_nearest(surface_view view, hip_point h, contact c, track_
   for (uint p = next_patch(view, &w, h.high, nearest2); p != NONE && !is_union_spent(&u, options);
        p = next_patch(view, &w, h.high, nearest2)) {
     if ((view.part[p] & PATCH_BURIED) || !(patch_box_distance2(view, h, p) < nearest2)) continue;
-    GLOBAL scalar* numbers = numbers_of(view, p);
     const base_point b = base_point_on(view, h, p);
-    const real least = (sqrt(b.at.distance2) - numbers[PATCH_SAG]) * numbers[PATCH_UNSCALE];
-    if (least > K(0) && least * least >= nearest2) continue;
+    if (!may_hold_nearer(view, b, nearest2)) continue;
     seek_on_patch(view, h, b, nearest2, &u, options);
     const real distance2 = dot3(u.push, u.push);
     if (u.state == CONTACT_TOUCHING && distance2 < nearest2) {
