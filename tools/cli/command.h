@@ -142,7 +142,7 @@ std::string printed(const Json& json);  // with a line end; text that is no UTF-
 std::string unsound_text(std::uint64_t count, const std::string& what);
 
 std::string creases_text(std::size_t count);  // "; 12 edges are creases", or "" where none is
-std::string radius_text(double radius);  // "4.67", or "none" where all is flat
+std::string radius_text(double radius);       // "4.67", or "none" where all is flat
 Json radius_json(double radius);
 std::string unit_name(double unit);  // "mm"; "0.5 m" where it has no name
 std::string hash_name(std::uint64_t hash);

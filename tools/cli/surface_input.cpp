@@ -62,8 +62,7 @@ std::unique_ptr<ResultFile> create_described_file(const std::string& path, const
   file->set_attribute({"level", level_name(cache.level)});
   file->set_attribute({"construction", construction_name(cache.level.construction)});
   file->set_attribute({"precision", precision_name(cache.precision())});
-  if (cache.crease_count > 0)
-    file->set_attribute({"creases", std::int64_t{cache.crease_count}});
+  if (cache.crease_count > 0) file->set_attribute({"creases", std::int64_t{cache.crease_count}});
   return file;
 }
 
