@@ -82,7 +82,7 @@ class ContactTracker::Tick {
   }
   Contact slowed(const RawContact<Real>& last, Contact now) {
     if (is_touching(last)) {
-      const Vec3 was = push_of(last);
+      const Vec3 was = vector_of(last, kContactPush);
       if (is_leap(was, now.push)) now = slide(last, was, now);
     }
     if (!is_leap(t_.felt_, now.push)) return now;
@@ -140,10 +140,10 @@ class ContactTracker::Tick {
     return static_cast<int>(raw.uints[kContactIterations]) + 1;
   }
 
-  // Mesh's unit.
-  Vec3 push_of(const RawContact<Real>& raw) const {
-    const Eigen::Map<const Eigen::Matrix<Real, 3, 1>> push(&raw.reals[kContactPush]);
-    return push.template cast<double>() / cache_.scale;
+  // kContactPush or kContactOffset, in the mesh's unit.
+  Vec3 vector_of(const RawContact<Real>& raw, int first) const {
+    const Eigen::Map<const Eigen::Matrix<Real, 3, 1>> v(&raw.reals[first]);
+    return v.template cast<double>() / cache_.scale;
   }
   int left() const { return kSearchEvaluations - spent_; }  // evaluations
   TrackOptions<Real> within(int budget) const {
@@ -215,8 +215,9 @@ class ContactTracker::Tick {
     options.max_iterations = 0;
     const RawHip<Real> hip = raw_hip<Real>(cache_, hip_);
     kernels<Real>().track(s_, t_.options_.method, options, &hip, 1, &same);
-    if (t_.held_push_ == 0) t_.held_push_ = push_of(state_).norm();
-    if (!(push_of(same).norm() <= 4 * t_.held_push_)) return false;
+    const auto push_of = [&](const auto& raw) { return vector_of(raw, kContactOffset).norm(); };
+    if (t_.held_push_ == 0) t_.held_push_ = push_of(state_);
+    if (!(push_of(same) <= 4 * t_.held_push_)) return false;
     same.uints[kContactState] = 1;
     same.uints[kContactFlags] &= ~kConverged;
     state_ = same;

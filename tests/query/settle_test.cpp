@@ -91,7 +91,9 @@ TEST(Settle, lets_no_force_leap_with_any_method) {
       EXPECT_EQ(leaping.settling, 0u);
       EXPECT_EQ(settling.jumps(), 0u) << mesh.source;
       EXPECT_EQ(settling.lost, 0u) << mesh.source;
-      if (method == Method::kGregory) EXPECT_LT(settling.settling_share(), 0.05) << mesh.source;
+      if (method == Method::kGregory) {
+        EXPECT_LT(settling.settling_share(), 0.05) << mesh.source;
+      }
     }
     EXPECT_GT(leaps, 0u);
   }
