@@ -338,9 +338,10 @@ class CacheBuilder {
     const std::uint32_t last =
         next < faces_.size() ? cache_.face_patch[faces_[next]] : cache_.patch_count();
     std::vector<FinishedPatch> finished(last - first);
-    std::vector<PatchDraft> fair(fair_ ? c.count : 0);  // [face of the chunk]
+    // [face of the chunk], of single ones.
+    std::vector<PatchDraft> single(fair_ || !mesh_.tangents.empty() ? c.count : 0);
     for_faces(c, [&](std::size_t i) {
-      finish_face(c, i, fair, &finished[cache_.face_patch[faces_[c.first + i]] - first]);
+      finish_face(c, i, single, &finished[cache_.face_patch[faces_[c.first + i]] - first]);
     });
     if (!base_only_) {
       backend_.parallel(finished.size(), kGrain, [&](std::size_t begin, std::size_t end) {
@@ -369,9 +370,9 @@ class CacheBuilder {
     });
   }
 
-  // Finishes the patches of face i of a chunk, one after the other. A fair one is drafted once
-  // more, into fair[i]: to keep all drafts would take several times the memory of the cache.
-  void finish_face(const Chunk& c, std::size_t i, std::vector<PatchDraft>& fair,
+  // Finishes the patches of face i of a chunk, one after the other. A single one is drafted once
+  // more, into single[i]: to keep all drafts would take several times the memory of the cache.
+  void finish_face(const Chunk& c, std::size_t i, std::vector<PatchDraft>& single,
                    FinishedPatch* out) const {
     const std::uint32_t face = faces_[c.first + i], p = c.in_batch[i];
     const DraftedFace& drafted = drafted_[c.first + i];
@@ -388,9 +389,9 @@ class CacheBuilder {
     }
     std::span<const PatchDraft> patches = drafted.tamer;
     if (patches.empty()) {
-      fair[i] = draft(face_of(face));
-      fair[i].shape = drafted.shape;
-      patches = {&fair[i], 1};
+      single[i] = draft(face_of(face));
+      single[i].shape = drafted.shape;
+      patches = {&single[i], 1};
     }
     for (const PatchDraft& d : patches) {
       *out = {d.valence(),     d.kind,           &d.frame,          d.shape,
