@@ -22,12 +22,14 @@ class Scene {
       : device_(rtcNewDevice("tessellation_cache_size=4096")),
         scene_(rtcNewScene(device_)),
         geometry_(rtcNewGeometry(device_, type)) {
+    // Embree reads the four bytes beyond a position too, and asserts that they are a finite number.
     auto* const vertices = static_cast<float*>(
         rtcSetNewGeometryBuffer(geometry_, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                3 * sizeof(float), mesh.positions.size()));
+                                4 * sizeof(float), mesh.positions.size()));
     for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
       const Eigen::Vector3f p = mesh.positions[v].cast<float>();
-      std::copy(p.data(), p.data() + 3, vertices + 3 * v);
+      std::copy(p.data(), p.data() + 3, vertices + 4 * v);
+      vertices[4 * v + 3] = 0;
     }
     const bool triangles = type == RTC_GEOMETRY_TYPE_TRIANGLE;
     const std::size_t corners = mesh.corner_vertex.size();
