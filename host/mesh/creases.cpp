@@ -270,9 +270,13 @@ CreaseRules parse_creases(std::string_view text) {
     } else if (word.starts_with(kEdges) && word.size() > kEdges.size()) {
       rules.edges = word.substr(kEdges.size());
     } else {
+      if (word.find_first_of("0123456789") == std::string_view::npos)
+        throw UnitError(detail::message("creases: '", word,
+                                        "' is none of an angle, such as 40deg, ",
+                                        "normals, groups and edges:FILE"));
       const double angle = parse_angle(word);
       if (!(angle >= 0 && angle < std::numbers::pi))
-        throw UnitError(detail::message("'", word, "' is not from 0 to below 180deg"));
+        throw UnitError(detail::message("creases: '", word, "' is not from 0 to below 180deg"));
       rules.angle = angle;
     }
     if (comma == std::string_view::npos) return rules;

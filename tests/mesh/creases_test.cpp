@@ -76,6 +76,8 @@ TEST_F(CreasesTest, rules_are_words_between_commas) {
   EXPECT_FALSE(CreaseRules{}.any());
   for (const char* wrong : {"", "40mm", "180deg", "-1deg", "seams", "edges:", "40deg,"})
     EXPECT_THROW(parse_creases(wrong), UnitError) << wrong;
+  EXPECT_EQ(test::message_of<UnitError>([] { parse_creases("foo"); }),
+            "creases: 'foo' is none of an angle, such as 40deg, normals, groups and edges:FILE");
 }
 
 TEST_F(CreasesTest, edges_are_marked_where_faces_turn_by_more_than_the_angle) {
