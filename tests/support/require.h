@@ -17,8 +17,7 @@ inline bool all_is_required() {
 }  // namespace gliss::test
 
 // Ends a test that cannot run here: it is skipped, or fails where all is required. Skips for want
-// of
-// ../shared, of a GPU or of a right are GTEST_SKIP.
+// of ../shared, a GPU or a right are GTEST_SKIP.
 #define GLISS_SKIP_UNLESS_REQUIRED(why)                                             \
   do {                                                                              \
     if (::gliss::test::all_is_required()) FAIL() << "GLISS_REQUIRE, but " << (why); \
