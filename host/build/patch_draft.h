@@ -13,9 +13,9 @@
 
 namespace gliss {
 
-// Corners of one face in the mesh frame, with unit normals; beside creases the tangents of its
-// sides ([side][2], Mesh::tangents) and in the fair construction its sides ([side][kFairReals], mesh
-// frame): both are fewer than corners where a centre was added.
+// Corners of one face in the mesh frame, with unit normals. Beside creases it has the tangents of
+// its sides ([side][2], Mesh::tangents), and in the fair construction its sides
+// ([side][kFairReals], mesh frame). Both are fewer than corners where a centre was added.
 struct FaceCorners {
   std::vector<Vec3> position, normal;
   std::vector<Vec3> tangent{};
