@@ -13,7 +13,7 @@ FN crease_tangents load_tangents(GLOBAL scalar* tangents, int k) {
 
 FN int has_tangents(crease_tangents t) { return dot3(t.start, t.start) > K(0); }
 
-// As store_side, of a polygon with creases; `tangents` [n][2][3]. Where the side before has
+// Does as store_side does for a polygon with creases; `tangents` [n][2][3]. If the side before has
 // tangents, T begins as it ends: with v_int (12) along -C'_prev(1), which is at right angles to the
 // normal there, (11) has that direction whatever n_int is. In the same way T ends as the side after
 // begins.

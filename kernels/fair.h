@@ -1,7 +1,7 @@
 // The fair construction: sides that curve no more than their polygons ask for, the Gregory triangle
 // between three of them and the Gregory quad between four. On the host only, in scalars.
 //
-// As in the paper a side knows its two ends alone, but for three things that it shares with the
+// A side knows its two ends alone, as in the paper, but for three things that it shares with the
 // face beyond: its normals turn about the edge at mid-side by the angle at which the cross sections
 // of both faces lean least (fair_turn); at a vertex all sides have the curvature and the twist of
 // one shape operator (solve_fit); and so their curves are of degree 5 and their normals of degree 4

@@ -343,7 +343,7 @@ PatchTiles cut_tiles(const PatchFrame& frame, const PatchShape& shape, const Vec
 
 namespace {
 
-// Where normals on both sides of an edge are compared, along it.
+// Places along an edge at which the normals on both of its sides are compared.
 constexpr double kAlong[] = {1.0 / 64, 0.25, 0.5, 0.75, 63.0 / 64};
 constexpr std::size_t kCompared = std::size(kAlong);
 

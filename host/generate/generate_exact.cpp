@@ -42,7 +42,7 @@ ExactSurface::Point ExactCylinder::nearest(const Vec3& point) const {
   const double from_axis = std::hypot(point.x(), point.y());
   const Vec3 radial =
       from_axis > 0 ? Vec3(point.x() / from_axis, point.y() / from_axis, 0) : Vec3(1, 0, 0);
-  // As in a rectangle, half of which is seen.
+  // A half plane through the axis sees half of a rectangle.
   const Point flat =
       ExactBox(Vec3(radius_, 2 * (radius_ + half_), half_)).nearest({from_axis, 0, point.z()});
   const Vec3 up = Vec3::UnitZ();

@@ -209,14 +209,14 @@ class Sharpener {
     return found;
   }
 
-  // Of eq. 7 and 8, where both faces have a normal each at the other end.
+  // Finds the tangent of eq. 7 and 8, with a normal of each face at the other end.
   Vec3 uncut_tangent(std::uint32_t corner, const Vec3& mean, const Vec3& edge) const {
     const Vec3& n = normals_[group_[corner]];
     const Vec3 t = n.cross(edge.cross(mean));
     return t.norm() > kCollinear * edge.norm() ? t.normalized() : edge.normalized();
   }
 
-  // As long as those of the circle with their directions.
+  // Gives tangents the lengths that a circle with their directions has.
   std::vector<Vec3> find_tangents() const {
     std::vector<Vec3> tangents(2 * mesh_.corner_vertex.size(), Vec3::Zero());
     for (std::uint32_t side = 0; side < topology_.side_twin.size(); ++side) {

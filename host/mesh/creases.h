@@ -16,7 +16,7 @@
 
 namespace gliss {
 
-// What makes an edge between two faces a crease: any of these.
+// The rules by which an edge between two faces is a crease: any of these.
 struct CreaseRules {
   std::optional<double> angle{};  // rad, in [0, pi): its faces turn by more
   bool normals = false;           // the mesh's normals differ across it, at an end
@@ -45,7 +45,7 @@ GLISS_EXPORT void mark_creases(Mesh& mesh, const Topology& topology, const Creas
 // The marked edges, lower vertex first, ascending.
 GLISS_EXPORT std::vector<VertexPair> crease_edges(const Mesh& mesh, const Topology& topology);
 
-// What Mesh has of the same names. Where no crease cuts the corners of a vertex from each other,
+// Members of Mesh by these names. Where no crease cuts the corners of a vertex from each other,
 // they have its normal; a crease that ends within the mesh (a dart) cuts none there. Else each
 // sector between creases has a normal of its own, and each crease a tangent that is at right angles
 // to the normals on both of its sides.

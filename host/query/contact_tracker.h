@@ -69,7 +69,7 @@ class GLISS_EXPORT ContactTracker {
   double clear_ = -1;         // no surface is nearer to it than this; negative: there was no tick
   bool behind_ = false;       // it is free and behind an open surface
   double held_push_ = 0;      // push, mesh frame, when the SCP came to be held; 0: it is not
-  // With settle, of the last tick: HIP, and push of its contact.
+  // The last tick's HIP, and the push of its contact; kept with settle only.
   Vec3 before_ = Vec3::Zero(), felt_ = Vec3::Zero();
 };
 

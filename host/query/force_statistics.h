@@ -81,7 +81,7 @@ struct GLISS_EXPORT ForceStatistics {
   // Per 100,000 ticks in contact; 0 where there was no contact.
   double jumps_per_100k() const noexcept { return per_100k(jumps()); }
   double lost_per_100k() const noexcept { return per_100k(lost); }
-  // Of the ticks in contact, as a ratio; 0 where there was none.
+  // The share of the ticks in contact that settle; 0 where there was none.
   double settling_share() const noexcept { return per_100k(settling) * 1e-5; }
 
  private:

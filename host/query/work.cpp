@@ -37,7 +37,7 @@ std::vector<PathLoop> closed_loops(std::span<const Vec3> path) {
            length[end] - length[begin] >= kFewest * step &&
            (path[(begin + end) / 2] - path[begin]).norm() >= kAway * step;
   };
-  // Where the loop began that ends at a point; path.size(): nowhere.
+  // Finds the point at which the loop began that ends here; path.size(): none.
   const auto begin_of = [&](std::size_t end, const Cell& cell) {
     for (std::int64_t x = -1; x <= 1; ++x) {
       for (std::int64_t y = -1; y <= 1; ++y) {

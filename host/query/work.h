@@ -23,7 +23,7 @@ struct Work {
     gross += std::abs(work);
   }
   Work since(const Work& start) const { return {net - start.net, gross - start.gross}; }
-  // Of the gross work, as a ratio; NaN where there was none.
+  // The net work as a share of the gross; NaN where there was none.
   double gain() const { return gross > 0 ? net / gross : std::numeric_limits<double>::quiet_NaN(); }
 };
 

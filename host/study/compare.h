@@ -79,7 +79,7 @@ struct DenseRow {
   std::string target;
   double target_step = 0, memory_ratio = 0, time_ratio = 0;
   bool reached = false;
-  // Where not reached: as the last two tried say; NaN: no end in sight.
+  // The number that the last two tried suggest where none reached it; NaN: no end in sight.
   double needed_triangles = 0;
 };
 
