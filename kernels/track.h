@@ -205,14 +205,10 @@ FN int is_crease_at(surface_view view, uint side) {
 // corner a way may point into no patch and yet lead along an edge that is none of the two of
 // `side`'s patch. NONE where one of these leads there, or no crease does.
 FN_LARGE uint edge_in_fan(surface_view view, uint side, real3 w) {
-  uint first = side;  // of an open fan
-  for (uint twin = view.side_twin[side]; twin != NONE; twin = view.side_twin[first]) {
-    first = next_in_patch(view, twin);
-    if (first == side) break;
-  }
-  uint best = NONE, at = first;
+  uint best = NONE;
   real most = K(16) * EPSILON * norm3(w);
-  do {
+  fan_walk fan = start_fan(side);
+  for (uint at = side; at != NONE; at = next_in_fan(view, &fan)) {
     if (is_crease_at(view, at)) {
       const real3 p = tangents_at(view, at).p;
       const real along = dot3(p, w) / larger(norm3(p), TINY);
@@ -221,8 +217,7 @@ FN_LARGE uint edge_in_fan(surface_view view, uint side, real3 w) {
         best = at;
       }
     }
-    at = view.side_twin[prev_in_patch(view, at)];
-  } while (at != NONE && at != first);
+  }
   if (best == NONE) return NONE;
   const corner_tangents own = tangents_at(view, side);
   return dot3(own.p, w) > K(0) || dot3(own.q, w) > K(0) ? NONE : best;
