@@ -76,9 +76,10 @@
 #define PATCH_CURVATURE 21  // largest |principal curvature|, local frame
 #define PATCH_REALS 22
 
-// G_xi x G_eta is a normal if it is longer than so many roundings of the longer one's square; else
-// that of the base polygon stands for it.
-#define NORMAL_ROUNDINGS 8
+// True if more than rounding is left of a tangent plane: `across`, the length of G_xi x G_eta, is
+// the normal's then; else the base polygon's normal stands for it. longest2: the longer one's
+// square.
+#define SPANS_A_PLANE(across, longest2, epsilon) ((across) > 8 * (epsilon) * (longest2))
 
 // Numbers of a hierarchy node: the boxes of its two children, mesh frame, low and high corner each.
 #define NODE_REALS 12

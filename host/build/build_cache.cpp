@@ -163,11 +163,9 @@ class CacheBuilder {
   bool is_fair(std::uint32_t face) const { return fair_ && cache_.face_valence[face] <= 4; }
   // True if a side has tangents of its own.
   bool is_sharp(std::uint32_t face) const {
-    if (mesh_.tangents.empty()) return false;
-    const auto* tangents = mesh_.tangents.data();
-    return std::any_of(tangents + 2 * mesh_.face_begin[face],
-                       tangents + 2 * mesh_.face_begin[face + 1],
-                       [](const Vec3& t) { return !t.isZero(0); });
+    for (std::uint32_t s = mesh_.face_begin[face]; s < mesh_.face_begin[face + 1]; ++s)
+      if (mesh_frame().has_tangents(s)) return true;
+    return false;
   }
   // True if the batch has nothing for its patch.
   bool is_single(std::uint32_t face) const { return is_fair(face) || is_sharp(face); }
@@ -321,7 +319,7 @@ class CacheBuilder {
   void fill_domain(Surface<Real>& s) {
     const auto most = *std::max_element(cache_.face_valence.begin(), cache_.face_valence.end());
     s.domain_begin.assign(most + 1, 0);
-    s.domain_begin[0] = cache_.crease_count > 0;  // HAS_CREASES of the kernels
+    s.domain_begin[0] = cache_.crease_count > 0;
     std::vector<char> used(most + 1, 0);
     for (std::uint32_t p = 0; p < s.patch_count(); ++p) used[s.valence(p)] = 1;
     // Splits ask for the domain of their whole face too.

@@ -42,7 +42,7 @@ FairSides::End FairSides::corner(std::uint32_t side) const {
 // 3 or 4 if both of its faces are triangles, or quads, that have the same normals at its ends, or
 // if it is a triangle's at a border; else 0, as at creases.
 std::uint32_t FairSides::joined_valence(std::uint32_t side) const {
-  if (has_tangents(side)) return 0;
+  if (frame_.has_tangents(side)) return 0;
   const std::uint32_t n = mesh_.valence(topology_.side_face[side]),
                       twin = topology_.side_twin[side];
   if (twin == kNone) return n == 3 ? 3 : 0;
@@ -53,16 +53,12 @@ std::uint32_t FairSides::joined_valence(std::uint32_t side) const {
   return is_joined ? n : 0;
 }
 
-bool FairSides::has_tangents(std::uint32_t side) const {
-  return !mesh_.tangents.empty() && !mesh_.tangents[2 * side].isZero(0);
-}
-
 FairEdge<double> FairSides::edge(std::uint32_t side) const {
   const std::uint32_t next = next_side(mesh_, topology_, side), twin = topology_.side_twin[side];
   FairEdge<double> e;
   const End start = corner(side), end = corner(next);
   std::copy_n(end.reals, 6, e.end);
-  if (has_tangents(side)) {
+  if (frame_.has_tangents(side)) {
     for (std::uint32_t i = 0; i < 2; ++i)
       std::copy_n(frame_.tangent(side, i).data(), 3, e.tangents + 3 * i);
   }

@@ -31,7 +31,6 @@ class FairSides {
   };
 
   End corner(std::uint32_t side) const;
-  bool has_tangents(std::uint32_t side) const;
   std::uint32_t joined_valence(std::uint32_t side) const;
   FairEdge<double> edge(std::uint32_t side) const;
   void find_shape(std::size_t i);

@@ -73,6 +73,9 @@ Mesh load_mesh(const std::string& path, const LoadOptions& options,
     std::vector<std::uint32_t> sides;
     if (!options.creases.edges.empty()) sides = read_edges(options.creases.edges, mesh, topology);
     mark_creases(mesh, topology, options.creases, sides);
+    warn_of_sharp_normals(
+        mesh, mesh.sharp.empty() ? mesh.corner_vertex : sharp_corners(mesh, topology).corner_normal,
+        report);
   }
   return mesh;
 }

@@ -120,10 +120,9 @@ void surface_points(const PatchCache& cache, const Surface<Real>& s,
     p.d_xi = g_xi * (unscale * inverse);
     p.d_eta = g_eta * (unscale * inverse);
     const Vec3 across = g_xi.cross(g_eta);
-    const double least = kNormalRoundings *
-                         static_cast<double>(std::numeric_limits<Real>::epsilon()) *
-                         std::max(g_xi.squaredNorm(), g_eta.squaredNorm());
-    const bool spans = across.squaredNorm() > least * least;
+    const bool spans =
+        spans_a_plane(across.norm(), std::max(g_xi.squaredNorm(), g_eta.squaredNorm()),
+                      static_cast<double>(std::numeric_limits<Real>::epsilon()));
     p.normal = spans ? Vec3(across.normalized()) : upward;
     if (map) {
       const Eigen::Matrix<double, 3, 2> d =

@@ -26,7 +26,7 @@ std::vector<TraceStatistics> trace(const PatchCache& cache, std::span<const Vec3
       // A sum, as of the objects of a scene: it has no -0.
       steps[m].force = Vec3::Zero() + contact_force(cache, steps[m].contact, options.stiffness);
       statistics[m].add(steps[m].contact.touching, steps[m].force,
-                        (steps[m].contact.flags & kSettling) != 0);
+                        is_settling(steps[m].contact.flags));
       gains[m].add(cache.unit * hips[tick], steps[m].force);
     }
     if (sink && !sink(tick, steps)) break;

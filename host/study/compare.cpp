@@ -1,11 +1,11 @@
 #include "gliss/study/compare.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 
+#include "gliss/base/stopwatch.h"
 #include "gliss/build/build_cache.h"
 #include "gliss/study/tessellate.h"
 
@@ -16,16 +16,6 @@ constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kPoints = 20000, kPointsPerFace = 64, kMostPoints = 1000000;
 constexpr double kMeasureFor = 0.1;  // s, each rate
 constexpr int kRides = 5;            // along each path, for the time of a tick
-
-class Stopwatch {
- public:
-  double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 // Items a second of work that does `items` at a time.
 template <class Poll, class Work>

@@ -147,7 +147,7 @@ FeltPath feel_path(const PatchCache& cache, const QueryOptions& options, std::sp
     const Contact contact = tracker.tick(path[i]);
     ticks.push_back(std::chrono::duration<double>(Clock::now() - start).count());
     const double step =
-        result.force.add(contact.touching, contact.push, (contact.flags & kSettling) != 0);
+        result.force.add(contact.touching, contact.push, is_settling(contact.flags));
     if (!std::isnan(step)) steps.push_back(step);
     result.push.push_back(contact.push);
     if (!reference.empty()) errors.push_back((contact.push - reference[i]).norm());

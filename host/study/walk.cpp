@@ -200,7 +200,7 @@ ForceStatistics feel_walks(const PatchCache& cache, const QueryOptions& options,
       for (std::size_t tick = 0; tick < walks[i].hips.size(); ++tick) {
         const Contact contact = tracker.tick(walks[i].hips[tick]);
         if (tick + 1 >= Walk::kEntry)
-          felt[i].add(contact.touching, contact.push, (contact.flags & kSettling) != 0);
+          felt[i].add(contact.touching, contact.push, is_settling(contact.flags));
       }
     }
   });

@@ -21,6 +21,9 @@ enum class Solver { kNewton, kGaussNewton, kPaper };
 inline constexpr std::uint32_t kConverged = 1, kOnBorder = 2, kOnCrease = 4, kNotBuilt = 8,
                                kUnfinished = 16, kSettling = 32;
 
+// True if a contact of these flags is kSettling.
+constexpr bool is_settling(std::uint32_t flags) { return (flags & kSettling) != 0; }
+
 template <class Real>
 struct TrackOptions {
   Solver solver = Solver::kNewton;

@@ -26,7 +26,9 @@ inline constexpr std::size_t kPatchOrigin = 3 * PATCH_ORIGIN, kPatchNormal = 3 *
                              kPatchBend = PATCH_BEND, kPatchCurvature = PATCH_CURVATURE;
 inline constexpr std::size_t kDomainHead = DOMAIN_HEAD, kDomainStride = DOMAIN_STRIDE,
                              kDomainCorner = DOMAIN_CORNER;
-inline constexpr double kNormalRoundings = NORMAL_ROUNDINGS;
+constexpr bool spans_a_plane(double across, double longest2, double epsilon) {
+  return SPANS_A_PLANE(across, longest2, epsilon);
+}
 inline constexpr std::size_t kFairReals = FAIR_REALS, kFairCurve = FAIR_NORMAL - FAIR_CURVE,
                              kFairSound = FAIR_SOUND;
 inline constexpr std::size_t kFrameReals = FRAME_REALS, kShapeReals = SHAPE_REALS;
@@ -113,7 +115,7 @@ static_assert(kNone == NONE);
 #undef PATCH_BEND
 #undef PATCH_CURVATURE
 #undef PATCH_REALS
-#undef NORMAL_ROUNDINGS
+#undef SPANS_A_PLANE
 #undef NODE_REALS
 #undef NODE_LEAF
 #undef PATCH_BURIED

@@ -10,8 +10,10 @@ namespace gliss {
 
 template <class Real>
 struct Surface {
-  std::vector<Real> domain;                 // tables of the valences in use
-  std::vector<std::uint32_t> domain_begin;  // [valence]
+  std::vector<Real> domain;  // tables of the valences in use
+  // [valence], where its table begins. No polygon has 0 sides: [0] is 1 where edges are creases
+  // (HAS_CREASES of kernels/view.h), which caches keep there.
+  std::vector<std::uint32_t> domain_begin;
   LargeArray<std::uint32_t> side_begin;     // [patch + 1]
   LargeArray<std::uint32_t> side_patch;     // [side]
   LargeArray<std::uint32_t> side_twin;      // [side], kNone: border

@@ -42,14 +42,14 @@
 //   coincident-vertices   vertices at the place of another one (unwelded seams)
 //   several-parts         parts that share no edge; the count is that of the parts
 //   parts-intersect       a closed part and another one intersect or touch; the count is that of
-//   the
-//                         pairs, up to a million. Contact takes closed parts as a union of solids
+//                         the pairs, up to a million. Contact takes closed parts as a union of
+//                         solids
 //   part-inside-part      parts that lie within closed ones; the count is that of the parts
 //   no-volume             closed parts that enclose nothing, such as a face and its reverse
 //   open-border           sides without a face beyond
 //   concave               faces with a reflex corner, or that cross themselves
 //   non-planar            faces off their plane by more than 5 % of the root of their area
-//   sharp-normals         vertices whose faces have different normals there
+//   sharp-normals         vertices whose faces have different normals there, with no crease between
 //   normals-against-face  corners whose normal is more than 90 degrees off their face's
 #include "gliss/validate/validate.h"
 
@@ -136,6 +136,7 @@ void validate(Mesh& mesh, const LoadOptions& options, Report& report) {
   repair_orientation(mesh, report);
   report.stop_on_error();
   repair_normals(mesh, report);
+  if (!options.creases.any()) warn_of_sharp_normals(mesh, mesh.corner_vertex, report);
   warn_of_shapes(mesh, report);
   warn_of_parts(mesh, report);
 }

@@ -73,23 +73,13 @@ void complete(Mesh& mesh, const std::vector<bool>& zero, Report& report) {
   }
 }
 
-void warn(const Mesh& mesh, Report& report) {
-  std::vector<std::uint32_t> first(mesh.positions.size(), kNone);  // [vertex], a normal there
-  std::vector<bool> sharp(mesh.positions.size(), false);
+void warn_of_backward_normals(const Mesh& mesh, Report& report) {
   for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
     report.poll();
     const Vec3 face_normal = newell_normal(mesh, face);
     for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c) {
       const std::uint32_t vertex = mesh.corner_vertex[c];
-      const Vec3& normal = mesh.normals[mesh.corner_normal[c]];
-      if (first[vertex] == kNone) first[vertex] = mesh.corner_normal[c];
-      const double apart = (normal - mesh.normals[first[vertex]]).norm();
-      if (apart > kSharpTolerance && !sharp[vertex]) {
-        sharp[vertex] = true;
-        report.add(Severity::kWarning, "sharp-normals", {.face = face, .vertex = vertex},
-                   "has another normal at vertex {} than a neighbour", vertex);
-      }
-      if (normal.dot(face_normal) < 0) {
+      if (mesh.normals[mesh.corner_normal[c]].dot(face_normal) < 0) {
         report.add(Severity::kWarning, "normals-against-face", {.face = face, .vertex = vertex},
                    "the normal at vertex {} points to its back", vertex);
       }
@@ -103,7 +93,27 @@ void repair_normals(Mesh& mesh, Report& report) {
   if (mesh.normals.empty()) return;
   const std::vector<bool> zero = normalise(mesh, report);
   complete(mesh, zero, report);
-  warn(mesh, report);
+  warn_of_backward_normals(mesh, report);
+}
+
+void warn_of_sharp_normals(const Mesh& mesh, std::span<const std::uint32_t> group, Report& report) {
+  if (mesh.normals.empty()) return;
+  std::vector<std::uint32_t> first;  // [group], a normal there
+  std::vector<bool> sharp(mesh.positions.size(), false);
+  for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
+    report.poll();
+    for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c) {
+      if (group[c] >= first.size()) first.resize(group[c] + 1, kNone);
+      std::uint32_t& known = first[group[c]];
+      if (known == kNone) known = mesh.corner_normal[c];
+      const double apart = (mesh.normals[mesh.corner_normal[c]] - mesh.normals[known]).norm();
+      const std::uint32_t vertex = mesh.corner_vertex[c];
+      if (!(apart > kSharpTolerance) || sharp[vertex]) continue;
+      sharp[vertex] = true;
+      report.add(Severity::kWarning, "sharp-normals", {.face = face, .vertex = vertex},
+                 "has another normal at vertex {} than a neighbour", vertex);
+    }
+  }
 }
 
 }  // namespace gliss

@@ -1,6 +1,8 @@
 // The steps of `validate`, in order; validate.cpp lists what they may find. Private to host/.
 #pragma once
 
+#include <span>
+
 #include "gliss/validate/mesh_report.h"
 #include "gliss/validate/validate.h"
 
@@ -26,6 +28,10 @@ void repair_orientation(Mesh& mesh, Report& report);
 
 // Leaves unit normals at every corner, or none at all.
 void repair_normals(Mesh& mesh, Report& report);
+
+// Warns of vertices with several normals where no crease is between them. group[corner]: corners of
+// a vertex without a crease between them have one number.
+void warn_of_sharp_normals(const Mesh& mesh, std::span<const std::uint32_t> group, Report& report);
 
 // Warn of what is accepted: shapes of faces, vertices unused or at one place.
 void warn_of_vertices(const Mesh& mesh, Report& report);

@@ -39,6 +39,21 @@ void read_patches(TomlTable& table, ObjectDescription& object, bool from_cache) 
   table.get("rings", object.rings, 2, 100);
 }
 
+// Sets `value` to what `parse` makes of the key's text, if the key is there. Returns if it is.
+template <class Value>
+bool get_parsed(TomlTable& table, const std::string& key, Value& value,
+                Value (*parse)(std::string_view)) {
+  std::string text;
+  table.get(key, text);
+  if (text.empty()) return false;
+  try {
+    value = parse(text);
+  } catch (const UnitError& error) {
+    table.fail(key, error.what());
+  }
+  return true;
+}
+
 ObjectDescription read_object(TomlTable table, const std::string& scene, std::size_t number) {
   ObjectDescription object;
   object.name = fmt::format("{}", number);
@@ -53,16 +68,8 @@ ObjectDescription read_object(TomlTable table, const std::string& scene, std::si
   std::error_code unknown;  // a name too long for the system throws without
   if (!std::filesystem::exists(object.surface, unknown))
     table.fail(mesh.empty() ? "cache" : "mesh", fmt::format("there is no '{}'", object.surface));
-  std::string unit;
-  table.get("unit", unit);
-  if (!unit.empty()) {
-    if (mesh.empty()) table.fail("unit", "a cache has its own unit");
-    try {
-      object.unit = parse_unit(unit);
-    } catch (const UnitError& error) {
-      table.fail("unit", error.what());
-    }
-  }
+  if (get_parsed(table, "unit", object.unit, parse_unit) && mesh.empty())
+    table.fail("unit", "a cache has its own unit");
   if (table.has("precision")) table.get("precision", object.precision.emplace(), kPrecisionNames);
   table.get_positive("stiffness", object.stiffness, parse_stiffness);
   std::string level;
@@ -70,18 +77,9 @@ ObjectDescription read_object(TomlTable table, const std::string& scene, std::si
   if (!level.empty() && !(object.level = find_level(level))) table.fail("level", no_level(level));
   if (table.has("construction"))
     table.get("construction", object.construction.emplace(), kConstructionNames);
-  std::string crease;
-  table.get("crease", crease);
-  if (!crease.empty()) {
-    if (mesh.empty()) table.fail("crease", "a cache has the creases that it was baked with");
-    try {
-      object.creases = parse_creases(crease);
-    } catch (const UnitError& error) {
-      table.fail("crease", error.what());
-    }
-    std::string& edges = object.creases.edges;
-    if (!edges.empty()) edges = beside(scene, edges);
-  }
+  if (get_parsed(table, "crease", object.creases, parse_creases) && mesh.empty())
+    table.fail("crease", "a cache has the creases that it was baked with");
+  if (std::string& edges = object.creases.edges; !edges.empty()) edges = beside(scene, edges);
   table.get("method", object.method, kMethodNames);
   table.get("solver", object.solver, kSolverNames);
   table.get("iterations", object.max_iterations, 1, 10000);

@@ -382,8 +382,12 @@ TEST_F(Program, CreasesAreListedAndKept) {
   folder_.write("edges.txt", "0 1\n");
   const auto found = json_of("check cube.obj --unit mm --crease normals");
   EXPECT_EQ(found["creases"].size(), 12u);
+  EXPECT_EQ(found["state"], "accepted") << found;  // creases explain its normals
   EXPECT_EQ(found["creases"][0], (std::vector<int>{0, 1}));
-  EXPECT_EQ(json_of("check cube.obj --unit mm --crease edges:edges.txt")["creases"].size(), 1u);
+  const auto dart = json_of("check cube.obj --unit mm --crease edges:edges.txt");
+  EXPECT_EQ(dart["creases"].size(), 1u);
+  EXPECT_EQ(dart["findings"][0]["code"], "sharp-normals");
+  EXPECT_EQ(dart["findings"][0]["count"], 8);
   EXPECT_TRUE(json_of("check cube.obj --unit mm")["creases"].empty());
   for (const char* construction : {"paper", "fair"}) {
     const std::string baked =

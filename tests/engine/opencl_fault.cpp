@@ -55,7 +55,28 @@ Function* real(Function*, const char* name) {
   return reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name));
 }
 
+// What share_builds() keeps: one context for all that ask for one, the text of each program, and
+// the first program that was built of a text and its options, which others have their kernels from.
+struct Builds {
+  std::mutex mutex;
+  bool shared = false;
+  cl_context context = nullptr;
+  std::map<cl_program, std::string> text;
+  std::map<std::string, cl_program> built;  // [text and options]
+  std::map<cl_program, cl_program> instead;
+};
+
+Builds& builds() {
+  static Builds builds;
+  return builds;
+}
+
 }  // namespace
+
+void share_builds() {
+  const std::lock_guard lock(builds().mutex);
+  builds().shared = true;
+}
 
 void fail_call(const char* function, int at, cl_int code) {
   State& s = state();
@@ -83,7 +104,7 @@ void pretend_nothing() {
 
 }  // namespace gliss::test
 
-using gliss::test::fault, gliss::test::real;
+using gliss::test::builds, gliss::test::fault, gliss::test::real;
 
 // A function that gives its error.
 #define FAULTY(name, parameters, arguments)                                \
@@ -116,25 +137,12 @@ FAULTY(clGetDeviceIDs,
        (platform, type, count, devices, found))
 FAULTY(clRetainDevice, (cl_device_id device), (device))
 FAULTY(clReleaseDevice, (cl_device_id device), (device))
-FAULTY_MAKER(cl_context, clCreateContext,
-             (const cl_context_properties* properties, cl_uint count, const cl_device_id* devices,
-              void(CL_CALLBACK* notify)(const char*, const void*, size_t, void*), void* data,
-              cl_int* error),
-             (properties, count, devices, notify, data, error))
 FAULTY(clReleaseContext, (cl_context context), (context))
 FAULTY_MAKER(cl_command_queue, clCreateCommandQueue,
              (cl_context context, cl_device_id device, cl_command_queue_properties properties,
               cl_int* error),
              (context, device, properties, error))
 FAULTY(clReleaseCommandQueue, (cl_command_queue queue), (queue))
-FAULTY_MAKER(cl_program, clCreateProgramWithSource,
-             (cl_context context, cl_uint count, const char** strings, const size_t* lengths,
-              cl_int* error),
-             (context, count, strings, lengths, error))
-FAULTY(clBuildProgram,
-       (cl_program program, cl_uint count, const cl_device_id* devices, const char* options,
-        void(CL_CALLBACK* notify)(cl_program, void*), void* data),
-       (program, count, devices, options, notify, data))
 FAULTY(clGetProgramInfo,
        (cl_program program, cl_program_info what, size_t size, void* value, size_t* needed),
        (program, what, size, value, needed))
@@ -142,9 +150,6 @@ FAULTY(clGetProgramBuildInfo,
        (cl_program program, cl_device_id device, cl_program_build_info what, size_t size,
         void* value, size_t* needed),
        (program, device, what, size, value, needed))
-FAULTY(clReleaseProgram, (cl_program program), (program))
-FAULTY_MAKER(cl_kernel, clCreateKernel, (cl_program program, const char* name, cl_int* error),
-             (program, name, error))
 FAULTY(clSetKernelArg, (cl_kernel kernel, cl_uint index, size_t size, const void* value),
        (kernel, index, size, value))
 FAULTY(clReleaseKernel, (cl_kernel kernel), (kernel))
@@ -180,6 +185,67 @@ FAULTY(clGetEventProfilingInfo,
        (cl_event event, cl_profiling_info what, size_t size, void* value, size_t* needed),
        (event, what, size, value, needed))
 FAULTY(clReleaseEvent, (cl_event event), (event))
+
+cl_context clCreateContext(const cl_context_properties* properties, cl_uint count,
+                           const cl_device_id* devices,
+                           void(CL_CALLBACK* notify)(const char*, const void*, size_t, void*),
+                           void* data, cl_int* error) {
+  const cl_int code = fault("clCreateContext");
+  if (error != nullptr) *error = code;
+  if (code != CL_SUCCESS) return nullptr;
+  const std::lock_guard lock(builds().mutex);
+  static const auto next = real(&clCreateContext, "clCreateContext");
+  if (!builds().shared) return next(properties, count, devices, notify, data, error);
+  cl_context& one = builds().context;
+  if (one == nullptr) one = next(properties, count, devices, notify, data, error);
+  if (one != nullptr) clRetainContext(one);
+  return one;
+}
+
+cl_program clCreateProgramWithSource(cl_context context, cl_uint count, const char** strings,
+                                     const size_t* lengths, cl_int* error) {
+  const cl_int code = fault("clCreateProgramWithSource");
+  if (error != nullptr) *error = code;
+  if (code != CL_SUCCESS) return nullptr;
+  static const auto next = real(&clCreateProgramWithSource, "clCreateProgramWithSource");
+  const cl_program program = next(context, count, strings, lengths, error);
+  std::string text;
+  for (cl_uint i = 0; i < count; ++i)
+    text += lengths != nullptr && lengths[i] > 0 ? std::string(strings[i], lengths[i]) : strings[i];
+  const std::lock_guard lock(builds().mutex);
+  builds().text[program] = text;
+  builds().instead.erase(program);
+  return program;
+}
+
+cl_int clBuildProgram(cl_program program, cl_uint count, const cl_device_id* devices,
+                      const char* options, void(CL_CALLBACK* notify)(cl_program, void*),
+                      void* data) {
+  if (const cl_int code = fault("clBuildProgram"); code != CL_SUCCESS) return code;
+  const std::lock_guard lock(builds().mutex);
+  static const auto next = real(&clBuildProgram, "clBuildProgram");
+  if (!builds().shared) return next(program, count, devices, options, notify, data);
+  cl_program& built = builds().built[builds().text[program] + options];
+  if (built == nullptr) {
+    const cl_int code = next(program, count, devices, options, notify, data);
+    if (code != CL_SUCCESS) return code;
+    clRetainProgram(built = program);
+  }
+  builds().instead[program] = built;
+  return CL_SUCCESS;
+}
+
+cl_kernel clCreateKernel(cl_program program, const char* name, cl_int* error) {
+  const cl_int code = fault("clCreateKernel");
+  if (error != nullptr) *error = code;
+  if (code != CL_SUCCESS) return nullptr;
+  static const auto next = real(&clCreateKernel, "clCreateKernel");
+  const std::lock_guard lock(builds().mutex);
+  const auto found = builds().instead.find(program);
+  return next(found == builds().instead.end() ? program : found->second, name, error);
+}
+
+FAULTY(clReleaseProgram, (cl_program program), (program))
 
 cl_int clGetDeviceInfo(cl_device_id device, cl_device_info what, size_t size, void* value,
                        size_t* needed) {

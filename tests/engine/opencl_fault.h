@@ -11,6 +11,10 @@ namespace gliss::test {
 void fail_call(const char* function, int at = 1, cl_int code = CL_OUT_OF_RESOURCES);
 bool call_failed();  // that call came, and was made to fail
 
+// From now on there is one context, and of programs of one text and the same options the first one
+// alone is built: a build, even of what the driver remembers, takes it a tenth of a second.
+void share_builds();
+
 // Sets what devices say of themselves from now on, whatever they are. Only numbers.
 void pretend(cl_device_info what, cl_ulong value);
 void pretend_nothing();

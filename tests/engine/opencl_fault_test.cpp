@@ -58,6 +58,7 @@ class OpenClFault : public ::testing::TestWithParam<Precision> {
   void SetUp() override {
     test::fail_call(nullptr);
     test::pretend_nothing();
+    test::share_builds();  // of hundreds of engines
     if (const std::string why = no_device(); !why.empty()) GLISS_SKIP_UNLESS_REQUIRED(why);
     const std::vector<OpenClDevice> devices = opencl_devices();
     if (GetParam() == Precision::kDouble && !devices.front().fp64)
@@ -210,7 +211,7 @@ void OpenClFault::expect_all_handled(const Work& work, const std::string& name, 
   test::record(name + (shared ? ", mapped" : ", copied"), "{}", places);
 }
 
-// Each takes half a minute, so mapped in double and copied in float.
+// Hundreds of engines each, so mapped in double and copied in float.
 TEST_P(OpenClFault, of_any_call_of_a_sweep_is_one_line_or_left_to_the_host) {
   expect_all_handled(sweeps_, "sweep", GetParam() == Precision::kDouble, {});
 }

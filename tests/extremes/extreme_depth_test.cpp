@@ -115,12 +115,7 @@ INSTANTIATE_TEST_SUITE_P(
         Parts{"sharp parts, float", kSharp, Precision::kFloat, 1e-6, 5e-3, 1e-4, 5e-3},
         Parts{"open parts", test::kOpenExtremes, Precision::kDouble, 1e-9},
         Parts{"open parts, float", test::kOpenExtremes, Precision::kFloat, 1e-6, 0, 0, 5e-5}),
-    [](const auto& info) {
-      std::string name = info.param.name;
-      std::erase(name, ',');
-      std::replace(name.begin(), name.end(), ' ', '_');
-      return name;
-    });
+    test::kNameOf);
 
 }  // namespace
 }  // namespace gliss

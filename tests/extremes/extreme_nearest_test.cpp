@@ -168,8 +168,7 @@ const Kind kKinds[] = {
      {1e-6, 1e-4, 1e-3, 1e-4, 1e-4, 0.03}}};
 // clang-format on
 
-INSTANTIATE_TEST_SUITE_P(, ExtremeNearest, ::testing::ValuesIn(kKinds),
-                         [](const auto& info) { return std::string(info.param.name); });
+INSTANTIATE_TEST_SUITE_P(, ExtremeNearest, ::testing::ValuesIn(kKinds), test::kNameOf);
 
 // clang-format off
 const Kind kOpenKinds[] = {
@@ -185,8 +184,7 @@ const Kind kOpenKinds[] = {
      {5e-4, 1e-3, 1e-4, 1e-4, 1e-4}}};
 // clang-format on
 
-INSTANTIATE_TEST_SUITE_P(Open, ExtremeNearest, ::testing::ValuesIn(kOpenKinds),
-                         [](const auto& info) { return std::string(info.param.name); });
+INSTANTIATE_TEST_SUITE_P(Open, ExtremeNearest, ::testing::ValuesIn(kOpenKinds), test::kNameOf);
 
 }  // namespace
 }  // namespace gliss

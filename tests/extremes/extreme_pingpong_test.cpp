@@ -149,11 +149,7 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(Over{"an edge", false, kMeshes}, Over{"a vertex", true, kMeshes},
                       Over{"an edge of open parts", false, test::kOpenExtremes},
                       Over{"a vertex of open parts", true, test::kOpenExtremes}),
-    [](const auto& info) {
-      std::string name = info.param.name;
-      std::replace(name.begin(), name.end(), ' ', '_');
-      return name;
-    });
+    test::kNameOf);
 
 }  // namespace
 }  // namespace gliss

@@ -174,11 +174,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Loop{"round a vertex", round_a_vertex, 2e-6, 1e-6, 1e-4, 1e-8, 1e-6},
                       Loop{"through a vertex", through_a_vertex, 1e-6, 1e-6, 1e-5, 1e-8},
                       Loop{"along edges", along_edges, 1e-6, 1e-6, 1e-5, 5e-7}),
-    [](const auto& info) {
-      std::string name = info.param.name;
-      std::replace(name.begin(), name.end(), ' ', '_');
-      return name;
-    });
+    test::kNameOf);
 
 }  // namespace
 }  // namespace gliss

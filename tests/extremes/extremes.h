@@ -42,4 +42,12 @@ inline void hold(const Bound& bound, double worst, std::uint64_t count) {
   if (const char* path = std::getenv("GLISS_EXTREMES")) std::ofstream(path, std::ios::app) << row;
 }
 
+// The name of a value that has one, for INSTANTIATE_TEST_SUITE_P, which takes no others.
+inline constexpr auto kNameOf = [](const auto& info) {
+  std::string name = info.param.name;
+  std::erase(name, ',');
+  std::replace(name.begin(), name.end(), ' ', '_');
+  return name;
+};
+
 }  // namespace gliss::test

@@ -531,20 +531,10 @@ inline double uniform(Rng& rng, double low, double high) {
   return low + (high - low) * std::ldexp(static_cast<double>(rng() >> 11), -53);
 }
 
-inline Vec<double> random_unit(Rng& rng) {
-  const double z = uniform(rng, -1, 1), angle = uniform(rng, 0, 2 * std::numbers::pi);
-  const double r = std::sqrt(std::max(0.0, 1 - z * z));
-  return {r * std::cos(angle), r * std::sin(angle), z};
-}
+Vec<double> random_unit(Rng& rng);
 
 /// `axis` (unit) turned by a random angle up to `max_tilt` (rad) in a random direction.
-inline Vec<double> random_tilt(Rng& rng, const Vec<double>& axis, double max_tilt) {
-  const double tilt = uniform(rng, 0, max_tilt);
-  const Vec<double> sideways = axis.unitOrthogonal();
-  const Vec<double> turned =
-      Eigen::AngleAxisd(uniform(rng, 0, 2 * std::numbers::pi), axis) * sideways;
-  return (std::cos(tilt) * axis + std::sin(tilt) * turned).normalized();
-}
+Vec<double> random_tilt(Rng& rng, const Vec<double>& axis, double max_tilt);
 
 /// Unit normal of a polygon that need not be planar (Newell): the direction of its vector area.
 template <class S>
@@ -616,5 +606,20 @@ Polygon<S> random_neighbour(Rng& rng, const Polygon<S>& polygon, int k, int n, d
   result.normals[1] = polygon.normal(k);
   return result;
 }
+
+// Compiled once, in oracle.cpp.
+extern template Side<double> side(const Polygon<double>&, int, std::type_identity_t<double>);
+extern template Sample<double> evaluate(const Polygon<double>&, std::type_identity_t<double>,
+                                        std::type_identity_t<double>);
+extern template Side<long double> side(const Polygon<long double>&, int,
+                                       std::type_identity_t<long double>);
+extern template Sample<long double> evaluate(const Polygon<long double>&,
+                                             std::type_identity_t<long double>,
+                                             std::type_identity_t<long double>);
+extern template Nearest<double> nearest(const Polygon<double>&,
+                                        const std::type_identity_t<Vec<double>>&, int, int);
+extern template Polygon<double> random_polygon(Rng&, int, double, double);
+extern template Polygon<double> random_neighbour(Rng&, const Polygon<double>&, int, int, double,
+                                                 double, double);
 
 }  // namespace gliss::oracle

@@ -72,7 +72,7 @@ ForceStatistics feel(const PatchCache& cache, const QueryOptions& options,
     ForceStatistics felt;
     for (const Vec3& hip : walk.hips) {
       const Contact contact = tracker.tick(hip);
-      felt.add(contact.touching, contact.push, (contact.flags & kSettling) != 0);
+      felt.add(contact.touching, contact.push, is_settling(contact.flags));
     }
     all.merge(felt);
   }
@@ -112,7 +112,7 @@ TEST(Settle, takes_energy_and_gives_none) {
         Contact last = tracker.tick(walk.hips[0]);
         for (std::size_t i = 1; i < walk.hips.size(); ++i) {
           const Contact now = tracker.tick(walk.hips[i]);
-          if (last.touching && (now.flags & kSettling)) {
+          if (last.touching && is_settling(now.flags)) {
             const Vec3 held = last.push - (walk.hips[i] - walk.hips[i - 1]);
             EXPECT_LE(now.push.norm(), held.norm() + 1e-9 * depth) << mesh.source;
             ++settling;
@@ -134,12 +134,12 @@ TEST(Settle, ends_at_a_nearest_point_once_the_hand_rests) {
     ContactTracker tracker(cache, with_settle(5));
     bool was_settling = false;
     for (const Vec3& hip : walk.hips) {
-      const bool settles = tracker.tick(hip).flags & kSettling;
+      const bool settles = is_settling(tracker.tick(hip).flags);
       if (settles && !was_settling) {
         ContactTracker resting = tracker;
         int ticks = 0;
         Contact contact = resting.tick(hip);
-        for (; contact.flags & kSettling && ticks < 500; ++ticks) contact = resting.tick(hip);
+        for (; is_settling(contact.flags) && ticks < 500; ++ticks) contact = resting.tick(hip);
         EXPECT_LT(ticks, 500);
         // What is left of the way may take more iterations than a tick has.
         for (int i = 0; i < 40; ++i) contact = resting.tick(hip);

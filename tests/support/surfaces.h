@@ -22,9 +22,7 @@ namespace gliss::test {
 using Polygon = oracle::Polygon<double>;
 using Vec2 = oracle::Vec2<double>;
 
-inline std::string shared_path(const std::string& name) {
-  return std::string(test::kShared) + "/" + name;
-}
+std::string shared_path(const std::string& name);
 
 // Skips where the folder of shared meshes is absent.
 class SharedTest : public ::testing::Test {
@@ -37,26 +35,10 @@ class SharedTest : public ::testing::Test {
 };
 
 // An open mesh of one face.
-inline Mesh mesh_of(const Polygon& polygon) {
-  Mesh mesh;
-  mesh.positions = polygon.positions;
-  mesh.normals = polygon.normals;
-  const auto n = static_cast<std::uint32_t>(polygon.size());
-  mesh.face_begin.push_back(n);
-  for (std::uint32_t k = 0; k < n; ++k) mesh.corner_vertex.push_back(k);
-  mesh.corner_normal = mesh.corner_vertex;
-  return mesh;
-}
+Mesh mesh_of(const Polygon& polygon);
 
 // A face of a mesh that has normals.
-inline Polygon polygon_of(const Mesh& mesh, std::size_t face) {
-  Polygon polygon;
-  for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c) {
-    polygon.positions.push_back(mesh.positions[mesh.corner_vertex[c]]);
-    polygon.normals.push_back(mesh.normals[mesh.corner_normal[c]]);
-  }
-  return polygon;
-}
+Polygon polygon_of(const Mesh& mesh, std::size_t face);
 
 // Calls visit(side, twin) once for every edge of two faces.
 template <class Visit>
@@ -68,60 +50,26 @@ void for_each_inner_edge(const Topology& topology, Visit visit) {
 }
 
 // Many points of a side of a face, in the order of `t`.
-inline std::vector<SurfacePoint> along_side(const PatchCache& cache, const Mesh& mesh,
-                                            const Topology& topology, std::uint32_t side,
-                                            const std::vector<double>& t) {
-  const std::uint32_t face = topology.side_face[side];
-  const int n = static_cast<int>(mesh.valence(face));
-  const int k = static_cast<int>(side - mesh.face_begin[face]);
-  std::vector<DomainPoint> at;
-  for (const double x : t) {
-    const Vec2 X = oracle::on_side(n, k, x);
-    at.push_back({face, X.x(), X.y()});
-  }
-  std::vector<SurfacePoint> points(t.size());
-  evaluate(cache, at, points);
-  return points;
-}
+std::vector<SurfacePoint> along_side(const PatchCache& cache, const Mesh& mesh,
+                                     const Topology& topology, std::uint32_t side,
+                                     const std::vector<double>& t);
 
-inline PatchKind kind_of(const PatchCache& cache, std::uint32_t face) {
-  return cache.kind[cache.face_patch[face]];
-}
+PatchKind kind_of(const PatchCache& cache, std::uint32_t face);
 
-inline Mesh with_normals(Mesh mesh) {
-  add_vertex_normals(mesh);
-  return mesh;
-}
+Mesh with_normals(Mesh mesh);
 
-inline Mesh load_shared(const std::string& name) {
-  return with_normals(load_mesh(shared_path(name + ".obj")));
-}
+Mesh load_shared(const std::string& name);
 
 // The diagonal of its box.
-inline double size_of(const Mesh& mesh) {
-  Vec3 low = mesh.positions.front(), high = low;
-  for (const Vec3& p : mesh.positions) low = low.cwiseMin(p), high = high.cwiseMax(p);
-  return (high - low).norm();
-}
+double size_of(const Mesh& mesh);
 
-inline PatchCache cache_of(const Mesh& mesh, Precision precision = Precision::kDouble,
-                           bool tame = true, BuildReport* report = nullptr) {
-  BuildOptions options;
-  options.precision = precision;
-  options.tame = tame;
-  return build_cache(mesh, options, report);
-}
+PatchCache cache_of(const Mesh& mesh, Precision precision = Precision::kDouble, bool tame = true,
+                    BuildReport* report = nullptr);
 
-inline SurfacePoint at(const PatchCache& cache, std::uint32_t face, const Vec2& X) {
-  return evaluate(cache, {face, X.x(), X.y()});
-}
+SurfacePoint at(const PatchCache& cache, std::uint32_t face, const Vec2& X);
 
 // Takes the numbers of a face's patch away, as no file can: its points and normals are none.
-inline void break_patch(PatchCache& cache, std::uint32_t face) {
-  auto& surface = std::get<Surface<double>>(cache.surface);
-  const std::size_t begin = 3 * std::size_t{surface.control_begin[cache.face_patch[face]]};
-  surface.control[begin] = std::numeric_limits<double>::quiet_NaN();
-}
+void break_patch(PatchCache& cache, std::uint32_t face);
 
 // The largest of many errors; a NaN stays.
 struct Worst {

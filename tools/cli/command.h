@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <chrono>
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -11,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "gliss/base/stopwatch.h"
 #include "gliss/engine/opencl.h"
 #include "gliss/mesh/creases.h"
 #include "gliss/study/sweep.h"
@@ -146,16 +146,6 @@ std::string radius_text(double radius);       // "4.67", or "none" where all is 
 Json radius_json(double radius);
 std::string unit_name(double unit);  // "mm"; "0.5 m" where it has no name
 std::string hash_name(std::uint64_t hash);
-
-class Stopwatch {
- public:
-  double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 void add_bake(Command& program);
 void add_compare(Command& program);

@@ -20,7 +20,7 @@ Progress::Progress(std::string label, std::uint64_t total, std::string noun, Pro
 void Progress::update(std::uint64_t done) {
   if (line_.place() == StatusLine::Place::kNowhere) return;
   state_.done = done;
-  state_.seconds = seconds();
+  state_.seconds = clock_.seconds();
   if (line_.place() == StatusLine::Place::kLog) {
     if (pace_.due(state_)) line_.show(fmt::format("{}: {}", label_, progress_text(state_, noun_)));
   } else if (drawn_ < 0 || state_.seconds - drawn_ >= kRedraw) {
@@ -32,13 +32,9 @@ void Progress::update(std::uint64_t done) {
 
 void Progress::finish() {
   if (line_.place() == StatusLine::Place::kNowhere) return;
-  state_.seconds = seconds();
+  state_.seconds = clock_.seconds();
   if (state_.total != 0) state_.done = state_.total;
   line_.finish(fmt::format("{}: {}", label_, finished_text(state_, noun_)));
-}
-
-double Progress::seconds() const {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
 }
 
 }  // namespace gliss

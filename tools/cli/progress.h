@@ -2,10 +2,10 @@
 // nothing.
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <string>
 
+#include "gliss/base/stopwatch.h"
 #include "tools/cli/progress_text.h"
 #include "tools/cli/status_line.h"
 
@@ -24,14 +24,12 @@ class Progress {
   void finish();  // says how many in what time
 
  private:
-  double seconds() const;
-
   std::string label_, noun_;
   StatusLine line_;
   ProgressState state_;
   LinePace pace_;
   double drawn_ = -1;  // when the bar was drawn last; negative: never
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  Stopwatch clock_;
 };
 
 }  // namespace gliss

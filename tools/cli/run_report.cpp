@@ -32,7 +32,7 @@ Json json_of(const LoopTick& tick) {
 
 void RunReport::add(const LoopTick& tick) {
   if (tick.rendered.allFinite())
-    rendered_.add(tick.touching, tick.rendered, (tick.flags & kSettling) != 0);
+    rendered_.add(tick.touching, tick.rendered, is_settling(tick.flags));
   sent_.add(tick.sent != Vec3::Zero(), tick.sent);
   if (tick.touching && tick.object != LoopTick::kNothing) {
     if (deepest_.size() <= tick.object) deepest_.resize(tick.object + 1, 0);

@@ -1,0 +1,18 @@
+// Seconds since its making, by the clock that is never set.
+#pragma once
+
+#include <chrono>
+
+namespace gliss {
+
+class Stopwatch {
+ public:
+  double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace gliss
