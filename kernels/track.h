@@ -201,21 +201,24 @@ FN int is_crease_at(surface_view view, uint side) {
   return norm3(cross3(p, q)) <= K(1e-5f) * norm3(p) * norm3(q);
 }
 
-// The side of a crease that starts at the same vertex and goes most along a direction: from a
-// corner a way may point into no patch and yet lead along an edge that is none of the two of
-// `side`'s patch. NONE where one of these leads there, or no crease does.
+// The side, of those that start at the same vertex, whose patch has the crease or border there that
+// goes most along a direction: from a corner a way may point into no patch and yet lead along an
+// edge that is none of the two of `side`'s patch. NONE where one of these leads there, or none.
 FN_LARGE uint edge_in_fan(surface_view view, uint side, real3 w) {
   uint best = NONE;
   real most = K(16) * EPSILON * norm3(w);
   fan_walk fan = start_fan(side);
   for (uint at = side; at != NONE; at = next_in_fan(view, &fan)) {
-    if (is_crease_at(view, at)) {
-      const real3 p = tangents_at(view, at).p;
-      const real along = dot3(p, w) / larger(norm3(p), TINY);
-      if (along > most) {
-        most = along;
-        best = at;
-      }
+    const corner_tangents t = tangents_at(view, at);
+    const real forth = dot3(t.p, w) / larger(norm3(t.p), TINY),
+               back = dot3(t.q, w) / larger(norm3(t.q), TINY);
+    if (forth > most && (view.side_twin[at] == NONE || is_crease_at(view, at))) {
+      most = forth;
+      best = at;
+    }
+    if (back > most && view.side_twin[prev_in_patch(view, at)] == NONE) {
+      most = back;
+      best = at;
     }
   }
   if (best == NONE) return NONE;
@@ -448,9 +451,8 @@ FN domain_point leave_patch(surface_view view, foot* f, held_sides held, int jus
     const fan_place fan = find_in_fan(view, side, way);
     f->walked += fan.steps > WIDE_FAN ? fan.steps : 0;
     is_border = fan.is_border;
-    to = corner_point(view, fan.side == NONE && !just_crossed && HAS_CREASES(view)
-                                ? edge_in_fan(view, side, way)
-                                : fan.side);
+    const int may_lead_on = fan.side == NONE && !just_crossed && (is_border || HAS_CREASES(view));
+    to = corner_point(view, may_lead_on ? edge_in_fan(view, side, way) : fan.side);
   } else {
     const uint side = first + (uint)held.a, twin = view.side_twin[side];
     if (twin != NONE) to = cross_edge(view, side, twin, f->xi, f->eta);
