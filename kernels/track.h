@@ -201,21 +201,24 @@ FN int is_crease_at(surface_view view, uint side) {
   return norm3(cross3(p, q)) <= K(1e-5f) * norm3(p) * norm3(q);
 }
 
-// The side of a crease that starts at the same vertex and goes most along a direction: from a
-// corner a way may point into no patch and yet lead along an edge that is none of the two of
-// `side`'s patch. NONE where one of these leads there, or no crease does.
+// The side, of those that start at the same vertex, whose patch has the crease or border there that
+// goes most along a direction: from a corner a way may point into no patch and yet lead along an
+// edge that is none of the two of `side`'s patch. NONE where one of these leads there, or none.
 FN_LARGE uint edge_in_fan(surface_view view, uint side, real3 w) {
   uint best = NONE;
   real most = K(16) * EPSILON * norm3(w);
   fan_walk fan = start_fan(side);
   for (uint at = side; at != NONE; at = next_in_fan(view, &fan)) {
-    if (is_crease_at(view, at)) {
-      const real3 p = tangents_at(view, at).p;
-      const real along = dot3(p, w) / larger(norm3(p), TINY);
-      if (along > most) {
-        most = along;
-        best = at;
-      }
+    const corner_tangents t = tangents_at(view, at);
+    const real forth = dot3(t.p, w) / larger(norm3(t.p), TINY),
+               back = dot3(t.q, w) / larger(norm3(t.q), TINY);
+    if (forth > most && (view.side_twin[at] == NONE || is_crease_at(view, at))) {
+      most = forth;
+      best = at;
+    }
+    if (back > most && view.side_twin[prev_in_patch(view, at)] == NONE) {
+      most = back;
+      best = at;
     }
   }
   if (best == NONE) return NONE;
@@ -238,7 +241,7 @@ FN int is_border_vertex(surface_view view, uint side) {
 
 // The step where first + second is flat or indefinite: of its curvatures relative to `first`, those
 // that rise are kept, so that flat minima are not crept to; 1 stands for the others, as in the
-// Gauss-Newton step.
+// Gauss-Newton step. Their own size in its stead makes no search shorter, nor longer.
 FN domain_vector saddle_step(sym2 first, sym2 second, domain_vector gradient) {
   // first = L L^T; of L^-1 second L^-T the eigenvalues, and 1 more those of the whole.
   const real l = sqrt(first.a), m = first.b / l;
@@ -367,139 +370,207 @@ FN foot descend_foot(surface_view view, hip_point h, foot f, track_options optio
   return f;
 }
 
+// True if a descent goes on.
+FN int is_descending(foot f, track_options options) {
+  return !(f.flags & FOOT_CONVERGED) && f.iterations < options.max_iterations;
+}
+
+// How a step of a descent ends: the descent with it, in the same patch, or in another.
+#define STEP_ENDS 0
+#define STEP_STAYS 1
+#define STEP_CROSSES 2
+
+FN int converge(foot* f) {
+  f->flags |= FOOT_CONVERGED;
+  return STEP_ENDS;
+}
+
+// A step that a foot may take, and the sides that hold the foot.
+typedef struct {
+  sym2 first;
+  domain_vector gradient, way;
+  real length2;            // squared, of the way before sides have turned it
+  held_sides held, along;  // along: those that it follows
+} foot_step;
+
+FN int is_short(foot_step s, real length, track_options options) {
+  return length * length * quadratic(s.first, s.way) <= options.tolerance * options.tolerance;
+}
+
+// The Newton step. A patch away the curvature is another: no farther than the tangent plane says.
+FN foot_step choose_step(surface_view view, foot f) {
+  const held_sides none = {-1, -1};
+  const int n = valence_of(view, f.patch);
+  foot_step s;
+  s.first = first_form(f.at);
+  s.gradient = gradient_of(f.at, f.r);
+  s.way = newton_step(s.first, f.bend, s.gradient);
+  s.length2 = quadratic(s.first, s.way);
+  s.held = sides_at(domain_of(view, n), n, f.xi, f.eta);
+  s.along = none;
+  if (s.length2 > K(1)) {
+    const sym2 no_bend = {K(0), K(0), K(0)};
+    const domain_vector flat = newton_step(s.first, no_bend, s.gradient);
+    const real flat2 = quadratic(s.first, flat);
+    if (flat2 < s.length2) {
+      s.way = flat;
+      s.length2 = flat2;
+    }
+  }
+  return s;
+}
+
+// True if a step leads out over a side that holds the foot.
+FN int leads_out(surface_view view, foot f, foot_step s) {
+  GLOBAL scalar* domain = domain_of(view, valence_of(view, f.patch));
+  return (s.held.a >= 0 && outward(domain, s.held.a, s.way) > K(0)) ||
+         (s.held.b >= 0 && outward(domain, s.held.b, s.way) > K(0));
+}
+
+// The corner where `side` starts; of patch NONE, like the side.
+FN domain_point corner_point(surface_view view, uint side) {
+  domain_point r = {NONE, K(0), K(0)};
+  if (side == NONE) return r;
+  r.patch = view.side_patch[side];
+  const domain_vector c = domain_corner(domain_of(view, valence_of(view, r.patch)),
+                                        (int)(side - view.side_begin[r.patch]));
+  r.xi = c.xi;
+  r.eta = c.eta;
+  return r;
+}
+
+// The point of another patch where a foot that a step leads out goes on; of patch NONE where it
+// goes on along its sides: there is none, or it has just come.
+FN domain_point leave_patch(surface_view view, foot* f, held_sides held, int just_crossed) {
+  const uint first = view.side_begin[f->patch];
+  domain_point to = {NONE, f->xi, f->eta};
+  int is_border = 1;
+  if (held.b >= 0) {
+    const uint side = first + (uint)held.b;
+    const real3 way = mul3(K(-1), f->r);
+    const fan_place fan = find_in_fan(view, side, way);
+    f->walked += fan.steps > WIDE_FAN ? fan.steps : 0;
+    is_border = fan.is_border;
+    const int may_lead_on = fan.side == NONE && !just_crossed && (is_border || HAS_CREASES(view));
+    to = corner_point(view, may_lead_on ? edge_in_fan(view, side, way) : fan.side);
+  } else {
+    const uint side = first + (uint)held.a, twin = view.side_twin[side];
+    if (twin != NONE) to = cross_edge(view, side, twin, f->xi, f->eta);
+  }
+  if (to.patch != NONE && !just_crossed) return to;
+  f->flags |= to.patch == NONE && is_border ? FOOT_BORDER : FOOT_CREASE;
+  to.patch = NONE;
+  return to;
+}
+
+// What a descent does in a patch that it has come to from `from`: it goes on, unless that is the
+// patch of a known minimum, and no nearer.
+FN int go_on_in_patch(surface_view view, foot from, foot* f, track_options options,
+                      known_minimum known) {
+  if (f->patch == known.patch && f->distance2 >= known.distance2) return STEP_ENDS;
+  f->bend = carry_bend(view, from, *f, options);
+  return STEP_CROSSES;
+}
+
+FN int enter_patch(surface_view view, hip_point h, domain_point at, foot* f, track_options options,
+                   known_minimum known) {
+  const foot from = *f;
+  *f = move_foot(view, h, from, at.patch, at.xi, at.eta);
+  ++f->iterations;
+  ++f->crossings;
+  const int step = go_on_in_patch(view, from, f, options, known);
+  if (step == STEP_CROSSES) f->last2 = -K(1);
+  return step;
+}
+
+// Where a step has come to, and how far.
+typedef struct {
+  foot to;
+  real length;  // of the step's way
+  int crossed;
+  int fell;  // the distance, or it is at its rounding
+} trial;
+
+// Quarters a step, cut where it leaves the patch, until the distance falls.
+FN trial search_along(surface_view view, hip_point h, foot f, foot_step s, track_options options) {
+  const int n = valence_of(view, f.patch);
+  const int at_rounding = is_at_rounding(s.gradient, s.way, f.r);
+  const cut_step cut = cut_at_sides(domain_of(view, n), n, s.along, f.xi, f.eta, s.way);
+  trial t = {f, cut.length, 0, 0};
+  while (f.iterations < options.max_iterations) {
+    domain_point p = {f.patch, fma(t.length, s.way.xi, f.xi), fma(t.length, s.way.eta, f.eta)};
+    const int is_cut = t.length == cut.length && cut.side >= 0;
+    t.crossed = 0;
+    if (is_cut) {
+      const uint side = view.side_begin[f.patch] + (uint)cut.side, twin = view.side_twin[side];
+      t.crossed = twin != NONE;
+      if (t.crossed) p = cross_edge(view, side, twin, p.xi, p.eta);
+    }
+    t.to = move_foot(view, h, f, p.patch, p.xi, p.eta);
+    t.to.iterations = ++f.iterations;
+    // From a hair's breadth beside a side onto it: no distance falls by that, and the step is not
+    // over.
+    const int too_short = is_short(s, t.length, options);
+    t.fell = t.to.distance2 < f.distance2 || at_rounding || (too_short && is_cut);
+    if (t.fell || too_short) break;
+    t.length *= K(0.25f);
+  }
+  return t;
+}
+
+// Takes a step, with what it tells of the next.
+FN int take_step(surface_view view, foot* f, foot_step s, trial t, track_options options,
+                 known_minimum known) {
+  const foot from = *f;
+  f->iterations = t.to.iterations;
+  // At the rounding of the distance, unless the iterations ran out.
+  if (!t.fell) return is_descending(*f, options) ? converge(f) : STEP_ENDS;
+  const int follows = s.along.a >= 0;
+  *f = t.to;
+  f->crossings += t.crossed;
+  if (!follows) f->flags &= ~(FOOT_BORDER | FOOT_CREASE);
+  f->before2 = s.length2;
+  f->last2 = t.crossed || follows ? -K(1) : t.length * t.length * s.length2;
+  if (t.crossed) return go_on_in_patch(view, from, f, options, known);
+  if (options.solver == SOLVER_NEWTON) {
+    const domain_vector taken = make_vector(t.length * s.way.xi, t.length * s.way.eta);
+    f->bend = bend_after(from.bend, from.at, s.gradient, taken, f->at, f->r);
+  }
+  return STEP_STAYS;
+}
+
+// One step from where a descent within the patch stops: at a side, on a saddle, or before a step
+// that is too long.
+FN int step_foot(surface_view view, hip_point h, foot* f, int just_crossed, track_options options,
+                 known_minimum known) {
+  foot_step s = choose_step(view, *f);
+  if (is_short(s, K(1), options)) return converge(f);
+  if (leads_out(view, *f, s)) {
+    if (s.held.b >= 0 && f->walked > FAN_STEPS_A_DESCENT) return STEP_ENDS;
+    const domain_point to = leave_patch(view, f, s.held, just_crossed);
+    if (to.patch != NONE) return enter_patch(view, h, to, f, options, known);
+    const int n = valence_of(view, f->patch);
+    s.along = s.held;
+    s.way = edge_step(domain_of(view, n), n, s.held, s.first, f->bend, s.gradient);
+    if (is_short(s, K(1), options)) return converge(f);
+  }
+  if (is_at_rounding(s.gradient, s.way, f->r) && f->before2 > K(0) && s.length2 >= f->before2)
+    return converge(f);
+  return take_step(view, f, s, search_along(view, h, *f, s, options), options, known);
+}
+
 // Tracks the local nearest point from a start with its bend. An edge is crossed where the distance
 // falls on its other side; having crossed, not again before it has fallen. Gives up on entering the
 // patch of `known`, a minimum found before, at no less than its distance (patch NONE: never).
 FN_LARGE foot track_foot(surface_view view, hip_point h, foot f, track_options options,
                          known_minimum known) {
-  int just_crossed = 0;
-  while (!(f.flags & FOOT_CONVERGED) && f.iterations < options.max_iterations) {
+  int step = STEP_STAYS;
+  while (step != STEP_ENDS && is_descending(f, options)) {
     const int so_far = f.iterations;
     f = descend_foot(view, h, f, options);
-    if (f.iterations > so_far) just_crossed = 0;
-    if ((f.flags & FOOT_CONVERGED) || f.iterations >= options.max_iterations) break;
-    // What is left: a side, a saddle, or a step that is too long.
-    const int n = valence_of(view, f.patch);
-    const uint first_side = view.side_begin[f.patch];
-    GLOBAL scalar* domain = domain_of(view, n);
-    const domain_vector gradient = gradient_of(f.at, f.r);
-    const sym2 first = first_form(f.at);
-    domain_vector step = newton_step(first, f.bend, gradient);
-    real length2 = quadratic(first, step);
-    // A patch away the curvature is another: no farther than the tangent plane says.
-    if (length2 > K(1)) {
-      const sym2 none = {K(0), K(0), K(0)};
-      const domain_vector flat = newton_step(first, none, gradient);
-      const real flat2 = quadratic(first, flat);
-      if (flat2 < length2) {
-        step = flat;
-        length2 = flat2;
-      }
-    }
-    const real tolerance2 = options.tolerance * options.tolerance;
-    const held_sides held = sides_at(domain, n, f.xi, f.eta);
-    if (length2 <= tolerance2) {
-      f.flags |= FOOT_CONVERGED;
-      break;
-    }
-    const int leaves_a = held.a >= 0 && outward(domain, held.a, step) > K(0);
-    const int leaves_b = held.b >= 0 && outward(domain, held.b, step) > K(0);
-    held_sides along = {-1, -1};
-    int ends = held.b < 0;
-    if (leaves_a || leaves_b) {
-      uint next = NONE;
-      domain_point to;
-      if (held.b >= 0) {
-        if (f.walked > FAN_STEPS_A_DESCENT) break;
-        const fan_place fan = find_in_fan(view, first_side + (uint)held.b, mul3(K(-1), f.r));
-        next = fan.side;
-        if (next == NONE && !just_crossed && HAS_CREASES(view))
-          next = edge_in_fan(view, first_side + (uint)held.b, mul3(K(-1), f.r));
-        ends = fan.is_border;
-        f.walked += fan.steps > WIDE_FAN ? fan.steps : 0;
-        if (next != NONE) {
-          to.patch = view.side_patch[next];
-          const int m = valence_of(view, to.patch);
-          const domain_vector c =
-              domain_corner(domain_of(view, m), (int)(next - view.side_begin[to.patch]));
-          to.xi = c.xi;
-          to.eta = c.eta;
-        }
-      } else {
-        next = view.side_twin[first_side + (uint)held.a];
-        if (next != NONE) to = cross_edge(view, first_side + (uint)held.a, next, f.xi, f.eta);
-      }
-      if (next != NONE && !just_crossed) {
-        const foot from = f;
-        f = move_foot(view, h, f, to.patch, to.xi, to.eta);
-        ++f.iterations;
-        ++f.crossings;
-        just_crossed = 1;
-        if (f.patch == known.patch && f.distance2 >= known.distance2) break;
-        f.bend = carry_bend(view, from, f, options);
-        f.last2 = -K(1);
-        continue;
-      }
-      step = edge_step(domain, n, held, first, f.bend, gradient);
-      along = held;
-      f.flags |= next == NONE && ends ? FOOT_BORDER : FOOT_CREASE;
-      if (quadratic(first, step) <= tolerance2) {
-        f.flags |= FOOT_CONVERGED;
-        break;
-      }
-    }
-    const int at_rounding = is_at_rounding(gradient, step, f.r);
-    if (at_rounding && f.before2 > K(0) && length2 >= f.before2) {
-      f.flags |= FOOT_CONVERGED;
-      break;
-    }
-    const cut_step cut = cut_at_sides(domain, n, along, f.xi, f.eta, step);
-    foot to = f;
-    real length = cut.length;
-    int crossed = 0, fell = 0;
-    while (f.iterations < options.max_iterations) {
-      const real xi = fma(length, step.xi, f.xi), eta = fma(length, step.eta, f.eta);
-      domain_point p = {f.patch, xi, eta};
-      crossed = 0;
-      if (length == cut.length && cut.side >= 0) {
-        const uint side = first_side + (uint)cut.side, twin = view.side_twin[side];
-        if (twin != NONE) {
-          p = cross_edge(view, side, twin, xi, eta);
-          crossed = 1;
-        }
-      }
-      to = move_foot(view, h, f, p.patch, p.xi, p.eta);
-      ++f.iterations;
-      const int is_short = length * length * quadratic(first, step) <= tolerance2;
-      // From a hair's breadth beside a side onto it: no distance falls by that, and the step is not
-      // over.
-      const int onto_side = is_short && cut.side >= 0 && length == cut.length;
-      if (to.distance2 < f.distance2 || at_rounding || onto_side) {
-        fell = 1;
-        break;
-      }
-      if (is_short) break;
-      length *= K(0.25f);
-    }
-    if (!fell) {  // at the rounding of the distance, unless the iterations ran out
-      if (f.iterations < options.max_iterations) f.flags |= FOOT_CONVERGED;
-      break;
-    }
-    if (along.a < 0) f.flags &= ~(FOOT_BORDER | FOOT_CREASE);
-    to.iterations = f.iterations;
-    to.crossings = f.crossings + crossed;
-    to.flags = f.flags;
-    to.before2 = length2;
-    to.last2 = crossed || along.a >= 0 ? -K(1) : length * length * length2;
-    if (crossed) {
-      if (to.patch == known.patch && to.distance2 >= known.distance2) return to;
-      to.bend = carry_bend(view, f, to, options);
-    } else if (options.solver == SOLVER_NEWTON) {
-      const domain_vector taken = make_vector(length * step.xi, length * step.eta);
-      to.bend = bend_after(f.bend, f.at, gradient, taken, to.at, to.r);
-    }
-    just_crossed = crossed;
-    f = to;
+    if (f.iterations > so_far) step = STEP_STAYS;
+    if (is_descending(f, options))
+      step = step_foot(view, h, &f, step == STEP_CROSSES, options, known);
   }
   return f;
 }

@@ -244,6 +244,20 @@ class ContactTracker::Tick {
     return contact(end);
   }
 
+  // Takes a contact that began at x along to the HIP, as slower hands do: where it ends in a thin
+  // part depends on the way. As many steps as the tick may spend.
+  void follow_way(const Vec3& x, RawContact<Real>& contact) {
+    const Vec3 way = hip_ - x;
+    const double steps = std::clamp(std::ceil(way.norm() / glide_), 1.0, kWaySteps);
+    for (double step = 1; step <= steps; ++step) {
+      if (spent_ + options_.max_iterations >= kSearchEvaluations) step = steps;
+      const Vec3 to = step < steps ? Vec3(x + step / steps * way) : hip_;
+      const RawHip<Real> hip = raw_hip<Real>(cache_, to);
+      kernels<Real>().track(s_, t_.options_.method, within(left()), &hip, 1, &contact);
+      spent_ += evaluations_of(contact);
+    }
+  }
+
   // Sphere tracing (Hart 1996) along the way of a free HIP, from last_ to where `end` is the
   // nearest point: the balls round both ends hold no surface, nor does that round any point
   // between. A way that they cover crosses none.
@@ -264,9 +278,7 @@ class ContactTracker::Tick {
       const bool is_in = is_touching(there) && !is_unfinished(there), meets = clear <= on_surface_;
       if (!behind && (meets || (is_in && (glided || cache_.is_closed)))) {
         RawContact<Real> inside = there;
-        const RawHip<Real> hip = raw_hip<Real>(cache_, hip_);
-        kernels<Real>().track(s_, t_.options_.method, within(left()), &hip, 1, &inside);
-        spent_ += evaluations_of(inside);
+        follow_way(x, inside);
         if (is_touching(inside)) return accept(inside);
       }
       if (!meets) behind = is_in && !cache_.is_closed;
@@ -292,6 +304,7 @@ class ContactTracker::Tick {
   static constexpr double kApart = 1e-3;  // of cosines, more than one face's normals differ by
   // Evaluations for a point on the way, where a bound on the distance is enough.
   static constexpr int kWaySearch = 128;
+  static constexpr double kWaySteps = 16;
 
   ContactTracker& t_;
   const PatchCache& cache_;

@@ -173,15 +173,15 @@ INSTANTIATE_TEST_SUITE_P(, ExtremeNearest, ::testing::ValuesIn(kKinds), test::kN
 // clang-format off
 const Kind kOpenKinds[] = {
     {"edges", "over edges of open parts", test::over_an_edge, test::kOpenExtremes, 3000, kMillion,
-     {1e-5, 5e-4, 1e-5, 1e-4, 1e-4}},
+     {1e-8, 1e-4, 1e-5, 1e-4, 1e-4}},
     {"vertices", "over vertices of open parts", test::over_a_vertex, test::kOpenExtremes, 3000, kMillion,
-     {1e-5, 1e-3, 1e-5, 5e-4, 1e-4}},
-    {"borders", "past borders", test::past_a_border, test::kOpenExtremes, 3000, kMillion, {2e-5, 1e-3, 2e-4, 1e-3, 1e-4}},
+     {1e-7, 5e-4, 1e-5, 5e-4, 1e-4}},
+    {"borders", "past borders", test::past_a_border, test::kOpenExtremes, 3000, kMillion, {1e-9, 0, 1e-5, 1e-3, 1e-4}},
     {"medial_axis", "on the medial axis of open parts", test::on_the_medial_axis, test::kOpenExtremes, 1000, kMillion,
      {1e-4, 5e-3, 1e-4, 2e-3, 1e-4}},
     {"surface", "exactly on the surface of open parts", test::on_the_surface, test::kOpenExtremes, 1000, kMillion},
     {"far", "1 to 10 sizes outside open parts", test::far_outside<1>, test::kOpenExtremes, 1000, kMillion,
-     {5e-4, 1e-3, 1e-4, 1e-4, 1e-4}}};
+     {1e-9, 0, 5e-6, 1e-4, 1e-4}}};
 // clang-format on
 
 INSTANTIATE_TEST_SUITE_P(Open, ExtremeNearest, ::testing::ValuesIn(kOpenKinds), test::kNameOf);

@@ -67,7 +67,7 @@ TEST_P(Crossing, past_a_plate_without_entering_it_is_none) {
 }
 
 // One tick ends where three hundred short ones do, but where a contact slides far on its way: along
-// a fin's ridge on smooth patches, every second one.
+// a fin's ridge on smooth patches, two of three.
 TEST_P(Crossing, at_any_speed_ends_in_contact_and_mostly_in_the_same) {
   const bool is_smooth = GetParam() == Method::kGregory;
   const struct {
@@ -75,8 +75,8 @@ TEST_P(Crossing, at_any_speed_ends_in_contact_and_mostly_in_the_same) {
     Mesh mesh;
     double same;  // share of ways, at least
   } cases[] = {{"plate", thin_plate().mesh, 1},
-               {"fin", fin().mesh, is_smooth ? 0.45 : 0.97},
-               {"goldberg", goldberg(3).mesh, is_smooth ? 0.97 : 0.93}};
+               {"fin", fin().mesh, is_smooth ? 0.65 : 0.97},
+               {"goldberg", goldberg(3).mesh, is_smooth ? 0.99 : 0.97}};
   for (const auto& [name, mesh, least_same] : cases) {
     const PatchCache cache = test::cache_of(mesh);
     const Box box = cache.bounds();
