@@ -299,7 +299,7 @@ class CacheBuilder {
     s.tile.shrink_to_fit();
     if (!base_only_) free_sharp_sides(s, backend_.parallel);
     build_hierarchy(boxes, s.node, s.child, backend_.parallel);
-    find_parts(boxes, s);
+    find_parts(boxes, s, [&] { backend_.progress(faces_.size()); });
   }
 
   // Numbers of all control data, unless a level replaces them.

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "gliss/base/hash_index.h"
+#include "gliss/base/poll.h"
 #include "gliss/build/hierarchy.h"
 #include "gliss/build/overlaps.h"
 #include "gliss/mesh/solid_angle.h"
@@ -24,7 +25,8 @@ using Triangle = std::array<Vec3, 3>;
 template <class Real>
 class PartFinder {
  public:
-  PartFinder(const std::vector<Box>& boxes, Surface<Real>& s) : boxes_(boxes), s_(s) {}
+  PartFinder(const std::vector<Box>& boxes, Surface<Real>& s, const std::function<void()>& poll)
+      : boxes_(boxes), s_(s), poll_(poll) {}
 
   void run() {
     number_parts();
@@ -183,6 +185,7 @@ class PartFinder {
     mixed_.assign(boxes_.size(), 0);
     std::unordered_set<std::uint64_t> known;  // pairs of parts
     const auto mix = [&](std::uint32_t a, std::uint32_t b) {
+      poll_();
       const std::uint32_t p = part_[a], q = part_[b];
       const std::uint64_t pair = std::uint64_t{std::min(p, q)} << 32 | std::max(p, q);
       const bool is_known = known.contains(pair);
@@ -200,7 +203,12 @@ class PartFinder {
     std::vector<std::uint32_t> label;
     for (const std::uint32_t part : part_) label.push_back(alike_[part]);
     Overlaps<Real>(s_.node, s_.child, label)
-        .for_each([&](std::uint32_t a, std::uint32_t b) { return !solid_[a] && !solid_[b]; }, mix);
+        .for_each(
+            [&](std::uint32_t a, std::uint32_t b) {
+              poll_();
+              return !solid_[a] && !solid_[b];
+            },
+            mix);
   }
 
   // The others, in connected groups: all of a group lie within another part or none does.
@@ -223,6 +231,7 @@ class PartFinder {
       for_triangles(first, Vec3::Zero(), [&](const Triangle& t) { x = t[0]; });
       bool within = false;
       part_boxes.for_each_at(x, [&](std::uint32_t part) {
+        poll_();
         if (alike_[part] == alike_[part_[first]] || !solid_[part] || !winds_round(part, x)) return;
         pairs_.emplace_back(part_[first], part);
         within = true;
@@ -230,9 +239,10 @@ class PartFinder {
       for (const std::uint32_t p : group) buried_[p] = within;
     }
   }
-  bool winds_round(std::uint32_t part, const Vec3& x) const {
+  bool winds_round(std::uint32_t part, const Vec3& x) {
     double angle = 0;
     for_patches(part, [&](std::uint32_t p) {
+      poll_();
       for_triangles(p, x, [&](const Triangle& t) { angle += solid_angle(t[0], t[1], t[2]); });
     });
     return std::abs(angle) > 2 * std::numbers::pi;
@@ -258,6 +268,7 @@ class PartFinder {
 
   const std::vector<Box>& boxes_;
   Surface<Real>& s_;
+  Poll poll_;
   std::uint32_t count_ = 0;
   std::vector<std::uint32_t> part_;     // [patch]
   std::vector<std::uint32_t> begin_;    // [part + 1], where its patches begin
@@ -272,11 +283,12 @@ class PartFinder {
 }  // namespace
 
 template <class Real>
-void find_parts(const std::vector<Box>& boxes, Surface<Real>& s) {
-  PartFinder<Real>(boxes, s).run();
+void find_parts(const std::vector<Box>& boxes, Surface<Real>& s,
+                const std::function<void()>& poll) {
+  PartFinder<Real>(boxes, s, poll).run();
 }
 
-template void find_parts(const std::vector<Box>&, Surface<float>&);
-template void find_parts(const std::vector<Box>&, Surface<double>&);
+template void find_parts(const std::vector<Box>&, Surface<float>&, const std::function<void()>&);
+template void find_parts(const std::vector<Box>&, Surface<double>&, const std::function<void()>&);
 
 }  // namespace gliss

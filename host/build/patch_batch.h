@@ -67,7 +67,8 @@ struct BuildBackend {
   ParallelFor parallel = serial_for;
   BatchBuilder build = build_patches;
   std::size_t chunk = 8192;  // faces in a batch: bounds what is held besides the cache
-  // Told now and then how many of the faces are examined, from the thread that builds.
+  // Told now and then how many of the faces are examined, from the thread that builds; what it
+  // throws ends the build.
   std::function<void(std::size_t faces)> progress = [](std::size_t) {};
 };
 

@@ -14,6 +14,8 @@
 #include <system_error>
 #include <utility>
 
+#include "gliss/base/utf8.h"
+
 namespace gliss {
 namespace {
 
@@ -83,9 +85,7 @@ std::string with_ending(const std::string& path, const std::string& ending) {
   const std::string_view name = std::string_view(path).substr(begin);
   if (name.size() + ending.size() <= kLongestName) return path + ending;
   const std::string tail = fmt::format("~{:016x}{}", XXH3_64bits(name.data(), name.size()), ending);
-  std::size_t kept = kLongestName - tail.size();
-  while (kept > 0 && (static_cast<unsigned char>(name[kept]) & 0xc0) == 0x80) --kept;  // UTF-8
-  return path.substr(0, begin + kept) + tail;
+  return path.substr(0, begin).append(cut_text(name, kLongestName - tail.size())) + tail;
 }
 
 AtomicFile::AtomicFile(const std::string& path) : path_(path), target_(path) {

@@ -5,6 +5,7 @@
 #include <cctype>
 #include <system_error>
 
+#include "gliss/base/poll.h"
 #include "gliss/files/atomic_file.h"
 #include "gliss/files/line_reader.h"
 #include "gliss/files/mesh_readers.h"
@@ -113,11 +114,14 @@ std::vector<std::uint32_t> read_edges(const std::string& path, const Mesh& mesh,
   return sides;
 }
 
-void save_obj(const Mesh& mesh, const std::string& path, const std::string& comment) {
+void save_obj(const Mesh& mesh, const std::string& path, const std::string& comment,
+              const std::function<void()>& poll) {
   AtomicFile file(path);
+  Poll asks(poll);
   fmt::memory_buffer line;
   const fmt::appender out(line);
   const auto end_line = [&] {
+    asks();
     line.push_back('\n');
     file.write(line.data(), line.size());
     line.clear();

@@ -23,8 +23,9 @@ GLISS_EXPORT std::vector<std::uint32_t> read_edges(const std::string& path, cons
                                                    const Topology& topology);
 
 // Writes OBJ (positions, normals as v//vn, n-gons) with 17 digits, atomically. Throws
-// std::system_error.
+// std::system_error; `poll` is asked now and then, and what it throws ends the writing.
 GLISS_EXPORT void save_obj(const Mesh& mesh, const std::string& path,
-                           const std::string& comment = "");
+                           const std::string& comment = "",
+                           const std::function<void()>& poll = nullptr);
 
 }  // namespace gliss

@@ -173,18 +173,21 @@ class Sweeper {
     return true;
   }
 
-  // Does some contacts of each block of a method again; others each time.
+  // Does some contacts of each block of a method again, others each time, and all that are not
+  // finite: these are the surface's fault or the file's.
   bool agrees(const std::vector<SweepBlock>& blocks, std::size_t method) const {
     std::minstd_rand dice(std::random_device{}());
     std::vector<std::pair<const SweepBlock*, std::size_t>> chosen;  // block, row
     std::vector<DomainPoint> points;
     for (const SweepBlock& block : blocks) {
-      for (int i = 0; block.method_index == method && i < kSpotChecks; ++i) {
-        const std::size_t row = dice() % block.face.size();
-        chosen.emplace_back(&block, row);
-        points.push_back({block.face[row], block.xi[row], block.eta[row]});
+      if (block.method_index != method) continue;
+      for (std::size_t row = 0; row < block.face.size(); ++row) {
+        if (!is_finite(block, row)) chosen.emplace_back(&block, row);
       }
+      for (int i = 0; i < kSpotChecks; ++i) chosen.emplace_back(&block, dice() % block.face.size());
     }
+    for (const auto& [block, row] : chosen)
+      points.push_back({block->face[row], block->xi[row], block->eta[row]});
     std::vector<SurfacePoint> surface(points.size());
     surface_->evaluate(points, surface);
     std::vector<Vec3> hips;
@@ -199,14 +202,32 @@ class Sweeper {
     for (std::size_t i = 0; i < points.size(); ++i) {
       const auto [block, row] = chosen[i];
       const double depth = options_.depths[block->depth_index];
-      const Vec3 force = gliss::contact_force(cache_, contacts[i], options_.stiffness);
-      if (!((block->hip[row] - hips[i]).norm() * cache_.unit <= kAgreement * depth) ||
-          !((block->scp[row] - contacts[i].scp).norm() * cache_.unit <= kAgreement * depth) ||
-          !((block->force[row] - force).norm() <= kAgreement * depth * options_.stiffness)) {
+      const Vec3 force = felt_at(cache_, hips[i], contacts[i], options_.stiffness);
+      if (!agree(block->hip[row], hips[i], depth / cache_.unit) ||
+          !agree(block->scp[row], contacts[i].scp, depth / cache_.unit) ||
+          !agree(block->force[row], force, depth * options_.stiffness) ||
+          std::isfinite(block->residual_angle[row]) !=
+              std::isfinite(static_cast<float>(contacts[i].residual_angle))) {
         return false;
       }
     }
     return true;
+  }
+
+  // The force at a HIP; that at none, beneath a surface at fault, is no number.
+  static Vec3 felt_at(const PatchCache& cache, const Vec3& hip, const Contact& contact,
+                      double stiffness) {
+    if (!hip.allFinite()) return Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
+    return gliss::contact_force(cache, contact, stiffness);
+  }
+  static bool is_finite(const SweepBlock& block, std::size_t row) {
+    return block.hip[row].allFinite() && block.scp[row].allFinite() &&
+           block.force[row].allFinite() && std::isfinite(block.residual_angle[row]);
+  }
+  // True if they are as near as other engines round, or neither is finite.
+  static bool agree(const Vec3& a, const Vec3& b, double size) {
+    if (!a.allFinite() || !b.allFinite()) return a.allFinite() == b.allFinite();
+    return (a - b).norm() <= kAgreement * size;
   }
 
   void collect(std::size_t first, std::size_t last, Window& window) const {
@@ -264,8 +285,7 @@ class Sweeper {
     double full_force() const { return options.stiffness * options.depths[depth]; }
     // No number where the surface has none to put a HIP beneath.
     Vec3 force(std::size_t p) const {
-      if (!hip(p).allFinite()) return Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
-      return gliss::contact_force(cache, contact(p), options.stiffness);
+      return felt_at(cache, hip(p), contact(p), options.stiffness);
     }
   };
 

@@ -102,26 +102,16 @@ bool take(std::string_view& bytes, SweepBlock& block, std::size_t depths, std::s
   return whole;
 }
 
-template <class Value>
-bool is_finite(const Value& value) {
-  if constexpr (std::is_same_v<Value, Vec3>) {
-    return value.allFinite();
-  } else {
-    return std::isfinite(value);
-  }
-}
-
-// True if the numbers of a block, which is taken from a file, can be a sweep's.
+// True if the points of a block, which is taken from a file, can be a sweep's. What was felt there
+// need not be finite: where a surface is at fault it is not.
 bool is_in_range(const SweepBlock& block, const PatchCache& cache) {
-  const auto finite = [](const auto& column) {
-    return std::all_of(column.begin(), column.end(),
-                       [](const auto& value) { return is_finite(value); });
+  const auto finite = [](const std::vector<double>& column) {
+    return std::all_of(column.begin(), column.end(), [](double x) { return std::isfinite(x); });
   };
   const bool faces = std::all_of(block.face.begin(), block.face.end(), [&](std::uint32_t face) {
     return face < cache.mesh_face_count && cache.face_patch[face] != kNone;
   });
-  return faces && finite(block.xi) && finite(block.eta) && finite(block.hip) && finite(block.scp) &&
-         finite(block.force) && finite(block.residual_angle);
+  return faces && finite(block.xi) && finite(block.eta);
 }
 
 std::uint64_t checksum_of(std::string_view file) {

@@ -42,7 +42,7 @@ class GLISS_EXPORT SweepParts {
   const std::vector<std::string>& damaged() const { return damaged_; }  // files met so far
 
   // Nothing where the part is not there or cannot be used: then it is under way, blocks are added,
-  // and it is saved. What a part holds is within range.
+  // and it is saved. What a part holds is within range, but need not be finite.
   std::optional<SweepPart> load(std::size_t part);
   // Removes a part that was loaded and turned out to be damaged.
   void discard(std::size_t part);

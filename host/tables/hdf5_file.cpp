@@ -159,12 +159,14 @@ class Hdf5File final : public ResultFile {
 
   void write_block(hid_t dataset, ColumnType type, hid_t memory, hid_t space,
                    const ColumnData& data) const {
-    std::vector<const char*> texts;
+    std::string texts;
     const void* values =
         std::visit([](const auto& span) -> const void* { return span.data(); }, data);
     if (type == ColumnType::kText) {
       for (const std::string& text : std::get<std::span<const std::string>>(data)) {
-        texts.push_back(text.c_str());
+        if (text.size() > kTextBytes)
+          throw std::logic_error(fmt::format("{}: a text of over {} bytes", action_, kTextBytes));
+        texts.append(text).append(kTextBytes - text.size(), '\0');
       }
       values = texts.data();
     }

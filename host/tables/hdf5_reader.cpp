@@ -39,27 +39,25 @@ void refuse_elsewhere(const std::string& action, const std::string& elsewhere) {
       fmt::format("{}: it is linked to another file, '{}', which is not read", action, elsewhere));
 }
 
-// Keeps the texts that HDF5 reads, up to a bound: many may be one in the file.
-struct TextArena {
-  std::uint64_t bytes_left;
-  std::vector<std::unique_ptr<char[]>> texts{};
+// The type to read texts of a type by, ended or filled by zeros; nothing for what is no text of a
+// fixed length (hdf5::text_type).
+std::optional<Handle> readable_text(hid_t type, const std::string& action) {
+  if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) != 0) return std::nullopt;
+  Handle text(H5Tcopy(type), H5Tclose, action);
+  hdf5::check(H5Tset_strpad(text, H5T_STR_NULLPAD), action);
+  return text;
+}
 
-  static void* allocate(std::size_t bytes, void* arena) try {
-    auto& self = *static_cast<TextArena*>(arena);
-    if (bytes > self.bytes_left) return nullptr;
-    self.bytes_left -= bytes;
-    return self.texts.emplace_back(std::make_unique<char[]>(bytes)).get();
-  } catch (const std::bad_alloc&) {
-    return nullptr;  // which HDF5 takes for a failure
-  }
-  static void free(void*, void*) {}
-};
+// The text in a place of so many bytes.
+std::string text_at(const char* place, std::size_t bytes) {
+  return {place, std::find(place, place + bytes, '\0')};
+}
 
 }  // namespace
 
 struct Hdf5Reader::Dataset {
   std::string action;
-  Handle dataset, space, creation;
+  Handle dataset, space, creation, type;
   hsize_t rows, block;  // rows to read at once: whole chunks
 
   hid_t select(hsize_t begin, hsize_t stride, hsize_t count) const {
@@ -96,7 +94,7 @@ bool Hdf5Reader::has(const std::string& name) const {
 }
 
 Hdf5Reader::Dataset Hdf5Reader::open(const std::string& column) const {
-  Dataset d{fmt::format("{}: column '{}'", action_, column), {}, {}, {}, 0, 0};
+  Dataset d{fmt::format("{}: column '{}'", action_, column), {}, {}, {}, {}, 0, 0};
   if (!has(column)) throw std::runtime_error(d.action + ": it is not there");
   std::string elsewhere;
   const Handle access = within_file(H5P_DATASET_ACCESS, elsewhere);
@@ -115,8 +113,8 @@ Hdf5Reader::Dataset Hdf5Reader::open(const std::string& column) const {
 
 // Believes a size as far as something is stored.
 void Hdf5Reader::check_size(Dataset& d) const {
-  const Handle type(H5Dget_type(d.dataset), H5Tclose, d.action);
-  const hsize_t row_bytes = std::max<hsize_t>(H5Tget_size(type), 1);
+  d.type = {H5Dget_type(d.dataset), H5Tclose, d.action};
+  const hsize_t row_bytes = std::max<hsize_t>(H5Tget_size(d.type), 1);
   hsize_t stored = H5Dget_storage_size(d.dataset) / row_bytes, chunk = 1;
   if (H5Pget_layout(d.creation) == H5D_CHUNKED) {
     hdf5::check(H5Pget_chunk(d.creation, 1, &chunk), d.action);
@@ -127,7 +125,8 @@ void Hdf5Reader::check_size(Dataset& d) const {
     throw std::runtime_error(
         fmt::format("{}: {} rows, of which {} are stored", d.action, d.rows, stored));
   }
-  const std::uint64_t bytes = std::max(d.rows * sizeof(double), chunk * row_bytes);
+  const std::uint64_t bytes =
+      std::max(d.rows * std::max<hsize_t>(row_bytes, sizeof(double)), chunk * row_bytes);
   if (bytes > most_bytes()) {
     throw std::runtime_error(fmt::format("{}: {} bytes unpacked, too many for a file of {}",
                                          d.action, bytes, file_bytes_));
@@ -167,27 +166,23 @@ std::vector<double> Hdf5Reader::numbers(const std::string& column, std::size_t s
 }
 
 std::vector<std::string> Hdf5Reader::texts(const std::string& column) const {
-  constexpr hsize_t kBlock = 65536;  // bounds what HDF5 allocates
   hdf5::Quiet quiet;
   const Dataset d = open(column);
-  const hid_t type = hdf5::representation(ColumnType::kText).in_memory;
-  TextArena arena{most_bytes()};
-  const Handle transfer = hdf5::properties(H5P_DATASET_XFER);
-  hdf5::check(
-      H5Pset_vlen_mem_manager(transfer, TextArena::allocate, &arena, TextArena::free, &arena),
-      d.action);
+  const auto type = readable_text(d.type, d.action);
+  if (!type) throw std::runtime_error(d.action + ": its rows are no texts of a fixed length");
+  const std::size_t bytes = H5Tget_size(*type);
   std::vector<std::string> values;
   values.reserve(d.rows);
-  std::vector<char*> block;
-  for (hsize_t begin = 0; begin < d.rows; begin += kBlock) {
+  std::string block;
+  for (hsize_t begin = 0; begin < d.rows; begin += d.block) {
     poll();
-    const hsize_t count = std::min(kBlock, d.rows - begin);
-    block.assign(count, nullptr);
+    const hsize_t count = std::min(d.block, d.rows - begin);
+    block.resize(count * bytes);
     const Handle memory(H5Screate_simple(1, &count, nullptr), H5Sclose, d.action);
-    hdf5::check(H5Dread(d.dataset, type, memory, d.select(begin, 1, count), transfer, block.data()),
-                d.action);
-    for (const char* text : block) values.emplace_back(text ? text : "");
-    arena.texts.clear();
+    hdf5::check(
+        H5Dread(d.dataset, *type, memory, d.select(begin, 1, count), H5P_DEFAULT, block.data()),
+        d.action);
+    for (hsize_t row = 0; row < count; ++row) values.push_back(text_at(&block[row * bytes], bytes));
   }
   return values;
 }
@@ -199,12 +194,13 @@ std::optional<std::string> Hdf5Reader::text_attribute(const std::string& name) c
   const Handle attribute(H5Aopen(*file_, name.c_str(), H5P_DEFAULT), H5Aclose, action);
   const Handle space(H5Aget_space(attribute), H5Sclose, action);
   if (H5Sget_simple_extent_npoints(space) != 1) throw std::runtime_error(action + ": not one text");
-  const hid_t type = hdf5::representation(ColumnType::kText).in_memory;
-  char* text = nullptr;
-  hdf5::check(H5Aread(attribute, type, &text), action);
-  const std::string value = text ? text : "";
-  hdf5::check(H5Dvlen_reclaim(type, space, H5P_DEFAULT, &text), action);
-  return value;
+  const Handle in_file(H5Aget_type(attribute), H5Tclose, action);
+  const auto type = readable_text(in_file, action);
+  if (!type) return std::nullopt;
+  std::string value(H5Tget_size(*type), '\0');
+  if (value.size() > most_bytes()) throw std::runtime_error(action + ": too long");
+  hdf5::check(H5Aread(attribute, *type, value.data()), action);
+  return text_at(value.data(), value.size());
 }
 
 }  // namespace gliss

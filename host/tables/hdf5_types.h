@@ -13,9 +13,14 @@ struct Representation {
 };
 Representation representation(ColumnType type);
 
+// Text of up to `bytes` bytes, UTF-8. Never of variable length: HDF5 1.10 reads that through a heap
+// that it does not check, and a damaged one makes it hang or write past its memory.
+Handle text_type(std::size_t bytes);
+
 Handle properties(hid_t kind);
 
-// On a file's root, a group or a dataset; one of the same name is replaced.
+// On a file's root, a group or a dataset; one of the same name is replaced. Of a text that is too
+// long for an attribute the first 32 KiB are kept.
 void write_attribute(hid_t object, const Attribute& attribute, const std::string& action);
 
 }  // namespace gliss::hdf5

@@ -2,6 +2,7 @@
 // ending.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -14,6 +15,7 @@
 namespace gliss {
 
 enum class ColumnType { kFloat64, kFloat32, kUint32, kUint8, kText };
+inline constexpr std::size_t kTextBytes = 64;  // that a text of an HDF5 column may have
 
 struct Column {
   std::string name;  // "scp_x"
@@ -53,7 +55,8 @@ class GLISS_EXPORT ResultFile {
 // .h5 and .hdf5: HDF5, and behind its end a checksum (file_seal.h); .csv: CSV with the fewest
 // digits that read back as the same bits (at most 17 for float64, 9 for float32), "-": CSV on
 // standard output. Throws std::runtime_error that names the file on any failure (also a full disk:
-// every return value is checked), std::logic_error on blocks that do not fit their table.
+// every return value is checked), std::logic_error on blocks that do not fit their table and on
+// texts that do not fit an HDF5 column.
 GLISS_EXPORT std::unique_ptr<ResultFile> create_result_file(const std::string& path);
 
 }  // namespace gliss

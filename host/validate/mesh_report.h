@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "gliss/base/poll.h"
 #include "gliss/validate/validate.h"
 
 namespace gliss {
@@ -53,10 +54,8 @@ class Report {
   // Throws the first error, if there is one.
   void stop_on_error() const;
 
-  // LoadOptions::poll, which may throw: for each item of long work, and asked for a few of them.
-  void poll() {
-    if (++items_ % 4096 == 0 && poll_) poll_();
-  }
+  // LoadOptions::poll, which may throw: for each item of long work.
+  void poll() { poll_(); }
 
   // [face], its number in the file; empty while no face has been removed.
   std::vector<std::uint32_t> file_face;
@@ -68,8 +67,7 @@ class Report {
   std::vector<Finding> own_;
   std::vector<Finding>& findings_;
   std::size_t first_;  // findings before it are the caller's
-  std::function<void()> poll_;
-  std::size_t items_ = 0;
+  Poll poll_;
 };
 
 }  // namespace gliss

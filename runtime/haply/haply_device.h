@@ -9,7 +9,8 @@
 // The service is not trusted: a message that is no state is counted in malformed() and answered,
 // kMostMalformed of them in a row are a fault until the next good one; a connection that ends, or a
 // message over kLargestMessage or against the rules of WebSockets, is a fault for good. A service
-// that is silent is no fault: the state grows old. Nothing is reconnected.
+// that is silent is no fault: the state grows old. Nothing is reconnected. The link is neither
+// authenticated nor encrypted, and so stays within this machine.
 #pragma once
 
 #include <cstddef>
@@ -24,7 +25,7 @@
 namespace gliss {
 
 struct HaplyOptions {
-  std::string host = "localhost";
+  std::string host = "localhost";  // this machine, by any of its loopback names
   std::uint16_t port = 10001;
   std::string device_id = {};                             // empty: the first that is listed
   Nanoseconds connect_timeout = std::chrono::seconds(2);  // until the first state has come

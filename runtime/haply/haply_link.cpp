@@ -88,6 +88,13 @@ void HaplyLink::open(const HaplyOptions& options) {
   });
   if (error)
     throw LoopError(fmt::format("{}: no such host ({}); {}", where_, error.message(), kCure));
+  for (const auto& peer : found) {
+    if (peer.endpoint().address().is_loopback()) continue;
+    throw LoopError(
+        fmt::format("{} is not this machine, and nothing protects states and forces on a network; "
+                    "cure: ssh -L {}:localhost:{} {}, and haply:localhost:{}",
+                    where_, options.port, options.port, options.host, options.port));
+  }
   error = wait_for("does not accept a connection", [&](const auto& done) {
     asio::async_connect(socket_.next_layer(), found, done);
   });

@@ -11,6 +11,7 @@ namespace gliss {
 namespace {
 
 constexpr std::uint64_t kLargestScene = 1 << 26;  // bytes
+constexpr double kLargestNumber = 1e60;           // as in meshes: its powers do not overflow
 
 // In one line, whatever of the file it quotes.
 [[noreturn]] void refuse(std::string what) {
@@ -147,6 +148,7 @@ double TomlTable::quantity(const std::string& key, const toml::node& node, Parse
   }
   if (!std::isfinite(value))
     fail(key, parse != nullptr ? "must be a number (SI), or text with a unit" : "must be a number");
+  if (std::abs(value) > kLargestNumber) fail(key, fmt::format("is beyond {}", kLargestNumber));
   return value;
 }
 

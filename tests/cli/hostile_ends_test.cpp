@@ -33,19 +33,23 @@ class HostileEnds : public test::RunTest {
 
   // All commands at work that is soon done.
   std::vector<std::string> commands() const {
-    return {"generate knot -o made.obj",
-            "check ball.obj --unit mm",
-            "bake ball.obj --unit mm -o made.gliss",
-            "info ball.gliss",
-            "eval ball.gliss --at points.csv",
-            "project ball.gliss --hip hips.csv",
-            "sweep ball.gliss --depth 1mm --samples 1e3 -o made.csv",
-            "trace ball.gliss --path hips.csv",
-            "compare ball.obj --unit mm --levels exact,flat --ticks 100 --walks 1 --dense-limit 0",
-            "devices",
-            "run scene.toml --no-wait --seconds 1 --record made.h5",
-            "serve scene.toml --port 0 --seconds 0.1",
-            "judge --seconds 0.1"};
+    return {
+#ifdef GLISS_WITH_REPORT
+        "report forces.csv -o made.html",
+#endif
+        "generate knot -o made.obj",
+        "check ball.obj --unit mm",
+        "bake ball.obj --unit mm -o made.gliss",
+        "info ball.gliss",
+        "eval ball.gliss --at points.csv",
+        "project ball.gliss --hip hips.csv",
+        "sweep ball.gliss --depth 1mm --samples 1e3 -o made.csv",
+        "trace ball.gliss --path hips.csv",
+        "compare ball.obj --unit mm --levels exact,flat --ticks 100 --walks 1 --dense-limit 0",
+        "devices",
+        "run scene.toml --no-wait --seconds 1 --record made.h5",
+        "serve scene.toml --port 0 --seconds 0.1",
+        "judge --seconds 0.1"};
   }
   // Those that say something on standard output.
   static bool speaks(const std::string& command) { return !command.starts_with("generate"); }
@@ -98,17 +102,32 @@ TEST_F(HostileEnds, are_errors_where_standard_output_is_full_or_closed) {
 }
 
 TEST_F(HostileEnds, are_errors_where_files_may_not_grow) {
-  for (const std::string command :
-       {"generate knot -o made.obj", "bake ball.obj --unit mm -o made.gliss",
-        "sweep ball.gliss --depth 1mm --samples 1e4 -o made.csv",
-        "sweep ball.gliss --depth 1mm --samples 1e4 -o made.h5",
-        "run scene.toml --no-wait --seconds 5 --record made.csv",
-        "run scene.toml --no-wait --seconds 5 --record made.h5"}) {
-    const Outcome outcome = go(command, [] { return limit_files(10'000); });
+  for (const std::string command : {
+#ifdef GLISS_WITH_REPORT
+           "report forces.csv -o made.html",
+#endif
+           "generate knot -o made.obj", "bake ball.obj --unit mm -o made.gliss",
+           "eval ball.gliss --at points.csv -o made.csv",
+           "eval ball.gliss --at points.csv -o made.h5",
+           "project ball.gliss --hip hips.csv -o made.csv",
+           "trace ball.gliss --path hips.csv -o made.csv",
+           "trace ball.gliss --path hips.csv -o made.h5",
+           "sweep ball.gliss --depth 1mm --samples 1e4 -o made.csv",
+           "sweep ball.gliss --depth 1mm --samples 1e4 -o made.h5",
+           "sweep ball.gliss --depth 1mm --samples 1e4 --summary made.json",
+           "sweep ball.gliss --depth 1mm --samples 1e4 -o big.csv --vtp made.vtp",
+           "compare ball.obj --unit mm --levels exact,flat --ticks 100 --walks 1 --dense-limit 0 "
+           "-o made.csv --quiet",
+           "run scene.toml --no-wait --seconds 5 --record made.csv",
+           "run scene.toml --no-wait --seconds 5 --record made.h5",
+           "run scene.toml --no-wait --seconds 1 --report made.json"}) {
+    const Outcome outcome = go(command, [] { return limit_files(60); });
     EXPECT_EQ(outcome.code, 1) << command << ": " << outcome.err;
     EXPECT_THAT(outcome.err, HasSubstr("File too large")) << command;
   }
   EXPECT_EQ(leftovers(), "");
+  for (const char* name : {"made.csv", "made.h5", "made.json", "made.vtp", "made.gliss"})
+    EXPECT_FALSE(std::filesystem::exists(folder_ / name)) << name;
 }
 
 TEST_F(HostileEnds, say_that_the_stack_is_too_small) {
@@ -141,6 +160,41 @@ TEST_F(HostileEnds, leave_whole_files_whenever_a_signal_comes) {
         EXPECT_THAT(outcome.err, HasSubstr("interrupted")) << command;
         EXPECT_EQ(leftovers(), "") << command;
       }
+    }
+  }
+}
+
+// Every other command, where it reads, builds, computes and writes.
+TEST_F(HostileEnds, leave_whole_files_wherever_a_command_is) {
+  ASSERT_EQ(go("generate knot --along 300 --around 100 -o big.obj --quiet").code, 0);
+  std::string hips = "x_mm,y_mm,z_mm\n", points = "patch,xi,eta\n";
+  for (int i = 0; i < 200'000; ++i) {
+    hips += fmt::format("60,{},0\n", 1e-5 * i);
+    points += "0,0,0\n";
+  }
+  folder_.write("hips.csv", hips);
+  folder_.write("points.csv", points);
+  std::mt19937 random(7);
+  const int tries = std::getenv("GLISS_LONG_TESTS") ? 20 : 2;
+  for (const std::string command :
+       {"generate knot --along 3000 --around 1000 -o made.obj", "check big.obj --unit mm",
+        "info big.obj --unit mm", "bake big.obj --unit mm -o made.gliss",
+        "eval big.obj --at points.csv -o made.csv",
+        "project big.obj --unit mm --hip hips.csv -o made.csv",
+        "trace big.obj --unit mm --path hips.csv -o made.h5",
+        "compare big.obj --unit mm -o made.csv",
+        "sweep big.obj --unit mm --depth 1mm --samples 1e8 -o made.csv"}) {
+    for (int i = 0; i < tries; ++i) {
+      const int signal = std::array{SIGHUP, SIGQUIT, SIGXCPU, SIGINT, SIGTERM}[random() % 5];
+      Process process(folder_ / "", test::kProgram, words_of(command));
+      ASSERT_TRUE(test::await([&] { return process.catches(signal); })) << command;
+      std::this_thread::sleep_for(std::chrono::milliseconds(random() % 1000));
+      process.kill(signal);
+      const Outcome outcome = process.wait();
+      if (outcome.code == 0) continue;  // it was quick
+      EXPECT_EQ(outcome.code, kInterrupted) << command << ": " << signal << outcome.err;
+      EXPECT_THAT(outcome.err, HasSubstr("interrupted")) << command;
+      EXPECT_EQ(leftovers(), "") << command;
     }
   }
 }

@@ -123,8 +123,12 @@ TEST_F(HostileProgram, keeps_the_folder_for_parts_that_was_there) {
 
 TEST_F(HostileProgram, says_nothing_that_commands_a_terminal) {
   const auto no_control = [](const Outcome& outcome) {
-    for (const char c : outcome.out + outcome.err)
-      EXPECT_TRUE(c == '\n' || (c >= ' ' && c != '\x7f')) << outcome.out << outcome.err;
+    const std::string said = outcome.out + outcome.err;
+    for (std::size_t i = 0; i < said.size(); ++i) {
+      const auto c = static_cast<unsigned char>(said[i]);
+      const bool is_c1 = c >= 0x80 && c < 0xa0 && i > 0 && said[i - 1] == '\xc2';
+      EXPECT_TRUE(c == '\n' || (c >= ' ' && c != 0x7f && !is_c1)) << said;
+    }
   };
   folder_.write("esc.csv",
                 "x,\x1b[31my\xc2\x9b"
@@ -144,10 +148,17 @@ TEST_F(HostileProgram, says_nothing_that_commands_a_terminal) {
 
   folder_.write("esc.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n\x1b[1m 3\nf 1 2 3\nf 1 2 \x1b[31m\n");
   no_control(gliss("check esc.obj"));
-  // A name of a file in a table, and in JSON.
-  fs::copy_file(folder_ / "ball.obj", folder_ / "\x1b[5mb.obj");
-  no_control(gliss("check \x1b[5mb.obj"));
-  no_control(gliss("info \x1b[5mb.obj --json"));
+  // A name of a file in a table, and in JSON, which allows U+007F to U+009F.
+  const std::string name =
+      "\x1b[5m\x7f\xc2\x9b"
+      "1m\xc3\xa9.obj";
+  fs::copy_file(folder_ / "ball.obj", folder_ / name);
+  no_control(gliss("check " + name));
+  const Outcome json = gliss("check " + name + " --json");
+  no_control(json);
+  EXPECT_THAT(json.out, HasSubstr("\\u001b[5m\\u007f\\u009b1m\xc3\xa9.obj"));
+  EXPECT_EQ(nlohmann::json::parse(json.out)["mesh"], name);
+  no_control(gliss("trace ball.gliss --path path.csv -o \xc2\x9b.csv --json"));
 }
 
 #ifdef GLISS_WITH_REPORT

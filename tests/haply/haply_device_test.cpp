@@ -16,6 +16,7 @@
 #include "gliss/thread/realtime.h"
 #include "tests/haply/haply_mock.h"
 #include "tests/support/allocations.h"
+#include "tests/support/scratch_folder.h"
 #include "tests/support/surfaces.h"
 
 namespace gliss {
@@ -67,6 +68,15 @@ bool got(const HaplyMock& mock, const Vec3& force) {
 }
 
 DeviceState read(HaplyDevice& device) { return device.read(monotonic_time()); }
+
+// Nothing protects the link on a network.
+TEST(HaplyDevice, talks_within_this_machine_alone) {
+  for (const char* host : {"192.0.2.1", "2001:db8::1"}) {
+    EXPECT_THAT(test::message_of<LoopError>([&] { HaplyDevice({.host = host, .port = 10001}); }),
+                AllOf(HasSubstr(std::string("haply: ") + host + ":10001 is not this machine"),
+                      HasSubstr(std::string("cure: ssh -L 10001:localhost:10001 ") + host)));
+  }
+}
 
 TEST(HaplyDevice, states_come_in_order_with_their_time) {
   HaplyMock mock(well);

@@ -170,6 +170,31 @@ TEST_F(HostileParts, with_a_right_checksum_and_wrong_numbers_are_done_again) {
   forge("the part of another number", [&](auto& b) { b = read(0); });
 }
 
+// Of a surface that is at fault: what is not finite is computed again, and agrees.
+TEST_F(HostileParts, that_are_not_finite_by_right_are_kept) {
+  PatchCache broken = cache_;
+  auto& control = std::get<1>(broken.surface).control;
+  const auto some = static_cast<std::ptrdiff_t>(control.size() / 4);
+  std::fill(control.begin() + some, control.begin() + 2 * some, std::nan(""));
+  options_.methods = {Method::kGregory};
+  const std::string folder = folder_ / "broken";
+  const auto swept_by = [&](SweepParts& parts) {
+    return sweep(
+        broken, *engine_, options_, [](const SweepBlock&) {}, nullptr, &parts);
+  };
+  SweepParts first(folder, broken, options_, true);
+  const SweepResult whole = swept_by(first);
+  ASSERT_GT(whole.statistics[0].error.unsound(), 0u);
+  ASSERT_LT(whole.statistics[0].error.unsound(), whole.statistics[0].samples);
+  const std::size_t kept = first.kept();
+  ASSERT_GE(kept, 2u);
+  const SweepResult again = swept_by(first);
+  EXPECT_THAT(first.damaged(), ElementsAre());
+  EXPECT_EQ(first.kept(), kept);
+  EXPECT_LT(again.computed, whole.computed / 2);  // of the last part, which is not kept
+  EXPECT_EQ(again.statistics[0].error.unsound(), whole.statistics[0].error.unsound());
+}
+
 TEST_F(HostileParts, with_statistics_that_cannot_be_are_done_again) {
   const std::string sound = read(1);
   SweepStatistics statistics;

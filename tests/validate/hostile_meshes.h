@@ -50,6 +50,16 @@ inline Mesh many_parts(std::size_t n) {
   return joined(parts);
 }
 
+// All of which meet.
+inline Mesh crowd(std::size_t n) {
+  std::vector<Mesh> parts;
+  oracle::Rng rng(5);
+  const Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+  for (std::size_t i = 0; i < n; ++i)
+    parts.push_back(octahedron(axes, 0.5 * oracle::random_unit(rng)));
+  return joined(parts);
+}
+
 // A thousand times as long as thick, all through one point.
 inline Mesh needles(std::size_t n) {
   std::vector<Mesh> parts;

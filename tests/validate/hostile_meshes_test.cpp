@@ -81,6 +81,25 @@ TEST(HostileMeshes, round_a_pole_count_what_a_walk_passes) {
   test::record("pole", "{} evaluations", c.iterations);
 }
 
+// Where thousands of patches meet, what comes after them is long as well.
+TEST(HostileMeshes, are_stopped_while_their_parts_are_compared) {
+  struct Stop {};
+  const Mesh mesh = test::crowd(30);
+  int calls = 0;
+  const auto build = [&](int most) {
+    BuildBackend backend;
+    calls = 0;
+    backend.progress = [&](std::size_t faces) {
+      EXPECT_EQ(faces, mesh.face_count());
+      if (++calls == most) throw Stop();
+    };
+    build_cache(mesh, {}, nullptr, backend);
+  };
+  build(0);
+  EXPECT_GT(calls, 3);
+  EXPECT_THROW(build(calls), Stop);
+}
+
 // A copy adds nothing to the union that it is in: its search costs no more than that of a surface.
 TEST(HostileMeshes, at_one_place_bury_nothing) {
   Mesh one = test::coincident_shells(1), many = test::coincident_shells(40);

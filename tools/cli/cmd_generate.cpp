@@ -8,6 +8,7 @@
 #include "gliss/files/mesh_file.h"
 #include "gliss/generate/generate.h"
 #include "tools/cli/command.h"
+#include "tools/cli/watch.h"
 
 namespace gliss::tools {
 namespace {
@@ -110,7 +111,7 @@ const Shape kShapes[] = {
 };
 
 void write(const GenerateOptions& options, const Generated& made) {
-  save_obj(made.mesh, options.output, command_line());
+  save_obj(made.mesh, options.output, command_line(), stop_if_interrupted);
   report(options,
          fmt::format("{}: {} faces, {} vertices, unit mm\n", options.output, made.mesh.face_count(),
                      made.mesh.positions.size()),
@@ -145,6 +146,7 @@ void add_generate(Command& program) {
         },
         [&shape](const GenerateOptions& options) {
           Generated made = shape.make(options);
+          stop_if_interrupted();
           if (options.irregular) made = irregular(std::move(made), *options.irregular);
           if (options.without_normals) made.mesh.normals.clear(), made.mesh.corner_normal.clear();
           write(options, made);

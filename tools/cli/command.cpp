@@ -205,7 +205,7 @@ void report(const ReportOptions& options, const std::string& text, const Json& j
 }
 
 std::string printed(const Json& json) {
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_for_terminal(json.dump(2, ' ', false, Json::error_handler_t::replace)) + "\n";
 }
 
 ParallelFor interruptible(const Engine& engine) {

@@ -136,7 +136,8 @@ const std::string& command_line();
 void report(const ReportOptions& options, const std::string& text, const Json& json,
             bool table_on_stdout = false);
 
-std::string printed(const Json& json);  // with a line end; text that is no UTF-8 is made some
+// With a line end, and json_for_terminal; text that is no UTF-8 is made some.
+std::string printed(const Json& json);
 
 // A line that counts what is not finite, such as "steps"; "" where nothing is.
 std::string unsound_text(std::uint64_t count, const std::string& what);

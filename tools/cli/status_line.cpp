@@ -6,6 +6,7 @@
 
 #include <cstdio>
 
+#include "gliss/base/utf8.h"
 #include "tools/cli/terminal.h"
 
 namespace gliss {
@@ -32,8 +33,8 @@ void StatusLine::show(const std::string& text) {
   if (place_ == Place::kLog) tell(text + "\n");
   if (place_ != Place::kTerminal) return;
   // Over the old text, cut to the terminal: a wrapped line could not be drawn over.
-  const std::string shown = for_terminal(text).substr(0, terminal_width() - 1);
-  std::fputs(fmt::format("\r{}\x1b[K", shown).c_str(), stderr);
+  const std::string plain = for_terminal(text);
+  std::fputs(fmt::format("\r{}\x1b[K", cut_text(plain, terminal_width() - 1)).c_str(), stderr);
   std::fflush(stderr);
   open_ = true;
 }

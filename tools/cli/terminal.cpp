@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "gliss/base/utf8.h"
+
 namespace gliss {
 namespace {
-
-bool is_continuation(char c) { return (static_cast<unsigned char>(c) & 0xc0) == 0x80; }
 
 // The bytes of the character that the text begins with; 0: it is no UTF-8. Not strict about
 // overlong forms: terminals are about them.
@@ -33,22 +33,35 @@ bool is_control(std::string_view character) {
   return character.size() == 1 && (first < ' ' || first == 0x7f) && first != '\n';
 }
 
-}  // namespace
-
-std::string for_terminal(std::string_view text) {
+// The text with escape(character) in place of control characters and of bytes that are no UTF-8.
+template <class Escape>
+std::string escaped(std::string_view text, Escape escape) {
   std::string shown;
   while (!text.empty()) {
     const std::size_t length = length_of_character(text);
     const std::string_view character = text.substr(0, std::max<std::size_t>(length, 1));
-    if (length > 0 && !is_control(character)) {
-      shown += character;
-    } else {
-      for (const char c : character)
-        shown += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
-    }
+    const bool is_plain = length > 0 && !is_control(character);
+    shown += is_plain ? std::string(character) : escape(character);
     text.remove_prefix(character.size());
   }
   return shown;
+}
+
+}  // namespace
+
+std::string for_terminal(std::string_view text) {
+  return escaped(text, [](std::string_view character) {
+    std::string bytes;
+    for (const char c : character) bytes += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
+    return bytes;
+  });
+}
+
+std::string json_for_terminal(std::string_view json) {
+  // The last byte of U+007F and of U+0080 to U+009F is their number.
+  return escaped(json, [](std::string_view character) {
+    return fmt::format("\\u{:04x}", static_cast<unsigned char>(character.back()));
+  });
 }
 
 void tell(std::string_view text) { std::fputs(for_terminal(text).c_str(), stderr); }
