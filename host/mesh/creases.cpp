@@ -250,6 +250,31 @@ class Sharpener {
   std::vector<Sector> sectors_;
 };
 
+// The angles by which the faces beside each inner edge turn, rad, by side; negative elsewhere.
+std::vector<double> turns_of(const Mesh& mesh, const Topology& topology) {
+  std::vector<double> turns(topology.side_twin.size(), -1);
+  for (std::uint32_t side = 0; side < turns.size(); ++side) {
+    const std::uint32_t twin = topology.side_twin[side];
+    if (twin == kNone || twin < side) continue;
+    turns[side] =
+        angle_between(normal_beside(mesh, topology, side), normal_beside(mesh, topology, twin));
+  }
+  return turns;
+}
+
+// True if at most a tenth of the vertices of edges that turn by more than `angle` have only one.
+bool go_on(const Mesh& mesh, const Topology& topology, const std::vector<double>& turns,
+           double angle) {
+  std::vector<std::uint32_t> count(mesh.positions.size(), 0);
+  for (std::uint32_t side = 0; side < turns.size(); ++side) {
+    if (!(turns[side] > angle)) continue;
+    ++count[mesh.corner_vertex[side]];
+    ++count[mesh.corner_vertex[next_side(mesh, topology, side)]];
+  }
+  const auto ends = std::count(count.begin(), count.end(), 1u);
+  return 10 * ends <= std::count_if(count.begin(), count.end(), [](auto n) { return n > 0; });
+}
+
 // Marks both sides of an edge.
 void mark(Mesh& mesh, const Topology& topology, std::uint32_t side) {
   mesh.sharp[side] = mesh.sharp[topology.side_twin[side]] = 1;
@@ -263,7 +288,9 @@ CreaseRules parse_creases(std::string_view text) {
   while (true) {
     const std::size_t comma = text.find(',');
     const std::string_view word = text.substr(0, comma);
-    if (word == "normals") {
+    if (word == "auto") {
+      rules.plain = true;
+    } else if (word == "normals") {
       rules.normals = true;
     } else if (word == "groups") {
       rules.groups = true;
@@ -273,7 +300,7 @@ CreaseRules parse_creases(std::string_view text) {
       if (word.find_first_of("0123456789") == std::string_view::npos)
         throw UnitError(detail::message("creases: '", word,
                                         "' is none of an angle, such as 40deg, ",
-                                        "normals, groups and edges:FILE"));
+                                        "auto, normals, groups and edges:FILE"));
       const double angle = parse_angle(word);
       if (!(angle >= 0 && angle < std::numbers::pi))
         throw UnitError(detail::message("creases: '", word, "' is not from 0 to below 180deg"));
@@ -297,6 +324,31 @@ std::uint32_t find_inner_edge(const Mesh& mesh, const Topology& topology,
   return kNone;
 }
 
+std::optional<double> plain_crease_angle(const Mesh& mesh, const Topology& topology) {
+  constexpr std::size_t kDegrees = 180, kApart = 30, kLeast = 5, kRound = 40;
+  const std::vector<double> turns = turns_of(mesh, topology);
+  std::array<std::size_t, kDegrees + 1> below{};  // edges that turn by fewer degrees
+  for (const double turn : turns) {
+    if (turn < 0) continue;
+    for (auto d = static_cast<std::size_t>(turn * 180 / std::numbers::pi) + 1; d <= kDegrees; ++d)
+      ++below[d];
+  }
+  const std::size_t all = below[kDegrees];
+  std::size_t widest = kApart - 1;
+  std::optional<double> found;
+  for (std::size_t low = kLeast; low <= kRound; ++low) {
+    for (std::size_t high = low + widest + 1; high <= kDegrees; ++high) {
+      const std::size_t between = below[high] - below[low], above = all - below[high];
+      if (100 * between > all || 50 * above < all || 4 * below[low] < all) continue;
+      const double middle = 0.5 * static_cast<double>(low + high) * std::numbers::pi / 180;
+      if (!go_on(mesh, topology, turns, middle)) continue;
+      widest = high - low;
+      found = middle;
+    }
+  }
+  return all > 0 ? found : std::nullopt;
+}
+
 void mark_creases(Mesh& mesh, const Topology& topology, const CreaseRules& rules,
                   std::span<const std::uint32_t> sides) {
   if (rules.normals && mesh.normals.empty())
@@ -305,6 +357,10 @@ void mark_creases(Mesh& mesh, const Topology& topology, const CreaseRules& rules
     throw MeshError(mesh.source + ": creases by groups, but the mesh names no smoothing groups");
   mesh.sharp.assign(mesh.corner_vertex.size(), 0);
   mesh.tangents.clear();
+  const double none = std::numbers::pi;  // no edge turns by more
+  double least = rules.angle.value_or(none);
+  if (rules.plain) least = std::min(least, plain_crease_angle(mesh, topology).value_or(none));
+  const std::vector<double> turns = least < none ? turns_of(mesh, topology) : std::vector<double>();
   for (std::uint32_t side = 0; side < topology.side_twin.size(); ++side) {
     const std::uint32_t twin = topology.side_twin[side];
     if (twin == kNone || twin < side) continue;
@@ -317,9 +373,8 @@ void mark_creases(Mesh& mesh, const Topology& topology, const CreaseRules& rules
                           b = mesh.face_group[topology.side_face[twin]];
       return a != b || a == 0;
     };
-    if ((rules.angle && angle_between(normal_beside(mesh, topology, side),
-                                      normal_beside(mesh, topology, twin)) > *rules.angle) ||
-        (rules.normals && differ()) || (rules.groups && apart()))
+    if ((!turns.empty() && turns[side] > least) || (rules.normals && differ()) ||
+        (rules.groups && apart()))
       mark(mesh, topology, side);
   }
   for (const std::uint32_t side : sides) mark(mesh, topology, side);

@@ -73,11 +73,13 @@ TEST_F(CreasesTest, rules_are_words_between_commas) {
   EXPECT_EQ(rules.edges, "some/list.txt");
   EXPECT_DOUBLE_EQ(*parse_creases("0.5 rad").angle, 0.5);
   EXPECT_TRUE(parse_creases("groups").any());
+  EXPECT_TRUE(parse_creases("auto").plain);
   EXPECT_FALSE(CreaseRules{}.any());
   for (const char* wrong : {"", "40mm", "180deg", "-1deg", "seams", "edges:", "40deg,"})
     EXPECT_THROW(parse_creases(wrong), UnitError) << wrong;
-  EXPECT_EQ(test::message_of<UnitError>([] { parse_creases("foo"); }),
-            "creases: 'foo' is none of an angle, such as 40deg, normals, groups and edges:FILE");
+  EXPECT_EQ(
+      test::message_of<UnitError>([] { parse_creases("foo"); }),
+      "creases: 'foo' is none of an angle, such as 40deg, auto, normals, groups and edges:FILE");
 }
 
 TEST_F(CreasesTest, edges_are_marked_where_faces_turn_by_more_than_the_angle) {
@@ -89,6 +91,32 @@ TEST_F(CreasesTest, edges_are_marked_where_faces_turn_by_more_than_the_angle) {
   EXPECT_EQ(creases_of(with_creases(prism(12).mesh, {.angle = 20 * kDegree})), 36u);
   EXPECT_EQ(creases_of(with_creases(test::ridge(), {.angle = 80 * kDegree})), 4u);
   EXPECT_EQ(creases_of(with_creases(test::l_solid())), 22u);
+}
+
+double plain_angle(const Mesh& mesh) {
+  return plain_crease_angle(mesh, build_topology(mesh)).value_or(0) / kDegree;
+}
+
+// Flat and round faces between sharp edges.
+TEST_F(CreasesTest, a_machine_part_is_told_by_its_edges) {
+  EXPECT_NEAR(plain_angle(gliss::cube(4).mesh), 47.5, 1e-9);  // of 0 and 90 degrees
+  EXPECT_NEAR(plain_angle(in_triangles(cube())), 47.5, 1e-9);
+  EXPECT_NEAR(plain_angle(in_triangles(test::l_solid())), 47.5, 1e-9);
+  EXPECT_NEAR(plain_angle(cylinder(24).mesh), 53, 1e-9);  // of 0, 15 and 90
+  EXPECT_NEAR(plain_angle(cylinder(12).mesh), 60.5, 1e-9);
+  // Meshes that are meant to be smooth, however coarse; solids all of whose edges are sharp.
+  for (const Generated& made : {torus_knot(), torus_knot(30, 6), torus(8, 6), goldberg(1),
+                                goldberg(4), irregular(torus(), 1), prism(6)})
+    EXPECT_EQ(plain_angle(made.mesh), 0) << made.mesh.source;
+  EXPECT_EQ(plain_angle(cube()), 0);
+  // Edges that end within the mesh: one face in a hundred is raised at a corner.
+  Mesh bumps = gliss::cube(8).mesh;
+  for (std::size_t v = 0; v < bumps.positions.size(); v += 7) bumps.positions[v] *= 1.2;
+  EXPECT_EQ(plain_angle(bumps), 0);
+
+  const CreaseRules automatic{.plain = true};
+  EXPECT_EQ(creases_of(with_creases(cylinder(24).mesh, automatic)), 48u);
+  EXPECT_TRUE(with_creases(torus_knot().mesh, automatic).sharp.empty());
 }
 
 // A quad with one corner lifted, beside a flat one: its plane leans by 35 degrees, its corners at

@@ -73,6 +73,7 @@ void run(const BakeOptions& options) {
   const Stopwatch clock;
   const auto engine = make_engine(options);
   const Mesh mesh = read_mesh(options);
+  tell_plain_creases(options, mesh);
   BuildOptions build_options;
   build_options.tame = !options.no_tame;
   if (!options.region.empty()) build_options.faces = parse_region(mesh, options.region);

@@ -61,6 +61,7 @@ void run(const SurfaceOptions& options) {
                                  .poll = stop_if_interrupted},
                                 &findings);
     faces = mesh.face_count();
+    tell_plain_creases(options, mesh);
     if (!mesh.sharp.empty()) creases = crease_edges(mesh, build_topology(mesh));
     const PatchCache cache = build(mesh, options, *make_engine(options), {}, &built);
     tell_tight_curvature(options, cache, usual_depth(cache), "0.5 % of the diagonal");

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <numbers>
+
 #include "gliss/build/build_cache.h"
 #include "gliss/files/cache_file.h"
 #include "gliss/files/mesh_file.h"
@@ -24,6 +26,22 @@ Mesh read_mesh(const SurfaceOptions& options) {
     tell(fmt::format("gliss: repaired: {} ({} in all)\n", finding.message, finding.count));
   }
   return mesh;
+}
+
+void tell_plain_creases(const SurfaceOptions& options, const Mesh& mesh) {
+  if (options.quiet || (options.creases.any() && !options.creases.plain)) return;
+  const std::optional<double> angle = plain_crease_angle(mesh, build_topology(mesh));
+  const double degrees = angle.value_or(0) * 180 / std::numbers::pi;
+  if (options.creases.plain) {
+    tell(angle
+             ? fmt::format("gliss: creases: edges that turn by more than {:.1f} degrees\n", degrees)
+             : "gliss: creases: no angle parts the edges of this mesh plainly\n");
+  } else if (angle) {
+    tell(fmt::format(
+        "gliss: the edges of this mesh turn by much less than {:.0f} degrees or by much "
+        "more, as a machine part's do: '--crease auto' keeps the latter sharp\n",
+        degrees));
+  }
 }
 
 PatchCache build(const Mesh& mesh, const SurfaceOptions& options, const Engine& engine,

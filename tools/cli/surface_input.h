@@ -15,6 +15,10 @@ namespace gliss::tools {
 // Reads and repairs; what was repaired is said on stderr.
 Mesh read_mesh(const SurfaceOptions& options);
 
+// Says by which angle `--crease auto` marks creases, or that it would mark some where none are
+// asked for.
+void tell_plain_creases(const SurfaceOptions& options, const Mesh& mesh);
+
 // Builds with progress, and ends by Ctrl-C. `faces` empty: all.
 PatchCache build(const Mesh& mesh, const SurfaceOptions& options, const Engine& engine,
                  BuildOptions build_options = {}, BuildReport* report = nullptr);
