@@ -228,10 +228,12 @@ FN_LARGE contact track_contact_from(surface_view view, hip_point h, contact last
                                     track_options options) {
   const known_minimum none = {NONE, K(0)};
   const contact c = within_reach(h, contact_of_foot(view, end_foot(view, h, first, options, none)));
-  return HAS_UNION(view) ? unite_tracked(view, h, last, c, options) : c;
+  return HAS_UNION(view) && options.max_iterations > 0 ? unite_tracked(view, h, last, c, options)
+                                                       : c;
 }
 
-// Local: the point that `last` was, after the HIP has moved to h.
+// Local: the point that `last` was, after the HIP has moved to h. Without iterations it stays where
+// it was on its part.
 FN_LARGE contact track_contact(surface_view view, hip_point h, contact last,
                                track_options options) {
   if (last.method != METHOD_GREGORY) {

@@ -375,6 +375,7 @@ FN contact contact_of_union(surface_view view, hip_point h, union_search* u) {
   }
   c.iterations = u->iterations;
   c.state = CONTACT_TOUCHING;
+  if (u->is_spent) c.flags |= FOOT_UNFINISHED;
   return within_reach(h, c);
 }
 

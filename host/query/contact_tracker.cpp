@@ -52,7 +52,7 @@ class ContactTracker::Tick {
     kernels<Real>().tick(s_, t_.options_.method, within(left() / 2), raw_hip<Real>(cache_, hip_),
                          &next);
     spent_ += evaluations_of(next);
-    if (is_touching(next)) return accept(next);
+    if (is_touching(next)) return is_unfinished(next) && hold() ? contact(state_) : accept(next);
     const Contact gone = contact_of(cache_, s_, next);
     const RawContact<Real> end = nearest(hip_, left() / 2);
     // A HIP that has come out within this tick is no farther from the surface than it has moved.
@@ -96,17 +96,19 @@ class ContactTracker::Tick {
     return now;
   }
   // Takes the contact point from where it was towards where it leapt: downhill over the surface, or
-  // straight there where that is downhill too, or it stays. Returns the leap where the HIP has come
-  // out there.
+  // straight there where that is downhill too. It stays where the evaluations do not suffice.
+  // Returns the leap where no way leads downhill, or where the HIP has come out.
   Contact slide(const RawContact<Real>& last, const Vec3& was, const Contact& leapt) {
     const Contact from = contact_of(cache_, s_, last);
     const Vec3 offset = from.scp - hip_;
     const Vec3 way = leapt.touching ? Vec3(leapt.scp - from.scp) : Vec3(-offset);
     const double length = std::min(pace_ + stride(was, leapt.push), way.norm());
     const int descent = t_.options_.max_iterations + 1;
+    bool is_spent = false;
     for (const Vec3& towards : {Vec3(-offset), way}) {
       const Vec3 along = towards - towards.dot(from.normal) * from.normal;
-      if (!(along.norm() > 0) || spent_ + descent > kTickEvaluations) continue;
+      is_spent = is_spent || spent_ + descent > kTickEvaluations;
+      if (!(along.norm() > 0) || is_spent) continue;
       const Vec3 aim = from.scp + std::min(length / along.norm(), 1.0) * along;
       const RawHip<Real> there = raw_hip<Real>(cache_, aim);
       RawContact<Real> next = last;
@@ -117,7 +119,7 @@ class ContactTracker::Tick {
       if (left.squaredNorm() < offset.squaredNorm() && left.dot(to.normal) > 0)
         return rest(next, left, to.normal);
     }
-    return offset.dot(from.normal) > 0 ? rest(last, offset, from.normal) : leapt;
+    return is_spent && offset.dot(from.normal) > 0 ? rest(last, offset, from.normal) : leapt;
   }
   // The tick ends with the SCP at a place that is not the nearest.
   Contact rest(RawContact<Real> there, const Vec3& offset, const Vec3& normal) {

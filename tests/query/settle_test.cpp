@@ -171,7 +171,9 @@ TEST(Settle, fades_a_force_whose_contact_ends_and_keeps_the_budget_of_a_tick) {
       EXPECT_EQ(contact.touching, tracker.touching());
       if (i > 0) {
         EXPECT_LE((contact.push - last).norm(),
-                  2 * (next - hip).norm() + 0.04 * std::max(last.norm(), contact.push.norm()) +
+                  2 * (next - hip).norm() +
+                      0.04 * std::max({last.norm(), contact.push.norm(),
+                                       0.5 * std::abs(contact.distance)}) +
                       1e-6 * size);
       }
       fading += contact.touching && contact.distance > 0;
