@@ -80,11 +80,11 @@ void register_build() {
           rivals.push_back({"of_bandwidth", [] { return triad_work(1); }, "bytes"});
         }
         add_work(
-            work_name("build", {}, p, n, threads), threads,
+            work_name("build", kPapers, p, n, threads), threads,
             [=] { return make_control(p, n, threads); }, rivals);
       }
-      for (const char* name : {"exact", "ribbon", "bezier", "table"}) {
-        const Level level = find_level(name).value();
+      for (const char* name : {"exact", "ribbon", "bezier", "table", "fair"}) {
+        const Level level = find_surface(name).value();
         std::vector<Rival> rivals;
         if (threads > 1)
           rivals.push_back({"x_one_thread", [=] { return make_checked(level, p, 4, 1); }});

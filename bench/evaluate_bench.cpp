@@ -101,8 +101,8 @@ std::vector<Rival> rivals_of(const Case& c) {
     return rivals;
   }
   const bool is_shuffled = c.path == "evaluate_shuffled";
-  if (c.level.kind != Level::kExact) {
-    other.level = {};
+  if (c.level != kPapers) {
+    other.level = kPapers;
     rivals.push_back({"x_exact", like(other)});
   }
   if (c.precision == Precision::kDouble) {
@@ -134,11 +134,14 @@ void add(const Case& c) {
 
 void register_evaluate() {
   for (const Precision p : {Precision::kFloat, Precision::kDouble}) {
-    for (const char* name : {"exact", "ribbon", "bezier", "table"}) {
-      const Level level = find_level(name).value();
+    for (const char* name : {"exact", "ribbon", "bezier", "table", "fair"}) {
+      const Level level = find_surface(name).value();
       for (const int threads : {1, 2}) {
-        for (const std::uint32_t n : {4u, 3u, 5u, 6u})
+        for (const std::uint32_t n : {4u, 3u, 5u, 6u}) {
+          // The paper's patches again.
+          if (n > 4 && level.construction == Construction::kFair) continue;
           add({"evaluate", shape_of(n), level, p, n, threads});
+        }
         add({"evaluate_irregular", Shape::kIrregular, level, p, 4, threads});
         add({"evaluate_shuffled", Shape::kKnot, level, p, 4, threads});
       }

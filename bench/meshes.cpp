@@ -29,7 +29,7 @@ Mesh knot(std::size_t faces) {
 
 // Each quad as two triangles, each triangle as three quads of a corner, two middles of sides and
 // the centre: corners of six faces, middles of four, centres of three.
-Mesh irregular(const Mesh& quads) {
+Mesh irregular_quads(const Mesh& quads) {
   Mesh mesh;
   mesh.unit = quads.unit;
   mesh.source = quads.source + ", cut into irregular quads";
@@ -70,9 +70,13 @@ Mesh make_mesh(Shape shape) {
     case Shape::kKnot:
       return knot(mesh_faces);
     case Shape::kIrregular:
-      return irregular(knot(mesh_faces / 6));
+      return irregular_quads(knot(mesh_faces / 6));
     case Shape::kTriangles:  // eight for a quad
       return triangles_of(knot(mesh_faces / 8), 1);
+    case Shape::kRandom: {
+      const KnotGrid grid = knot_grid(mesh_faces / 2);
+      return irregular(torus_knot(grid.along, grid.around), 1).mesh;
+    }
     case Shape::kPolygons:
       return goldberg(
                  static_cast<int>(std::lround(std::sqrt(0.1 * static_cast<double>(mesh_faces)))))
@@ -103,7 +107,7 @@ Shape shape_of(std::uint32_t n) {
 const PatchCache& cache_of(Shape shape, Precision precision, const Level& level) {
   using Key = std::tuple<Shape, Precision, std::string>;
   static std::map<Key, std::unique_ptr<PatchCache>> made;
-  return once(made, Key{shape, precision, level_name(level)}, [&] {
+  return once(made, Key{shape, precision, surface_name(level)}, [&] {
     BuildOptions options;
     options.precision = precision;
     options.level = level;
@@ -123,7 +127,7 @@ double size_of(const PatchCache& cache) {
 
 std::string work_name(const std::string& path, const Level& level, Precision precision,
                       std::uint32_t n, int threads) {
-  return path + "/" + level_name(level) + "/" + precision_name(precision) + "/" +
+  return path + "/" + surface_name(level) + "/" + precision_name(precision) + "/" +
          std::to_string(n) + "/tbb/" + std::to_string(threads);
 }
 

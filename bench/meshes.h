@@ -15,9 +15,13 @@ enum class Shape {
   kKnot,       // quads, every vertex of four faces
   kIrregular,  // quads, none of whose faces is regular: three for each triangle of a knot
   kTriangles,  // a triangle knot
+  kRandom,     // triangles between random points of the knot
   kPolygons,   // hexagons and 12 pentagons on a sphere
   kDense       // the knot of 1,440 quads as 46,080 triangles, for closest points on triangles
 };
+
+// The level whose benchmarks are called "exact".
+inline constexpr Level kPapers{.construction = Construction::kPaper};
 
 // Quads along and around the knot of `mesh_faces` quads.
 struct KnotGrid {
@@ -28,7 +32,7 @@ KnotGrid knot_grid(std::size_t faces);
 const Mesh& mesh_of(Shape shape);
 // The shape whose faces have n sides, 3 to 6.
 Shape shape_of(std::uint32_t n);
-const PatchCache& cache_of(Shape shape, Precision precision, const Level& level = {});
+const PatchCache& cache_of(Shape shape, Precision precision, const Level& level = kPapers);
 // One of each number of threads.
 const Engine& engine_of(int threads);
 

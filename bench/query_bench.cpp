@@ -10,6 +10,7 @@
 #include "bench/meshes.h"
 #include "bench/peers/peers.h"
 #include "gliss/query/contact_tracker.h"
+#include "gliss/study/walk.h"
 #include "gliss/surface/layout.h"
 #include "gliss/surface/names.h"
 
@@ -147,6 +148,23 @@ void tick(benchmark::State& state, Precision precision) {
   state.counters["p99_us"] = quantile(us, 0.99);
 }
 
+// A finger that slides about beneath random triangles, 0.5 % of the size deep: contacts that search
+// for their way too.
+Work make_walk(Precision precision, const Level& level) {
+  const PatchCache& cache = cache_of(Shape::kRandom, precision, level);
+  const Mesh& mesh = mesh_of(Shape::kRandom);
+  const WalkOptions options{.depth = walk_depth(mesh), .walkers = 10, .ticks = 1000};
+  const std::vector<Walk> walks = walk_paths(mesh, build_topology(mesh), options);
+  double ticks = 0;
+  for (const Walk& walk : walks) ticks += static_cast<double>(walk.hips.size());
+  return {ticks, [&cache, walks] {
+            for (const Walk& walk : walks) {
+              ContactTracker tracker(cache, {});
+              for (const Vec3& hip : walk.hips) benchmark::DoNotOptimize(tracker.tick(hip));
+            }
+          }};
+}
+
 void add_nearest(const std::string& path, const std::string& level, const QueryOptions& options,
                  Precision p, Search order, int threads) {
   std::vector<Rival> rivals;
@@ -173,8 +191,8 @@ void register_queries() {
       std::vector<Rival> rivals;
       if (threads > 1) rivals.push_back({"x_one_thread", [=] { return make_track(p, 1); }});
       add_work(
-          work_name("track", {}, p, 4, threads), threads, [=] { return make_track(p, threads); },
-          rivals);
+          work_name("track", kPapers, p, 4, threads), threads,
+          [=] { return make_track(p, threads); }, rivals);
     }
     for (const auto& [name, method] : kMethodNames) {
       QueryOptions options;
@@ -187,8 +205,12 @@ void register_queries() {
       if (solver != Solver::kNewton)
         add_nearest("nearest", std::string("exact-") + name, options, p, Search::kRandom, 1);
     }
-    benchmark::RegisterBenchmark(work_name("tick", {}, p, 4, 1).c_str(), tick, p)
+    benchmark::RegisterBenchmark(work_name("tick", kPapers, p, 4, 1).c_str(), tick, p)
         ->Unit(benchmark::kMicrosecond);
+    const Level fair{.construction = Construction::kFair};
+    const auto walk = [p](const Level& level) { return [=] { return make_walk(p, level); }; };
+    add_work(work_name("walk", kPapers, p, 3, 1), 1, walk(kPapers));
+    add_work(work_name("walk", fair, p, 3, 1), 1, walk(fair), {{"x_exact", walk(kPapers)}});
   }
   if constexpr (kEmbree) {
     for (const auto& [name, order] : {std::pair{"nearest_46080", Search::kRandom},

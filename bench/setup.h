@@ -21,6 +21,7 @@ struct Setup {
 inline Setup make_setup(Precision precision, std::size_t count) {
   BuildOptions options;
   options.precision = precision;
+  options.level.construction = Construction::kPaper;
   Setup s{torus_knot().mesh, {}, {}, {}};
   const auto engine = make_tbb_engine();
   s.cache = engine->build(s.mesh, options);

@@ -85,10 +85,10 @@ void register_whole() {
       std::vector<Rival> rivals;
       if (threads > 1) rivals.push_back({"x_one_thread", [=] { return make_sweep(p, 1); }});
       add_work(
-          work_name("sweep", {}, p, 4, threads), threads, [=] { return make_sweep(p, threads); },
-          rivals);
+          work_name("sweep", kPapers, p, 4, threads), threads,
+          [=] { return make_sweep(p, threads); }, rivals);
     }
-    add_work(work_name("load", {}, p, 4, 1), 1, [=] { return make_load(p); },
+    add_work(work_name("load", kPapers, p, 4, 1), 1, [=] { return make_load(p); },
              {{"x_read", [=] { return make_read(p); }}});
   }
 }

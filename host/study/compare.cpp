@@ -41,20 +41,14 @@ struct Comparison::Surface {
   double seconds = 0;  // to build it
 };
 
-Comparison::Comparison(const Mesh& mesh, const Topology& topology, const PatchCache& exact,
-                       std::vector<ComparePath> paths, CompareWalks walks, TrueDistance distance,
-                       CompareOptions options)
+Comparison::Comparison(const Mesh& mesh, const Topology& topology, std::vector<ComparePath> paths,
+                       CompareWalks walks, TrueDistance distance, CompareOptions options)
     : mesh_(mesh),
-      exact_(exact),
       paths_(std::move(paths)),
       walks_(std::move(walks)),
       distance_(std::move(distance)),
       options_(std::move(options)),
-      topology_(topology),
-      points_(spread_points(exact, kPoints)),
-      many_points_(spread_points(
-          exact, std::min(kPointsPerFace * std::size_t{exact.mesh_face_count}, kMostPoints))),
-      exact_points_(points_.size()) {
+      topology_(topology) {
   if (!options_.normals_given) {
     smooth_mesh_ = mesh;
     smooth_mesh_.normals.clear();
@@ -62,9 +56,50 @@ Comparison::Comparison(const Mesh& mesh, const Topology& topology, const PatchCa
     smooth_mesh_.tangents.clear();
     add_vertex_normals(smooth_mesh_, NormalWeights::kSmooth);
   }
-  evaluate(exact_, points_, exact_points_);
-  for (const SurfacePoint& p : exact_points_)
+  std::vector<Construction> constructions;
+  for (const CompareCandidate& c : options_.candidates) {
+    const Construction construction = c.level.construction;
+    if (c.method == Method::kGregory &&
+        std::find(constructions.begin(), constructions.end(), construction) == constructions.end())
+      constructions.push_back(construction);
+  }
+  if (constructions.empty()) constructions.push_back(Level{}.construction);
+  for (const Construction construction : constructions) add_exact(construction);
+  for (const SurfacePoint& p : exact_.front().points)
     hips_.push_back(p.position - paths_.front().depth / mesh.unit * p.normal);
+}
+
+void Comparison::add_exact(Construction construction) {
+  BuildOptions build;
+  build.level.construction = construction;
+  const auto engine = engine_of(options_.backends.front());
+  Exact exact{construction, build_cache(mesh_of(construction), topology_, build, nullptr,
+                                        engine->build_backend())};
+  if (points_.empty()) {
+    const std::size_t faces = exact.cache.mesh_face_count;
+    points_ = spread_points(exact.cache, kPoints);
+    many_points_ = spread_points(exact.cache, std::min(kPointsPerFace * faces, kMostPoints));
+  }
+  exact.points.resize(points_.size());
+  evaluate(exact.cache, points_, exact.points);
+  for (const ComparePath& path : paths_) {
+    poll();
+    exact.pushes.push_back(feel_path(exact.cache, {}, path.hips, path.depth / mesh_.unit, {}).push);
+  }
+  exact_.push_back(std::move(exact));
+}
+
+// Each construction has normals of its own where the mesh was given none.
+const Mesh& Comparison::mesh_of(Construction construction) const {
+  const bool is_smooth = normal_weights(construction) == NormalWeights::kSmooth;
+  return is_smooth && !options_.normals_given ? smooth_mesh_ : mesh_;
+}
+
+const Comparison::Exact& Comparison::exact_of(const CompareCandidate& candidate) const {
+  const auto found = std::find_if(exact_.begin(), exact_.end(), [&](const Exact& exact) {
+    return exact.construction == candidate.level.construction;
+  });
+  return candidate.method == Method::kGregory && found != exact_.end() ? *found : exact_.front();
 }
 
 std::size_t Comparison::row_count() const {
@@ -98,7 +133,8 @@ std::vector<CompareRow> Comparison::measure(const std::function<void()>& measure
           for (const Solver solver : options_.solvers) {
             felt.push_back(shape);
             felt.back().solver = solver;
-            measure_feel(surface.cache, query_of(candidate, solver), felt.back());
+            measure_feel(surface.cache, query_of(candidate, solver), exact_of(candidate),
+                         felt.back());
             measure_walks(surface.cache, query_of(candidate, solver), *engine, felt.back());
           }
         }
@@ -135,9 +171,8 @@ Comparison::Surface Comparison::build(const CompareCandidate& candidate, Precisi
     BuildOptions options;
     options.precision = precision;
     options.level = candidate.level;
-    const bool is_smooth = normal_weights(candidate.level.construction) == NormalWeights::kSmooth;
-    const Mesh& mesh = is_smooth && !options_.normals_given ? smooth_mesh_ : mesh_;
-    surface.cache = build_cache(mesh, topology_, options, nullptr, engine.build_backend());
+    surface.cache = build_cache(mesh_of(candidate.level.construction), topology_, options, nullptr,
+                                engine.build_backend());
   } else {
     const Mesh& mesh = options_.baseline != nullptr ? *options_.baseline : mesh_;
     surface.cache = build_base(mesh, topology_, precision);
@@ -149,6 +184,7 @@ Comparison::Surface Comparison::build(const CompareCandidate& candidate, Precisi
 void Comparison::measure_shape(const Surface& surface, CompareRow& row) const {
   const PatchCache& cache = surface.cache;
   const Method method = surface.candidate.method;
+  const Exact& exact = exact_of(surface.candidate);
   row.bytes = static_cast<double>(cache.bytes());
   row.bytes_per_patch = row.bytes / cache.patch_count();
   const Distances gaps = normal_gaps(mesh_, topology_, cache, method);
@@ -161,12 +197,12 @@ void Comparison::measure_shape(const Surface& surface, CompareRow& row) const {
     evaluate(cache, points_, points);
     for (const SurfacePoint& p : points) {
       there.push_back(p.position);
-      distance.push_back(std::abs(nearest(exact_, p.position).distance));
+      distance.push_back(std::abs(nearest(exact.cache, p.position).distance));
     }
   } else {
     QueryOptions flat;
     flat.method = Method::kFlat;
-    for (const SurfacePoint& p : exact_points_) {
+    for (const SurfacePoint& p : exact.points) {
       const Contact contact = nearest(cache, p.position, flat);
       there.push_back(contact.scp);
       distance.push_back(std::abs(contact.distance));
@@ -184,14 +220,15 @@ void Comparison::measure_shape(const Surface& surface, CompareRow& row) const {
 }
 
 void Comparison::measure_feel(const PatchCache& cache, const QueryOptions& query,
-                              CompareRow& row) const {
+                              const Exact& exact, CompareRow& row) const {
   row.max_force_step = row.p99_force_step = row.max_force_error = row.p99_force_error = 0;
   row.tick = row.jumps_per_100k = row.lost_per_100k = row.settling_share = 0;
   row.unsound = 0;
-  for (const ComparePath& path : paths_) {
+  for (std::size_t i = 0; i < paths_.size(); ++i) {
     poll();
+    const ComparePath& path = paths_[i];
     const double depth = path.depth / mesh_.unit;
-    const FeltPath felt = feel_path(cache, query, path.hips, depth, path.reference);
+    const FeltPath felt = feel_path(cache, query, path.hips, depth, exact.pushes[i]);
     const double newtons = options_.stiffness * mesh_.unit;
     row.max_force_step = std::max(row.max_force_step, newtons * felt.force.largest_step);
     row.p99_force_step = std::max(row.p99_force_step, newtons * felt.p99_step);
@@ -202,7 +239,7 @@ void Comparison::measure_feel(const PatchCache& cache, const QueryOptions& query
     row.max_force_error = std::max(row.max_force_error, felt.error.largest / depth);
     row.p99_force_error = std::max(row.p99_force_error, felt.error.p99 / depth);
     double tick = felt.median_tick;  // the best of some: others use the machine as well
-    for (int i = 1; i < kRides; ++i)
+    for (int ride = 1; ride < kRides; ++ride)
       tick = std::min(tick, feel_path(cache, query, path.hips, depth, {}).median_tick);
     row.tick = std::max(row.tick, tick);
   }
@@ -241,6 +278,7 @@ double Comparison::tracking_rate(const ResidentSurface& resident, const QueryOpt
 }
 
 DenseRow Comparison::match(Method method, const CompareRow& target, std::uint64_t limit) const {
+  const Exact& exact = exact_of(target.candidate);
   DenseRow row;
   row.method = method;
   row.target = target.candidate.name();
@@ -250,10 +288,10 @@ DenseRow Comparison::match(Method method, const CompareRow& target, std::uint64_
   for (std::uint32_t cells = 1; tessellated_count(mesh_, cells) <= limit || cells == 1;
        cells = cells < 2 ? cells + 1 : cells + cells / 2) {
     poll();
-    const Mesh dense = tessellate(mesh_, exact_, cells);
+    const Mesh dense = tessellate(mesh_, exact.cache, cells);
     const PatchCache cache = build_base(dense, build_topology(dense), Precision::kDouble);
     CompareRow felt{};
-    measure_feel(cache, query_of({method, {}}, Solver::kNewton), felt);
+    measure_feel(cache, query_of({method, {}}, Solver::kNewton), exact, felt);
     last_step = row.max_force_step;
     last_triangles = static_cast<double>(row.triangles);
     row.triangles = dense.face_count();

@@ -55,7 +55,7 @@ struct CompareRow {
   std::string backend;
   double bytes = 0, bytes_per_patch = 0;
   double build_per_s = 0, eval_per_s = 0, track_per_s = 0;
-  double max_distance = 0, p99_distance = 0;            // to the exact surface
+  double max_distance = 0, p99_distance = 0;            // to its construction's exact surface
   double true_max_distance = 0, true_p99_distance = 0;  // to the reference
   double max_normal_gap = 0, p99_normal_gap = 0;        // rad
   double max_force_step = 0, p99_force_step = 0;        // N, along the path
@@ -64,7 +64,7 @@ struct CompareRow {
   double settling_share = 0;                            // of the ticks in contact; as the jumps
   double loop_gain = 0;                                 // of CompareWalks::loops
   std::uint64_t unsound = 0;                            // steps that are not finite
-  // The error is to the force of the exact surface, as a share of stiffness x depth.
+  // The error is to the force of that surface, as a share of stiffness x depth.
   double max_force_error = 0, p99_force_error = 0;
   double tick = 0;  // s, median
   bool pareto = false;
@@ -88,10 +88,10 @@ struct CompareBudget {
   std::optional<double> force_error, tick, memory;  // ratio, s, bytes
 };
 
-// HIPs at one depth, and the pushes of the exact surface there, both in the mesh's unit.
+// HIPs at one depth.
 struct ComparePath {
-  double depth = 0;  // m
-  std::vector<Vec3> hips, reference;
+  double depth = 0;          // m
+  std::vector<Vec3> hips{};  // mesh's unit
 };
 
 // Random walks, all at one depth; none: they are switched off.
@@ -106,16 +106,14 @@ using TrueDistance = std::function<double(const Vec3&)>;
 
 class GLISS_EXPORT Comparison {
  public:
-  // `exact`: in double, of the whole mesh; the mesh has normals. These three must outlive it.
-  Comparison(const Mesh& mesh, const Topology& topology, const PatchCache& exact,
-             std::vector<ComparePath> paths, CompareWalks walks, TrueDistance distance,
-             CompareOptions options);
-  Comparison(Mesh&&, const Topology&, const PatchCache&, std::vector<ComparePath>, CompareWalks,
-             TrueDistance, CompareOptions) = delete;
-  Comparison(const Mesh&, Topology&&, const PatchCache&, std::vector<ComparePath>, CompareWalks,
-             TrueDistance, CompareOptions) = delete;
-  Comparison(const Mesh&, const Topology&, PatchCache&&, std::vector<ComparePath>, CompareWalks,
-             TrueDistance, CompareOptions) = delete;
+  // The mesh has normals, and one path at least. Mesh and topology must outlive it. Builds the
+  // exact surface of each construction that a candidate has, in double.
+  Comparison(const Mesh& mesh, const Topology& topology, std::vector<ComparePath> paths,
+             CompareWalks walks, TrueDistance distance, CompareOptions options);
+  Comparison(Mesh&&, const Topology&, std::vector<ComparePath>, CompareWalks, TrueDistance,
+             CompareOptions) = delete;
+  Comparison(const Mesh&, Topology&&, std::vector<ComparePath>, CompareWalks, TrueDistance,
+             CompareOptions) = delete;
 
   std::size_t row_count() const;
   // Calls `measured` after each row.
@@ -125,12 +123,24 @@ class GLISS_EXPORT Comparison {
 
  private:
   struct Surface;
+  // What a construction's rows are measured against.
+  struct Exact {
+    Construction construction;
+    PatchCache cache;
+    std::vector<SurfacePoint> points{};       // at points_
+    std::vector<std::vector<Vec3>> pushes{};  // [path][tick], mesh's unit
+  };
 
   void poll() const;
+  void add_exact(Construction construction);
+  const Mesh& mesh_of(Construction construction) const;
+  // The baselines are measured against the construction of the first candidate that has one.
+  const Exact& exact_of(const CompareCandidate& candidate) const;
   std::unique_ptr<Engine> engine_of(const std::string& backend) const;
   Surface build(const CompareCandidate& candidate, Precision precision, const Engine& engine) const;
   void measure_shape(const Surface& surface, CompareRow& row) const;
-  void measure_feel(const PatchCache& cache, const QueryOptions& query, CompareRow& row) const;
+  void measure_feel(const PatchCache& cache, const QueryOptions& query, const Exact& exact,
+                    CompareRow& row) const;
   void measure_walks(const PatchCache& cache, const QueryOptions& query, const Engine& engine,
                      CompareRow& row) const;
   double evaluation_rate(const ResidentSurface& resident) const;
@@ -138,16 +148,15 @@ class GLISS_EXPORT Comparison {
   QueryOptions query_of(const CompareCandidate& candidate, Solver solver) const;
 
   const Mesh& mesh_;
-  const PatchCache& exact_;
   const std::vector<ComparePath> paths_;
   const CompareWalks walks_;
   const TrueDistance distance_;
   const CompareOptions options_;
   const Topology& topology_;
   Mesh smooth_mesh_;  // with the fair construction's normals, if it makes its own
-  const std::vector<DomainPoint> points_, many_points_;  // many: for the rate of evaluation
-  std::vector<SurfacePoint> exact_points_;               // at points_
-  std::vector<Vec3> hips_;                               // beneath them
+  std::vector<Exact> exact_;
+  std::vector<DomainPoint> points_, many_points_;  // many: for the rate of evaluation
+  std::vector<Vec3> hips_;                         // beneath points_
 };
 
 // Marks rows that no other beats in error, tick and memory at once.

@@ -20,11 +20,15 @@ std::optional<Level> find_level(std::string_view name) {
 
 std::optional<Level> find_surface(std::string_view name) {
   const std::string_view fair = "fair";
-  if (!name.starts_with(fair)) return find_level(name);
-  name.remove_prefix(fair.size());
+  const bool is_fair = name.starts_with(fair);
+  if (is_fair) name.remove_prefix(fair.size());
   std::optional<Level> level = Level{};
-  if (!name.empty()) level = name[0] == '-' ? find_level(name.substr(1)) : std::nullopt;
-  if (level) level->construction = Construction::kFair;
+  if (!is_fair) {
+    level = find_level(name);
+  } else if (!name.empty()) {
+    level = name[0] == '-' ? find_level(name.substr(1)) : std::nullopt;
+  }
+  if (level) level->construction = is_fair ? Construction::kFair : Construction::kPaper;
   return level;
 }
 

@@ -64,13 +64,14 @@ inline std::string level_name(const Level& level) {
              ? name + ":" + std::to_string(level.cells)
              : name;
 }
-// The same with its construction: the paper's goes without saying, "fair", "fair-table:8".
+// The same with its construction: the paper's goes without saying, as "exact"; "fair",
+// "fair-table:8".
 inline std::string surface_name(const Level& level) {
   if (level.construction == Construction::kPaper) return level_name(level);
   const std::string name = name_of(kConstructionNames, level.construction);
   return level.kind == Level::kExact ? name : name + "-" + level_name(level);
 }
-// The level of a construction, each as it is chosen or else exact and the paper's.
+// The level of a construction, each as it is chosen or else exact and fair.
 inline Level chosen_level(const std::optional<Level>& level,
                           const std::optional<Construction>& construction) {
   Level chosen = level.value_or(Level{});

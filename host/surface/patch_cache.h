@@ -33,7 +33,7 @@ struct Level {
   };
   Kind kind = kExact;
   std::uint32_t cells = 0;  // of a table, along half a side; else 0
-  Construction construction = Construction::kPaper;
+  Construction construction = Construction::kFair;
 
   bool operator==(const Level&) const = default;
 };

@@ -36,7 +36,7 @@ struct ObjectDescription : SolverOptions {
   double unit = 1;                           // m, of a mesh's coordinates
   std::optional<Precision> precision;        // as the cache has it, or double
   std::optional<Level> level;                // as the cache has it, or exact
-  std::optional<Construction> construction;  // as the cache has it, or the paper's
+  std::optional<Construction> construction;  // as the cache has it, or fair
   CreaseRules creases{};                     // of a mesh; paths from the scene's folder
   double stiffness = 500;                    // N/m
   double settle = 0;                         // s; 0: contacts leap (QueryOptions::settle)

@@ -1,6 +1,7 @@
 // Patches that a worker builds ahead of a hand: the forces of the whole cache where they are there,
 // the base polygons on the same side where they are not.
 #include "gliss/contact/lazy_contact.h"
+#include "gliss/surface/instances.h"
 #include "gliss/surface/layout.h"
 
 #include <atomic>
@@ -81,7 +82,8 @@ class Gate {
 
 TEST(LazyMesh, builds_the_bytes_of_the_whole_cache) {
   // With folded patches too, which are split or bent.
-  for (const Mesh& mesh : {knot().mesh, test::with_normals(fin().mesh)}) {
+  for (const Mesh& mesh :
+       {knot().mesh, test::with_normals(fin().mesh), irregular(torus(), 1).mesh}) {
     const LazyMesh lazy(mesh);
     const PatchCache whole = test::cache_of(mesh);
     const auto& all = std::get<1>(whole.surface);
@@ -100,8 +102,10 @@ TEST(LazyMesh, builds_the_bytes_of_the_whole_cache) {
           return std::memcmp(&a[at], &b[in_all], count * sizeof(double)) == 0;
         };
         const std::size_t begin = s.side_begin[p], in_all = all.side_begin[q], n = s.valence(p);
-        EXPECT_TRUE(
-            same(s.control, all.control, begin * kSideReals, in_all * kSideReals, n * kSideReals));
+        ASSERT_EQ(s.form[p], all.form[q]);
+        EXPECT_TRUE(same(s.control, all.control, 3 * std::size_t{s.control_begin[p]},
+                         3 * std::size_t{all.control_begin[q]},
+                         kernels<double>().control_reals(s.form[p], s.valence(p))));
         EXPECT_TRUE(same(s.corner, all.corner, begin * 6, in_all * 6, n * 6));
         EXPECT_TRUE(same(s.patch, all.patch, p * kPatchReals, q * kPatchReals, kPatchReals));
         if (!region.used[p]) continue;

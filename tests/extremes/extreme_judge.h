@@ -29,6 +29,7 @@ struct Judgement {
   Times not_finite, folds, degenerate;
 };
 
+// Judges the paper's patches, which the oracle has.
 class Judge {
  public:
   Judge(Precision precision, std::uint64_t seed) : precision_(precision), rng_(seed) {}
@@ -45,7 +46,7 @@ class Judge {
       return;
     }
     BuildReport report;
-    const PatchCache cache = cache_of(mesh, precision_, true, &report);
+    const PatchCache cache = paper_cache_of(mesh, precision_, true, &report);
     for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
       const bool flagged =
           std::binary_search(report.flagged_faces.begin(), report.flagged_faces.end(), face);

@@ -229,7 +229,7 @@ Faraway contacts_at(const Vec3& far, Precision precision) {
     Polygon near = polygon;
     for (Vec3& p : near.positions) p -= far;
     const auto exact = oracle::with_unit_normals(oracle::cast<long double>(near));
-    const PatchCache cache = test::cache_of(test::mesh_of(polygon), precision);
+    const PatchCache cache = test::paper_cache_of(test::mesh_of(polygon), precision);
     ContactTracker tracker(cache, {});
     for (int j = 0; j < 8; ++j) {
       const Vec2 X = 0.9 * oracle::random_inside<double>(rng, n);

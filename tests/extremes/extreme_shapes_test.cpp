@@ -163,7 +163,8 @@ TEST_P(ExtremeShapes, with_corners_hardly_reflex_are_flagged) {
       polygon.positions.insert(polygon.positions.begin() + 1, (1 - inward) * middle);
       polygon.normals.push_back(Vec3::UnitZ());
       BuildReport report;
-      const PatchCache cache = test::cache_of(test::mesh_of(polygon), GetParam(), true, &report);
+      const PatchCache cache =
+          test::paper_cache_of(test::mesh_of(polygon), GetParam(), true, &report);
       const SurfacePoint corner = test::at(cache, 0, oracle::domain_corner(n + 1, 1));
       missed += report.flagged_faces.empty() && corner.normal.z() < 0;
       ++count;
@@ -193,7 +194,8 @@ TEST_P(ExtremeShapes, may_have_corners_of_180_degrees) {
     polygon.normals.insert(polygon.normals.begin() + 1, oracle::face_normal(polygon));
     polygon = oracle::with_unit_normals(polygon);
     BuildReport report;
-    const PatchCache cache = test::cache_of(test::mesh_of(polygon), GetParam(), true, &report);
+    const PatchCache cache =
+        test::paper_cache_of(test::mesh_of(polygon), GetParam(), true, &report);
     const SurfacePoint corner = test::at(cache, 0, oracle::domain_corner(n + 1, 1));
     const double turn = oracle::angle<double>(corner.normal, polygon.normal(1));
     if (flat) {

@@ -73,6 +73,7 @@ PatchCache region_of(const Mesh& whole, std::uint32_t count, Precision precision
                      BuildReport* report) {
   BuildOptions options;
   options.precision = precision;
+  options.level.construction = Construction::kPaper;
   options.faces.resize(count);
   std::iota(options.faces.begin(), options.faces.end(), 0u);
   return build_cache(whole, options, report);

@@ -1,5 +1,5 @@
 // The surfaces that the tests at the extremes ask: smooth, thin, sharp, folded, with poles, open;
-// each with its cache in both precisions and its oracle.
+// each with its cache of the paper's patches in both precisions and its oracle.
 #pragma once
 
 #include "gliss/build/build_cache.h"
@@ -40,8 +40,8 @@ struct Extreme {
       : name(std::move(of)),
         mesh(with_normals(std::move(m))),
         topology(build_topology(mesh)),
-        cache(cache_of(mesh, Precision::kDouble, true, &report)),
-        narrow(cache_of(mesh, Precision::kFloat)),
+        cache(paper_cache_of(mesh, Precision::kDouble, true, &report)),
+        narrow(paper_cache_of(mesh, Precision::kFloat)),
         oracle(cache, mesh.face_count() < 100 ? 16 : 8),
         size(size_of(mesh)),
         rho(cache.smallest_rho()) {}

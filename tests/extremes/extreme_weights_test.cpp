@@ -118,7 +118,8 @@ TEST(ExtremeWeights, leave_the_boundary_where_it_is) {
   for (const int n : all_sides()) {
     for (std::uint64_t i = 0; i < test::samples(2, 40); ++i) {
       const Polygon polygon = test::sound_polygon(rng, n);
-      const PatchCache cache = test::cache_of(test::mesh_of(polygon), Precision::kDouble, false);
+      const PatchCache cache =
+          test::paper_cache_of(test::mesh_of(polygon), Precision::kDouble, false);
       const auto exact = oracle::cast<long double>(polygon);
       const double size = oracle::size_of(polygon);
       const auto gap = [&](const Vec2& X, const oracle::Vec<long double>& want) {
@@ -157,7 +158,7 @@ test::PatchErrors errors_of(Rng& rng, Precision precision, int n) {
   const std::uint64_t polygons = test::samples(n > 100 ? 1 : n > 20 ? 2 : 4, n > 100 ? 4 : 40);
   for (std::uint64_t i = 0; i < polygons; ++i) {
     const Polygon polygon = test::sound_polygon(rng, n);
-    const PatchCache cache = test::cache_of(test::mesh_of(polygon), precision, false);
+    const PatchCache cache = test::paper_cache_of(test::mesh_of(polygon), precision, false);
     const auto exact = oracle::cast<long double>(polygon);
     const double size = oracle::size_of(polygon);
     for (const Vec2& free : test::hard_points(rng, n, 40, n > 100 ? 2 : 6)) {

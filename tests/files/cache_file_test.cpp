@@ -47,6 +47,12 @@ PatchCache triangle_cache(Precision precision = Precision::kFloat) {
   return build_cache(polygon({{0, 0, 0}, {1, 0, 0}, {0, 1, 0.5}}), in(precision));
 }
 
+PatchCache paper_torus() {
+  BuildOptions options;
+  options.level.construction = Construction::kPaper;
+  return build_cache(torus(6, 4).mesh, options);
+}
+
 // Its reflex corner makes the exact patch fold, so that it is cut.
 PatchCache dart_cache(Precision precision = Precision::kDouble) {
   return build_cache(polygon({{0, 0, 0}, {3, -2, 0.3}, {0.4, 0, 0}, {3, 2, 0.3}}), in(precision));
@@ -420,7 +426,7 @@ TEST(CacheFile, HeadersThatLieAreRefused) {
 
 // Sound checksums over what no build makes.
 TEST(CacheFile, ForgedContentIsRefused) {
-  const PatchCache dart = dart_cache(), torus_cache = build_cache(torus(6, 4).mesh);
+  const PatchCache dart = dart_cache(), torus_cache = paper_torus();
   const auto& surface = std::get<1>(torus_cache.surface);
   const auto forged = [&](const std::string& section, std::size_t index, auto value) {
     const CacheError error = Forgery(torus_cache).set(section, index, value).refusal();

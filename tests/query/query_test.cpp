@@ -68,7 +68,7 @@ TEST(Nearest, agrees_with_brute_force) {
   Rng rng(21);
   for (const auto& [name, mesh] : small_meshes()) {
     SCOPED_TRACE(name);
-    const PatchCache cache = test::cache_of(mesh, Precision::kDouble, false);
+    const PatchCache cache = test::paper_cache_of(mesh, Precision::kDouble, false);
     const test::PatchBruteForce brute_force(mesh);
     const double size = test::size_of(mesh);
     Worst distance;
@@ -197,7 +197,7 @@ TEST(Nearest, stops_at_the_borders_of_an_open_mesh) {
   Rng rng(26);
   for (const double width : {2.0, 0.05}) {
     const Mesh mesh = test::open_strip(8, width);
-    const PatchCache cache = test::cache_of(mesh);
+    const PatchCache cache = test::paper_cache_of(mesh);
     const test::PatchBruteForce brute_force(mesh);
     for (int i = 0; i < 20; ++i) {
       const bool beyond = i % 2 == 0;

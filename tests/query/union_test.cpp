@@ -344,5 +344,38 @@ TEST_F(UnionOfShared, teeth_knows_what_is_inside) {
   EXPECT_TRUE(nearest(cache, Vec3(-17.2467, 626.879, 116.0972)).touching);
 }
 
+// Between the walls of two teeth that stand within each other the surface of the union is so far
+// that a tick's evaluations do not find it. A contact that followed each tick's best guess went to
+// and fro between the walls, while the hand moved slowly on.
+TEST_F(UnionOfShared, teeth_hold_a_contact_that_a_tick_cannot_find) {
+  const Vec3 way[] = {{16.29215, 625.96102, 110.13916}, {16.33820, 627.35102, 110.35284},
+                      {16.33822, 627.34972, 110.38032}, {16.34177, 627.34234, 110.40603},
+                      {16.33950, 627.33722, 110.43206}, {16.32563, 627.33769, 110.45479},
+                      {16.30152, 627.34245, 110.46596}, {16.27532, 627.34830, 110.47101}};
+  const Mesh mesh = test::load_shared("meshes/teeth32_ngon");
+  for (const Construction construction : {Construction::kPaper, Construction::kFair}) {
+    const PatchCache cache = test::cache_of(mesh, Precision::kDouble, true, nullptr, construction);
+    ContactTracker tracker(cache, {});
+    int jumps = 0, free = 0;
+    Vec3 last = Vec3::Zero();
+    for (std::size_t leg = 0; leg + 1 < std::size(way); ++leg) {
+      const int ticks = leg == 0 ? 20 : 40;
+      for (int i = 0; i < ticks; ++i) {
+        const double t = i / static_cast<double>(ticks);
+        const Contact contact = tracker.tick((1 - t) * way[leg] + t * way[leg + 1]);
+        if (leg > 0) {
+          jumps += (contact.push - last).norm() > 0.2 * last.norm();
+          free += !contact.touching;
+        }
+        last = contact.push;
+      }
+    }
+    test::record(construction == Construction::kPaper ? "paper" : "fair", "{} jumps, {} free ticks",
+                 jumps, free);
+    EXPECT_LE(jumps, 1);
+    EXPECT_EQ(free, 0);
+  }
+}
+
 }  // namespace
 }  // namespace gliss

@@ -130,14 +130,15 @@ TEST_F(Compare, recommends_what_the_budget_allows) {
     budget.insert(budget.end(), words.begin(), words.end());
     return json_of(budget)["recommended"];
   };
-  EXPECT_EQ(recommended({})["level"], "exact");
+  EXPECT_EQ(recommended({})["level"], "fair");
   EXPECT_TRUE(recommended({"--max-memory", "1KiB"}).is_null());
   EXPECT_TRUE(recommended({"--max-tick", "1ns"}).is_null());
   // Only the base polygons are so small.
   const std::string small = recommended({"--max-memory", "80KiB"})["level"];
   EXPECT_THAT((std::vector<std::string>{"shaded", "flat"}), ::testing::Contains(small));
   const std::string near = recommended({"--max-force-error", "0.1%"})["level"];
-  EXPECT_THAT((std::vector<std::string>{"exact", "ribbon", "table"}), ::testing::Contains(near));
+  EXPECT_THAT((std::vector<std::string>{"fair", "exact", "ribbon", "table"}),
+              ::testing::Contains(near));
 }
 
 TEST_F(Compare, dense_triangles_get_as_smooth_or_it_says_that_they_did_not) {

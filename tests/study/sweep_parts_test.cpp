@@ -195,7 +195,7 @@ TEST_F(SweepPartsTest, of_other_sweeps_never_mix_in) {
   expect_foreign(test::cache_of(mesh, Precision::kFloat), options_, true);
   expect_foreign(test::cache_of(torus_knot(61, 8).mesh), options_, true);
   BuildOptions ribbons;
-  ribbons.level = {Level::kRibbon};
+  ribbons.level = {Level::kRibbon, 0, Construction::kPaper};
   expect_foreign(build_cache(test::with_normals(mesh), ribbons), options_, true);
   const auto changed = [&](const auto& change) {
     SweepOptions options = options_;

@@ -59,11 +59,16 @@ double size_of(const Mesh& mesh) {
   return (high - low).norm();
 }
 
-PatchCache cache_of(const Mesh& mesh, Precision precision, bool tame, BuildReport* report) {
+PatchCache cache_of(const Mesh& mesh, Precision precision, bool tame, BuildReport* report,
+                    Construction construction) {
   BuildOptions options;
   options.precision = precision;
+  options.level.construction = construction;
   options.tame = tame;
   return build_cache(mesh, options, report);
+}
+PatchCache paper_cache_of(const Mesh& mesh, Precision precision, bool tame, BuildReport* report) {
+  return cache_of(mesh, precision, tame, report, Construction::kPaper);
 }
 
 SurfacePoint at(const PatchCache& cache, std::uint32_t face, const Vec2& X) {

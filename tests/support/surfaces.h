@@ -64,7 +64,10 @@ Mesh load_shared(const std::string& name);
 double size_of(const Mesh& mesh);
 
 PatchCache cache_of(const Mesh& mesh, Precision precision = Precision::kDouble, bool tame = true,
-                    BuildReport* report = nullptr);
+                    BuildReport* report = nullptr,
+                    Construction construction = Level{}.construction);
+PatchCache paper_cache_of(const Mesh& mesh, Precision precision = Precision::kDouble,
+                          bool tame = true, BuildReport* report = nullptr);
 
 SurfacePoint at(const PatchCache& cache, std::uint32_t face, const Vec2& X);
 

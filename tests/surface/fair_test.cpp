@@ -284,7 +284,7 @@ TEST(Fair, sides_at_a_vertex_have_its_second_fundamental_form) {
     const Topology topology = build_topology(mesh);
     const oracle::Fair fair(mesh, topology);
     const Residual own = residual_at_vertices(mesh, topology, fair_cache(mesh), fair);
-    const Residual paper = residual_at_vertices(mesh, topology, test::cache_of(mesh), fair);
+    const Residual paper = residual_at_vertices(mesh, topology, test::paper_cache_of(mesh), fair);
     EXPECT_GT(own.sides, 400);
     EXPECT_LE(own.curvature.value, 1e-8);
     EXPECT_LE(own.twist.value, 1e-8);
@@ -323,7 +323,7 @@ TEST(Fair, random_spheres_are_as_curved_as_spheres) {
     Rng rng(seed);
     const Mesh mesh = test::random_sphere(rng, 400, 10);
     const Curvatures fair = curvatures_of(fair_cache(mesh), 10);
-    const Curvatures paper = curvatures_of(test::cache_of(mesh), 10);
+    const Curvatures paper = curvatures_of(test::paper_cache_of(mesh), 10);
     EXPECT_LE(fair.median, kSphere.median);
     EXPECT_LE(fair.p99, kSphere.p99);
     EXPECT_LE(fair.largest, kSphere.largest);
@@ -337,7 +337,7 @@ TEST(Fair, random_tori_are_hardly_more_curved_than_tori) {
     Rng rng(seed);
     const Mesh mesh = test::random_torus(rng, 500, 10, 4);
     const Curvatures fair = curvatures_of(fair_cache(mesh), 4);
-    const Curvatures paper = curvatures_of(test::cache_of(mesh), 4);
+    const Curvatures paper = curvatures_of(test::paper_cache_of(mesh), 4);
     EXPECT_LE(fair.median, kTorus.median);
     EXPECT_LE(fair.p99, kTorus.p99);
     EXPECT_LE(fair.largest, kTorus.largest);

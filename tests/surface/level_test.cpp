@@ -27,7 +27,7 @@ PatchCache at_level(const Mesh& mesh, const std::string& level,
                     Precision precision = Precision::kDouble) {
   BuildOptions options;
   options.precision = precision;
-  options.level = find_level(level).value();
+  options.level = find_surface(level).value();
   return build_cache(mesh, options);
 }
 
@@ -292,7 +292,7 @@ TEST(Level, regions_built_near_a_hip_have_the_patches_of_the_whole) {
   for (const char* level : {"ribbon", "bezier", "table:2"}) {
     LazyOptions options;
     options.rings = 2;
-    options.level = find_level(level).value();
+    options.level = find_surface(level).value();
     const LazyMesh lazy(mesh, options);
     const std::uint32_t middle = 70;
     const LazyRegion region = lazy.build({&middle, 1});
@@ -316,14 +316,16 @@ TEST(Level, commands_take_it_and_caches_keep_it) {
     return test::Process(folder / "", test::kProgram, words).wait();
   };
   for (const std::string level : {"exact", "ribbon", "bezier", "table:3"}) {
-    ASSERT_EQ(run({"bake", "torus.obj", "--unit", "mm", "--level", level, "-o", "t.gliss"}).code,
+    ASSERT_EQ(run({"bake", "torus.obj", "--unit", "mm", "--level", level, "--construction", "paper",
+                   "-o", "t.gliss"})
+                  .code,
               0);
     const auto info = nlohmann::json::parse(run({"info", "t.gliss", "--json"}).out);
     EXPECT_EQ(info["level"], level);
     EXPECT_EQ(info["forms"][level.substr(0, level.find(':'))], 96);
     const auto baked = run({"project", "t.gliss", "--hip", "hips.csv", "--unit", "mm"}),
-               built = run(
-                   {"project", "torus.obj", "--hip", "hips.csv", "--unit", "mm", "--level", level});
+               built = run({"project", "torus.obj", "--hip", "hips.csv", "--unit", "mm", "--level",
+                            level, "--construction", "paper"});
     EXPECT_EQ(baked.code, 0) << baked.err;
     EXPECT_EQ(baked.out, built.out) << level;
   }

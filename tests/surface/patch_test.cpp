@@ -10,7 +10,7 @@ namespace gliss {
 namespace {
 
 using oracle::Rng;
-using test::at, test::cache_of, test::Errors, test::Polygon, test::Vec2, test::Worst;
+using test::at, test::paper_cache_of, test::Errors, test::Polygon, test::Vec2, test::Worst;
 
 class PatchTest : public ::testing::TestWithParam<Precision> {
  protected:
@@ -45,7 +45,7 @@ void PatchTest::expect_golden(std::ifstream file) {
     for (const auto& p : golden["positions"]) polygon.positions.push_back(vec(p));
     for (const auto& n : golden["normals"]) polygon.normals.push_back(vec(n).normalized());
     const double size = oracle::size_of(polygon);
-    const PatchCache cache = cache_of(test::mesh_of(polygon), GetParam(), false);
+    const PatchCache cache = paper_cache_of(test::mesh_of(polygon), GetParam(), false);
     for (std::size_t i = 0; i < golden["xi_eta"].size(); ++i) {
       const Vec2 X(golden["xi_eta"][i][0].get<double>(), golden["xi_eta"][i][1].get<double>());
       const oracle::Sample<double> want{vec(golden["G"][i]), vec(golden["G_xi"][i]),
@@ -112,7 +112,7 @@ TEST_P(PatchTest, agrees_with_the_oracle_for_3_to_1000_sides) {
     Errors errors;
     for (int i = 0; i < (n > 20 ? 1 : 4); ++i) {
       const Polygon polygon = random_polygon(rng, n);
-      const PatchCache cache = cache_of(test::mesh_of(polygon), GetParam(), false);
+      const PatchCache cache = paper_cache_of(test::mesh_of(polygon), GetParam(), false);
       const auto exact = oracle::cast<long double>(polygon);
       for (const Vec2& X : points_of_domain(rng, n)) {
         const Vec2 Y = held(X);
@@ -128,7 +128,7 @@ TEST_P(PatchTest, interpolates_corners) {
   Worst position, normal;
   for (const int n : {3, 4, 5, 6, 12, 32}) {
     const Polygon polygon = random_polygon(rng, n);
-    const PatchCache cache = cache_of(test::mesh_of(polygon), GetParam(), false);
+    const PatchCache cache = paper_cache_of(test::mesh_of(polygon), GetParam(), false);
     for (int k = 0; k < n; ++k) {
       const SurfacePoint got = at(cache, 0, oracle::domain_corner(n, k));
       position.add((got.position - polygon.position(k)).norm() / 2);
@@ -144,7 +144,7 @@ TEST_P(PatchTest, lanes_give_the_same_bits_as_one_point_at_a_time) {
   Rng rng(9);
   for (const int n : {3, 4, 5, 9, 17, 100}) {
     const Polygon polygon = random_polygon(rng, n);
-    const PatchCache cache = cache_of(test::mesh_of(polygon), GetParam(), false);
+    const PatchCache cache = paper_cache_of(test::mesh_of(polygon), GetParam(), false);
     std::vector<DomainPoint> at;
     for (const Vec2& X : points_of_domain(rng, n)) at.push_back({0, X.x(), X.y()});
     // Every length up to 40, so that every remainder of every lane count is met.
@@ -162,7 +162,7 @@ TEST_P(PatchTest, lanes_give_the_same_bits_as_one_point_at_a_time) {
 TEST(Domain, holds_its_boundary_and_nothing_outside) {
   Rng rng(11);
   for (const int n : {3, 4, 7, 1000}) {
-    const PatchCache cache = cache_of(test::mesh_of(random_polygon(rng, n)));
+    const PatchCache cache = paper_cache_of(test::mesh_of(random_polygon(rng, n)));
     for (int k = 0; k < n; ++k) {
       const Vec2 corner = oracle::domain_corner(n, k), middle = oracle::on_side(n, k, 0.5);
       EXPECT_TRUE(in_domain(cache, {0, corner.x(), corner.y()}));

@@ -63,13 +63,15 @@ TEST(Precision, contacts_are_the_same_a_million_metres_away) {
   for (const Precision precision : {Precision::kDouble, Precision::kFloat}) {
     const bool is_float = precision == Precision::kFloat;
     const PatchCache far_cache = test::cache_of(there, precision);
-    ContactTracker tracker(far_cache, {});
+    ContactTracker tracker(far_cache, {}), near_tracker(near_cache, {});
     Worst found, tracked;
     for (const Sample& sample : samples_beneath(rng, here, near_cache)) {
       const Vec3 far_hip = sample.hip + far, hip = far_hip - far;
-      const Vec3 want = nearest(near_cache, hip).scp;
-      found.add((nearest(far_cache, far_hip).scp - far - want).norm());
-      tracked.add((tracker.track(far_hip, sample.at).scp - far - want).norm());
+      const auto off = [&](const Contact& there, const Contact& here) {
+        return (there.scp - far - here.scp).norm();
+      };
+      found.add(off(nearest(far_cache, far_hip), nearest(near_cache, hip)));
+      tracked.add(off(tracker.track(far_hip, sample.at), near_tracker.track(hip, sample.at)));
     }
     EXPECT_LE(found.value, is_float ? 2e-8 : 2e-9);
     EXPECT_LE(tracked.value, is_float ? 2e-8 : 2e-9);

@@ -6,6 +6,7 @@
 
 #include "gliss/engine/engine.h"
 #include "gliss/query/contact_tracker.h"
+#include "tests/support/surfaces.h"
 
 namespace gliss {
 namespace {
@@ -72,7 +73,7 @@ TEST(HostileMeshes, are_followed_within_the_budget_of_a_tick) {
 
 // A walk round the pole passes hundreds of sides, which count besides the evaluations.
 TEST(HostileMeshes, round_a_pole_count_what_a_walk_passes) {
-  const PatchCache cache = build_cache(test::fan(300));
+  const PatchCache cache = test::paper_cache_of(test::fan(300));
   QueryOptions brief;
   brief.budget = 2000;
   const Contact c = nearest(cache, Vec3(0.1, 0.2, 0.3), brief);

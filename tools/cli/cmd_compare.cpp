@@ -32,11 +32,11 @@ struct ComparingOptions : SurfaceOptions {
 constexpr std::size_t kLoops = 40;  // closed ones
 
 const std::vector<CompareCandidate> kEverything = {
-    {Method::kGregory, {}},
-    {Method::kGregory, {Level::kRibbon, 0}},
-    {Method::kGregory, {Level::kBezier, 0}},
-    {Method::kGregory, {Level::kTable, kTableCells}},
     {Method::kGregory, {.construction = Construction::kFair}},
+    {Method::kGregory, {Level::kExact, 0, Construction::kPaper}},
+    {Method::kGregory, {Level::kRibbon, 0, Construction::kPaper}},
+    {Method::kGregory, {Level::kBezier, 0, Construction::kPaper}},
+    {Method::kGregory, {Level::kTable, kTableCells, Construction::kPaper}},
     {Method::kShaded, {}},
     {Method::kFlat, {}}};
 
@@ -172,21 +172,18 @@ std::vector<ComparePath> make_paths(const ComparingOptions& options, const Mesh&
     for (Vec3& hip : hips) hip /= mesh.unit;
     const double depth = options.depths.size() == 1 ? options.depths.front() : 0;
     if (!(depth > 0)) throw InputError("--path: needs the one --depth that its HIPs have");
-    paths.push_back({depth, std::move(hips), {}});
+    paths.push_back({depth, std::move(hips)});
   } else {
     const double diagonal = diagonal_of(exact);
     std::vector<double> depths = options.depths;
     if (depths.empty()) depths = {0.01 * diagonal * mesh.unit};
     for (const double depth : depths) {
-      paths.push_back({depth,
-                       path_over(mesh, topology, exact, depth / mesh.unit, diagonal / 1000,
-                                 static_cast<std::size_t>(options.ticks)),
-                       {}});
+      paths.push_back({depth, path_over(mesh, topology, exact, depth / mesh.unit, diagonal / 1000,
+                                        static_cast<std::size_t>(options.ticks))});
     }
   }
-  for (ComparePath& path : paths) {
+  for (const ComparePath& path : paths) {
     if (path.hips.empty()) throw InputError("no path: every edge of the mesh is a border");
-    path.reference = feel_path(exact, {}, path.hips, path.depth / mesh.unit, {}).push;
   }
   return paths;
 }
@@ -445,7 +442,7 @@ void run(const ComparingOptions& options) {
     common.backend = backend;
     return make_engine(common);
   };
-  const Comparison comparison(mesh, topology, exact, std::move(paths), std::move(walks),
+  const Comparison comparison(mesh, topology, std::move(paths), std::move(walks),
                               true_distance(options, mesh), measuring);
   std::vector<CompareRow> rows;
   {

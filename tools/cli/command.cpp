@@ -55,10 +55,12 @@ void add_mesh_options(Command& command, SurfaceOptions& options, const std::stri
                  [&options](const std::string& text) { options.unit = parse_unit(text); });
   command.flag("--split-non-manifold", options.split_non_manifold,
                "cut non-manifold edges and vertices open instead of refusing them");
-  command.option({"--crease", "LIST",
-                  "edges to keep sharp, any of: an angle such as 40deg that faces turn by, normals "
-                  "that differ in the file, groups (smoothing), edges:FILE"},
-                 [&options](const std::string& text) { options.creases = parse_creases(text); });
+  command.option(
+      {"--crease", "LIST",
+       "edges to keep sharp, any of: an angle such as 40deg that faces turn by, auto (one "
+       "found in the mesh), normals that differ in the file, groups (smoothing), "
+       "edges:FILE"},
+      [&options](const std::string& text) { options.creases = parse_creases(text); });
 }
 
 void add_surface_options(Command& command, SurfaceOptions& options, const std::string& name) {
@@ -71,11 +73,12 @@ void add_surface_options(Command& command, SurfaceOptions& options, const std::s
       {"--level", "NAME",
        "exact (default), ribbon, bezier or table; table:N has N cells along half a side"},
       [&options](const std::string& text) { options.level = parse_level("--level", text); });
-  command.option({"--construction", "NAME",
-                  "paper (default), or fair: patches that bend less on irregular meshes"},
-                 [&options](const std::string& text) {
-                   options.construction = parse_name("--construction", text, kConstructionNames);
-                 });
+  command.option(
+      {"--construction", "NAME",
+       "fair (default), or paper: the paper's own patches, which bend more on irregular meshes"},
+      [&options](const std::string& text) {
+        options.construction = parse_name("--construction", text, kConstructionNames);
+      });
 }
 
 void add_output_option(Command& command, std::string& output, const std::string& description) {
