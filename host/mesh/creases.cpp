@@ -262,17 +262,72 @@ std::vector<double> turns_of(const Mesh& mesh, const Topology& topology) {
   return turns;
 }
 
-// True if at most a tenth of the vertices of edges that turn by more than `angle` have only one.
-bool go_on(const Mesh& mesh, const Topology& topology, const std::vector<double>& turns,
-           double angle) {
-  std::vector<std::uint32_t> count(mesh.positions.size(), 0);
-  for (std::uint32_t side = 0; side < turns.size(); ++side) {
-    if (!(turns[side] > angle)) continue;
-    ++count[mesh.corner_vertex[side]];
-    ++count[mesh.corner_vertex[next_side(mesh, topology, side)]];
+// Count the ascending numbers that are below x, and above it.
+std::size_t count_below(const std::vector<double>& ascending, double x) {
+  return static_cast<std::size_t>(std::lower_bound(ascending.begin(), ascending.end(), x) -
+                                  ascending.begin());
+}
+std::size_t count_above(const std::vector<double>& ascending, double x) {
+  return static_cast<std::size_t>(ascending.end() -
+                                  std::upper_bound(ascending.begin(), ascending.end(), x));
+}
+
+// Knows how many edges turn by how much, and at how many vertices.
+class Turns {
+ public:
+  // `turns`: turns_of.
+  Turns(const Mesh& mesh, const Topology& topology, const std::vector<double>& turns)
+      : most_(mesh.positions.size(), -1), next_(most_) {
+    for (std::uint32_t side = 0; side < turns.size(); ++side) {
+      if (turns[side] < 0) continue;
+      degrees_.push_back(turns[side] * 180 / std::numbers::pi);
+      meet(mesh.corner_vertex[side], turns[side]);
+      meet(mesh.corner_vertex[next_side(mesh, topology, side)], turns[side]);
+    }
+    for (std::vector<double>* numbers : {&degrees_, &most_, &next_})
+      std::sort(numbers->begin(), numbers->end());
   }
-  const auto ends = std::count(count.begin(), count.end(), 1u);
-  return 10 * ends <= std::count_if(count.begin(), count.end(), [](auto n) { return n > 0; });
+
+  // The number of edges that turn by fewer degrees.
+  std::size_t below(std::size_t degrees) const {
+    return count_below(degrees_, static_cast<double>(degrees));
+  }
+  // True if at most a tenth of the vertices of edges that turn by more than `angle`, rad, have only
+  // one.
+  bool go_on(double angle) const {
+    const std::size_t vertices = count_above(most_, angle);
+    return 10 * (vertices - count_above(next_, angle)) <= vertices;
+  }
+
+ private:
+  void meet(std::uint32_t vertex, double turn) {
+    next_[vertex] = std::max(next_[vertex], std::min(most_[vertex], turn));
+    most_[vertex] = std::max(most_[vertex], turn);
+  }
+
+  std::vector<double> degrees_;
+  std::vector<double> most_, next_;  // of the edges of a vertex, rad; negative: it has fewer
+};
+
+// Finds plain_crease_angle from turns_of.
+std::optional<double> parting_angle(const Mesh& mesh, const Topology& topology,
+                                    const std::vector<double>& turns_of_sides) {
+  constexpr std::size_t kDegrees = 180, kApart = 30, kLeast = 5, kRound = 40;
+  const Turns turns(mesh, topology, turns_of_sides);
+  const std::size_t all = turns.below(kDegrees);
+  std::size_t widest = kApart - 1;
+  std::optional<double> found;
+  for (std::size_t low = kLeast; all > 0 && low <= kRound; ++low) {
+    for (std::size_t high = low + widest + 1; high <= kDegrees; ++high) {
+      const std::size_t below = turns.below(low), beneath = turns.below(high);
+      if (100 * (beneath - below) > all || 50 * (all - beneath) < all || 4 * below < all) continue;
+      const double middle = 0.5 * static_cast<double>(low + high) * std::numbers::pi / 180;
+      if (!turns.go_on(middle)) continue;
+      widest = high - low;
+      found = middle;
+    }
+  }
+  return found;
 }
 
 // Marks both sides of an edge.
@@ -325,28 +380,7 @@ std::uint32_t find_inner_edge(const Mesh& mesh, const Topology& topology,
 }
 
 std::optional<double> plain_crease_angle(const Mesh& mesh, const Topology& topology) {
-  constexpr std::size_t kDegrees = 180, kApart = 30, kLeast = 5, kRound = 40;
-  const std::vector<double> turns = turns_of(mesh, topology);
-  std::array<std::size_t, kDegrees + 1> below{};  // edges that turn by fewer degrees
-  for (const double turn : turns) {
-    if (turn < 0) continue;
-    for (auto d = static_cast<std::size_t>(turn * 180 / std::numbers::pi) + 1; d <= kDegrees; ++d)
-      ++below[d];
-  }
-  const std::size_t all = below[kDegrees];
-  std::size_t widest = kApart - 1;
-  std::optional<double> found;
-  for (std::size_t low = kLeast; low <= kRound; ++low) {
-    for (std::size_t high = low + widest + 1; high <= kDegrees; ++high) {
-      const std::size_t between = below[high] - below[low], above = all - below[high];
-      if (100 * between > all || 50 * above < all || 4 * below[low] < all) continue;
-      const double middle = 0.5 * static_cast<double>(low + high) * std::numbers::pi / 180;
-      if (!go_on(mesh, topology, turns, middle)) continue;
-      widest = high - low;
-      found = middle;
-    }
-  }
-  return all > 0 ? found : std::nullopt;
+  return parting_angle(mesh, topology, turns_of(mesh, topology));
 }
 
 void mark_creases(Mesh& mesh, const Topology& topology, const CreaseRules& rules,
@@ -359,8 +393,9 @@ void mark_creases(Mesh& mesh, const Topology& topology, const CreaseRules& rules
   mesh.tangents.clear();
   const double none = std::numbers::pi;  // no edge turns by more
   double least = rules.angle.value_or(none);
-  if (rules.plain) least = std::min(least, plain_crease_angle(mesh, topology).value_or(none));
-  const std::vector<double> turns = least < none ? turns_of(mesh, topology) : std::vector<double>();
+  std::vector<double> turns;
+  if (rules.angle || rules.plain) turns = turns_of(mesh, topology);
+  if (rules.plain) least = std::min(least, parting_angle(mesh, topology, turns).value_or(none));
   for (std::uint32_t side = 0; side < topology.side_twin.size(); ++side) {
     const std::uint32_t twin = topology.side_twin[side];
     if (twin == kNone || twin < side) continue;
