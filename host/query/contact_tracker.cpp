@@ -104,11 +104,11 @@ class ContactTracker::Tick {
     const Vec3 way = leapt.touching ? Vec3(leapt.scp - from.scp) : Vec3(-offset);
     const double length = std::min(pace_ + stride(was, leapt.push), way.norm());
     const int descent = t_.options_.max_iterations + 1;
-    bool is_spent = false;
     for (const Vec3& towards : {Vec3(-offset), way}) {
+      if (spent_ + descent > kTickEvaluations)
+        return offset.dot(from.normal) > 0 ? rest(last, offset, from.normal) : leapt;
       const Vec3 along = towards - towards.dot(from.normal) * from.normal;
-      is_spent = is_spent || spent_ + descent > kTickEvaluations;
-      if (!(along.norm() > 0) || is_spent) continue;
+      if (!(along.norm() > 0)) continue;
       const Vec3 aim = from.scp + std::min(length / along.norm(), 1.0) * along;
       const RawHip<Real> there = raw_hip<Real>(cache_, aim);
       RawContact<Real> next = last;
@@ -119,7 +119,7 @@ class ContactTracker::Tick {
       if (left.squaredNorm() < offset.squaredNorm() && left.dot(to.normal) > 0)
         return rest(next, left, to.normal);
     }
-    return is_spent && offset.dot(from.normal) > 0 ? rest(last, offset, from.normal) : leapt;
+    return leapt;
   }
   // The tick ends with the SCP at a place that is not the nearest.
   Contact rest(RawContact<Real> there, const Vec3& offset, const Vec3& normal) {

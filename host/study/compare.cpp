@@ -56,15 +56,11 @@ Comparison::Comparison(const Mesh& mesh, const Topology& topology, std::vector<C
     smooth_mesh_.tangents.clear();
     add_vertex_normals(smooth_mesh_, NormalWeights::kSmooth);
   }
-  std::vector<Construction> constructions;
   for (const CompareCandidate& c : options_.candidates) {
-    const Construction construction = c.level.construction;
-    if (c.method == Method::kGregory &&
-        std::find(constructions.begin(), constructions.end(), construction) == constructions.end())
-      constructions.push_back(construction);
+    if (c.method == Method::kGregory && find_exact(c.level.construction) == nullptr)
+      add_exact(c.level.construction);
   }
-  if (constructions.empty()) constructions.push_back(Level{}.construction);
-  for (const Construction construction : constructions) add_exact(construction);
+  if (exact_.empty()) add_exact(Level{}.construction);
   for (const SurfacePoint& p : exact_.front().points)
     hips_.push_back(p.position - paths_.front().depth / mesh.unit * p.normal);
 }
@@ -95,11 +91,17 @@ const Mesh& Comparison::mesh_of(Construction construction) const {
   return is_smooth && !options_.normals_given ? smooth_mesh_ : mesh_;
 }
 
+const Comparison::Exact* Comparison::find_exact(Construction construction) const {
+  for (const Exact& exact : exact_) {
+    if (exact.construction == construction) return &exact;
+  }
+  return nullptr;
+}
+
 const Comparison::Exact& Comparison::exact_of(const CompareCandidate& candidate) const {
-  const auto found = std::find_if(exact_.begin(), exact_.end(), [&](const Exact& exact) {
-    return exact.construction == candidate.level.construction;
-  });
-  return candidate.method == Method::kGregory && found != exact_.end() ? *found : exact_.front();
+  const Exact* own =
+      candidate.method == Method::kGregory ? find_exact(candidate.level.construction) : nullptr;
+  return own != nullptr ? *own : exact_.front();
 }
 
 std::size_t Comparison::row_count() const {

@@ -123,7 +123,7 @@ class GLISS_EXPORT Comparison {
 
  private:
   struct Surface;
-  // What a construction's rows are measured against.
+  // The exact surface of a construction, against which its rows are measured.
   struct Exact {
     Construction construction;
     PatchCache cache;
@@ -133,6 +133,7 @@ class GLISS_EXPORT Comparison {
 
   void poll() const;
   void add_exact(Construction construction);
+  const Exact* find_exact(Construction construction) const;  // null: not added
   const Mesh& mesh_of(Construction construction) const;
   // The baselines are measured against the construction of the first candidate that has one.
   const Exact& exact_of(const CompareCandidate& candidate) const;

@@ -19,15 +19,10 @@ std::optional<Level> find_level(std::string_view name) {
 }
 
 std::optional<Level> find_surface(std::string_view name) {
-  const std::string_view fair = "fair";
-  const bool is_fair = name.starts_with(fair);
-  if (is_fair) name.remove_prefix(fair.size());
-  std::optional<Level> level = Level{};
-  if (!is_fair) {
-    level = find_level(name);
-  } else if (!name.empty()) {
-    level = name[0] == '-' ? find_level(name.substr(1)) : std::nullopt;
-  }
+  constexpr std::string_view kFair = "fair", kFairLevel = "fair-";
+  if (name == kFair) return Level{.construction = Construction::kFair};
+  const bool is_fair = name.starts_with(kFairLevel);
+  std::optional<Level> level = find_level(is_fair ? name.substr(kFairLevel.size()) : name);
   if (level) level->construction = is_fair ? Construction::kFair : Construction::kPaper;
   return level;
 }
