@@ -463,8 +463,8 @@ FN domain_point leave_patch(surface_view view, foot* f, held_sides held, int jus
   return to;
 }
 
-// What a descent does in a patch that it has come to from `from`: it goes on, unless that is the
-// patch of a known minimum, and no nearer.
+// Goes on in a patch that a descent has come to from `from`, unless that is the patch of a known
+// minimum, and no nearer.
 FN int go_on_in_patch(surface_view view, foot from, foot* f, track_options options,
                       known_minimum known) {
   if (f->patch == known.patch && f->distance2 >= known.distance2) return STEP_ENDS;
@@ -483,7 +483,7 @@ FN int enter_patch(surface_view view, hip_point h, domain_point at, foot* f, tra
   return step;
 }
 
-// Where a step has come to, and how far.
+// The foot that a step has come to, and how far that is.
 typedef struct {
   foot to;
   real length;  // of the step's way

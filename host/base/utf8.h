@@ -9,7 +9,7 @@ namespace gliss {
 // True for a byte that a character goes on with.
 inline bool is_continuation(char byte) { return (static_cast<unsigned char>(byte) & 0xc0) == 0x80; }
 
-// As much of a text as fits into `most` bytes, in whole characters.
+// Cuts a text to the whole characters that fit into `most` bytes.
 inline std::string_view cut_text(std::string_view text, std::size_t most) {
   if (text.size() <= most) return text;
   while (most > 0 && is_continuation(text[most])) --most;

@@ -19,8 +19,8 @@ Handle text_type(std::size_t bytes);
 
 Handle properties(hid_t kind);
 
-// On a file's root, a group or a dataset; one of the same name is replaced. Of a text that is too
-// long for an attribute the first 32 KiB are kept.
+// Writes it to a file's root, a group or a dataset, and replaces one of the same name. A text that
+// is too long for an attribute is cut to 32 KiB.
 void write_attribute(hid_t object, const Attribute& attribute, const std::string& action);
 
 }  // namespace gliss::hdf5

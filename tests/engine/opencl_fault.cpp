@@ -55,8 +55,8 @@ Function* real(Function*, const char* name) {
   return reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name));
 }
 
-// What share_builds() keeps: one context for all that ask for one, the text of each program, and
-// the first program that was built of a text and its options, which others have their kernels from.
+// share_builds() keeps one context for all that ask for one, the text of each program, and the
+// first program that was built of a text and its options, which others have their kernels from.
 struct Builds {
   std::mutex mutex;
   bool shared = false;

@@ -320,7 +320,7 @@ TEST_F(HostileHdf5, that_unpacks_to_far_more_than_it_has_is_refused) {
   EXPECT_THAT(refusal(chunk), HasSubstr("268435456 bytes unpacked"));
 }
 
-// What a chunk's bytes unpack to is not what the file says of it.
+// A chunk's bytes unpack to more than the file says of it.
 TEST_F(HostileHdf5, with_a_chunk_that_unpacks_to_more_than_its_rows_is_read_as_far_as_they_go) {
   const std::string path = write_columns("more.h5", [](hid_t file) {
     const std::vector<double> values(1 << 20, 0.25);
@@ -386,7 +386,7 @@ TEST_F(HostileHdf5, with_texts_of_variable_length_is_refused) {
   }
 }
 
-// As other programs write them: filled by blanks, ended by a zero or full.
+// Other programs fill them with blanks, end them by a zero, or fill them up.
 TEST_F(HostileHdf5, with_texts_of_a_fixed_length_is_read) {
   const std::string path = write_columns("texts.h5", [&](hid_t file) {
     for (const auto& [name, padding] :

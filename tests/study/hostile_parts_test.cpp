@@ -170,7 +170,7 @@ TEST_F(HostileParts, with_a_right_checksum_and_wrong_numbers_are_done_again) {
   forge("the part of another number", [&](auto& b) { b = read(0); });
 }
 
-// Of a surface that is at fault: what is not finite is computed again, and agrees.
+// A surface is at fault: its numbers that are not finite are computed again, and agree.
 TEST_F(HostileParts, that_are_not_finite_by_right_are_kept) {
   PatchCache broken = cache_;
   auto& control = std::get<1>(broken.surface).control;

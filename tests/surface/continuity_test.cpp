@@ -93,7 +93,7 @@ TEST_P(SharedContinuity, is_smooth_across_every_edge) {
   expect_smooth(GetParam(), test::load_shared(GetParam()));
 }
 
-// Of the paper's patches, which need to know no face but their own. An edge of random polygons of
+// The paper's patches need to know no face but their own. An edge joins random polygons of
 // different numbers of sides, up to where their fold may begin.
 TEST(Continuity, random_neighbours_meet_with_one_normal) {
   oracle::Rng rng(10);

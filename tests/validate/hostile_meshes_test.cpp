@@ -82,7 +82,7 @@ TEST(HostileMeshes, round_a_pole_count_what_a_walk_passes) {
   test::record("pole", "{} evaluations", c.iterations);
 }
 
-// Where thousands of patches meet, what comes after them is long as well.
+// Thousands of patches meet here, and the search after that takes long as well.
 TEST(HostileMeshes, are_stopped_while_their_parts_are_compared) {
   struct Stop {};
   const Mesh mesh = test::crowd(30);

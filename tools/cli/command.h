@@ -136,7 +136,7 @@ const std::string& command_line();
 void report(const ReportOptions& options, const std::string& text, const Json& json,
             bool table_on_stdout = false);
 
-// With a line end, and json_for_terminal; text that is no UTF-8 is made some.
+// Prints with a line end, by json_for_terminal; text that is no UTF-8 is made some.
 std::string printed(const Json& json);
 
 // A line that counts what is not finite, such as "steps"; "" where nothing is.
