@@ -32,6 +32,13 @@ if(GLISS_SANITIZE STREQUAL "thread")
     list(APPEND tests ${test})
   endforeach()
 endif()
+# Installed and used as shared libraries, by programs of other flags.
+if(BUILD_SHARED_LIBS)
+  add_dependencies(sanitized ${libraries})
+  add_test(NAME shared_libraries COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/shared_libraries.sh ${PROJECT_BINARY_DIR}
+    ${CMAKE_CURRENT_SOURCE_DIR}/consumer ${PROJECT_BINARY_DIR}/consumer "-fsanitize=${GLISS_SANITIZE}")
+  set_tests_properties(shared_libraries PROPERTIES TIMEOUT 600 SKIP_RETURN_CODE 77 COST 60)
+endif()
 # Not what asks for speed, and not what builds large surfaces or writes thousands of files.
 set(left_out *within_20_ms* CacheFile.EveryFlippedBit* *KeepsEveryBit* Sweep.gives_* Sweep.hands_* Sweep.meets_* *thousand_ticks* *million_ticks*)
 list(JOIN left_out ":" left_out)

@@ -21,11 +21,11 @@ if [[ ${CXX:-g++} == *g++* && ${CXX-} != *clang* ]]; then export CXXFLAGS="${CXX
 cores=$(nproc)
 if (($# == 0)); then
   for sanitizers in asan tsan; do
-    cmake --preset "$sanitizers" -DGLISS_TESTS=ON
+    cmake --preset "$sanitizers" -DGLISS_TESTS=ON -DGLISS_UNITY=ON
     cmake --build --preset "$sanitizers" --parallel "$cores"
     ctest --preset "$sanitizers" --parallel "$cores"
   done
 fi
-cmake --preset release -DGLISS_TESTS=ON -DGLISS_BENCH=ON
+cmake --preset release -DGLISS_TESTS=ON -DGLISS_BENCH=ON -DGLISS_UNITY=ON
 cmake --build --preset release --parallel "$cores"
 exec ctest --preset release --parallel "$cores" "$@"

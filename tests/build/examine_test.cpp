@@ -6,6 +6,7 @@
 #include "gliss/surface/instances.h"
 #include "gliss/surface/layout.h"
 #include "tests/oracle/brute_force.h"
+#include "tests/support/numbers.h"
 
 namespace gliss {
 namespace {
@@ -14,7 +15,7 @@ using oracle::Rng;
 using test::Polygon;
 
 constexpr std::uint32_t kMost = 40;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using test::kInfinity;
 
 const ValenceTables& tables() {
   static const ValenceTables all = make_valence_tables(std::vector<char>(kMost + 1, 1));

@@ -37,11 +37,6 @@ constexpr char kEvalHeader[] = "patch,xi,eta,x,y,z,dxi_x,dxi_y,dxi_z,deta_x,deta
 constexpr char kProjectHeader[] = "patch,xi,eta,x,y,z,nx,ny,nz,distance,iterations,flags";
 constexpr char kTraceHeader[] = "step,method,x,y,z,scp_x,scp_y,scp_z,fx,fy,fz,patch,state";
 
-struct Outcome {
-  int code = -1;
-  std::string out, err;
-};
-
 class Program : public ::testing::Test {
  protected:
   Program() {
@@ -58,12 +53,12 @@ class Program : public ::testing::Test {
     folder_.write("hips.csv", hips);
   }
 
-  Outcome run(const std::string& words) const {
+  test::Outcome run(const std::string& words) const {
     const std::string command = fmt::format("cd '{}' && '{}' {} >out 2>err </dev/null",
                                             folder_ / "", test::kProgram, words);
     const int status = std::system(command.c_str());
-    Outcome outcome{WIFEXITED(status) ? WEXITSTATUS(status) : -1, folder_.read("out"),
-                    folder_.read("err")};
+    test::Outcome outcome{WIFEXITED(status) ? WEXITSTATUS(status) : -1, folder_.read("out"),
+                          folder_.read("err")};
     std::filesystem::remove(folder_ / "out");
     std::filesystem::remove(folder_ / "err");
     return outcome;
@@ -71,7 +66,7 @@ class Program : public ::testing::Test {
 
   // Standard output of a run that must succeed.
   std::string output_of(const std::string& words) const {
-    const Outcome outcome = run(words);
+    const test::Outcome outcome = run(words);
     EXPECT_EQ(outcome.code, 0) << words << ": " << outcome.err;
     return outcome.out;
   }
@@ -227,7 +222,7 @@ TEST_F(Program, ContactsSettleWhereTheyAreToldTo) {
       "--ticks 100 --walks 2 --settle 5ms")["rows"];
   EXPECT_EQ(rows[0]["settling_share"], 0);
   EXPECT_GT(rows[1]["settling_share"], 0);
-  const Outcome slip = run("trace ball.obj --path round.csv --settle 5");
+  const test::Outcome slip = run("trace ball.obj --path round.csv --settle 5");
   EXPECT_EQ(slip.code, 2);
   EXPECT_THAT(slip.err, HasSubstr("--settle: '5' is not from 0 to 1 s; 5ms is usual"));
 }
@@ -271,7 +266,7 @@ TEST_F(Program, ACacheGivesTheBitsOfItsMesh) {
 TEST_F(Program, ARegionHoldsItsFacesOnly) {
   EXPECT_EQ(json_of("bake knot.obj --faces 0,2-5,3 -o part.gliss")["faces"], 5);
   EXPECT_EQ(json_of("info part.gliss")["faces"], 5);
-  const Outcome outside = run("eval part.gliss --at points.csv");
+  const test::Outcome outside = run("eval part.gliss --at points.csv");
   EXPECT_EQ(outside.code, 2);
   EXPECT_EQ(outside.err, "gliss: points.csv:4: patch 77 is not in this cache of a region\n");
   EXPECT_GT(json_of("bake knot.obj --region 0,-99,-99:99,99,99 -o half.gliss")["faces"], 10);
@@ -331,7 +326,7 @@ TEST_F(Program, SaysInOneLineWhatIsWrong) {
   };
   const std::size_t files = folder_.file_count();
   for (const auto& [words, message, code] : kCases) {
-    const Outcome outcome = run(words);
+    const test::Outcome outcome = run(words);
     EXPECT_EQ(outcome.code, code) << words;
     EXPECT_EQ(outcome.out, "") << words;
     EXPECT_THAT(outcome.err, AllOf(StartsWith("gliss: "), HasSubstr(message), EndsWith("\n")));
@@ -365,7 +360,7 @@ TEST_F(Program, FiguresComeAsJson) {
 TEST_F(Program, CheckListsAllFindingsAndRefuses) {
   folder_.write("bad.obj",
                 "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 0 -1\nf 1 2 3\nf 1 2 4\nf 1 2 5\n");
-  const Outcome text = run("check bad.obj"), json = run("check bad.obj --json");
+  const test::Outcome text = run("check bad.obj"), json = run("check bad.obj --json");
   EXPECT_EQ(text.code, 2);
   EXPECT_THAT(text.out, AllOf(HasSubstr("error"), HasSubstr("non-manifold-edge")));
   EXPECT_THAT(text.err, StartsWith("gliss: bad.obj:6: face 0"));

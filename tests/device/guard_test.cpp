@@ -11,6 +11,8 @@
 #include <string>
 #include <type_traits>
 
+#include "tests/support/numbers.h"
+
 namespace gliss {
 
 void PrintTo(GuardState state, std::ostream* out) { *out << guard_state_name(state); }
@@ -23,8 +25,7 @@ using std::chrono::nanoseconds;
 using enum GuardState;
 using enum GuardReason;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using test::kNaN, test::kInfinity;
 
 static_assert(noexcept(std::declval<Guard&>().step(std::declval<nanoseconds&>(),
                                                    std::declval<const GuardInput&>())));

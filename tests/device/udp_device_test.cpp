@@ -12,16 +12,16 @@
 #include "gliss/thread/realtime.h"
 #include "tests/device/udp_fakes.h"
 #include "tests/support/allocations.h"
+#include "tests/support/numbers.h"
 #include "tests/support/scratch_folder.h"
 
 namespace gliss {
 namespace {
 
 using namespace std::chrono_literals;
-using test::FakeDevice, test::Peer;
+using test::FakeDevice, test::kNaN, test::Peer;
 using ::testing::HasSubstr;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr Nanoseconds kLong = 30s;  // a machine may be that slow
 
 // True once `condition` holds; tries until kLong is over.
@@ -36,8 +36,8 @@ bool eventually(Condition condition) {
 }
 
 // A server in a thread of its own.
-struct Served {
-  ~Served() { end(); }
+struct ServedThread {
+  ~ServedThread() { end(); }
   void end() {
     stop = true;
     if (thread.joinable()) thread.join();
@@ -74,7 +74,7 @@ struct Connected {
 };
 
 TEST(UdpDevice, brings_positions_and_takes_forces) {
-  Served served;
+  ServedThread served;
   UdpDevice device(served.server.port());
   EXPECT_EQ(device.info().name, "udp:" + std::to_string(served.server.port()));
   EXPECT_EQ(device.info().max_force, 3);
@@ -104,7 +104,7 @@ TEST(UdpDevice, brings_positions_and_takes_forces) {
 }
 
 TEST(UdpDevice, takes_its_force_along_when_it_is_destroyed) {
-  Served served;
+  ServedThread served;
   {
     UdpDevice device(served.server.port());
     EXPECT_TRUE(eventually([&] {
@@ -136,7 +136,7 @@ TEST(UdpDevice, names_the_port_and_the_cure_where_nobody_answers) {
 }
 
 TEST(UdpDevice, is_not_given_to_a_second_loop) {
-  Served served;
+  ServedThread served;
   UdpDevice first(served.server.port());
   std::atomic<bool> stop{false};
   std::thread loop([&] {
@@ -184,7 +184,7 @@ TEST(UdpDevice, takes_no_state_from_a_clock_that_is_ahead) {
 }
 
 TEST(UdpDevice, is_told_that_it_was_refused) {
-  Served served;
+  ServedThread served;
   const auto port = served.server.port();
   { const udp::OwnPass removed(port); }  // and its file, as if it were another user's
   EXPECT_THAT(test::message_of<LoopError>([&] { UdpDevice(port, kLong); }),

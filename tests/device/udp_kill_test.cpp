@@ -23,7 +23,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr Nanoseconds kLong = 60s;  // a machine may be that slow
+constexpr Nanoseconds kKillPatience = 60s;  // a machine may be that slow
 constexpr Nanoseconds kFresh = 20ms;
 constexpr Nanoseconds kAfter = 60ms;  // what is watched after the end
 constexpr std::uint64_t kEntries = 200'000;
@@ -117,7 +117,7 @@ class UdpKill : public ::testing::Test {
   // Pushes as hard as it may, without a guard.
   void push() {
     await([&] { return shared_.port != 0; });
-    UdpDevice device(shared_.port, kLong);
+    UdpDevice device(shared_.port, kKillPatience);
     PeriodicTimer timer(1ms);
     for (;;) {
       timer.wait();
@@ -221,7 +221,8 @@ struct GuardedLoop {
     const Nanoseconds start = monotonic_time();
     while (tick().out.force.x() < 1.5) {
       if (guarded.state == GuardState::kSafe) guard.engage();
-      if (monotonic_time() - start > kLong) throw std::runtime_error("the force never came");
+      if (monotonic_time() - start > kKillPatience)
+        throw std::runtime_error("the force never came");
     }
   }
   // No tick had a force whose position was 10 ms old, or older.
@@ -253,13 +254,13 @@ struct GuardedLoop {
 TEST_F(UdpKill, a_killed_device_is_a_fault_and_ends_the_force) {
   const Child server([&] { serve(); });
   await([&] { return shared_.port != 0; });
-  UdpDevice device(shared_.port, kLong);
+  UdpDevice device(shared_.port, kKillPatience);
   GuardedLoop loop{device, shared_.loop};
   loop.push();
   server.signal(SIGKILL);
   const Nanoseconds start = monotonic_time();
   while (loop.tick().written || loop.guarded.state != GuardState::kSafe) {
-    ASSERT_LT(monotonic_time() - start, kLong);
+    ASSERT_LT(monotonic_time() - start, kKillPatience);
   }
   loop.expect_guarded();
   loop.report_end("kill -9 of the device");
@@ -277,12 +278,13 @@ TEST_F(UdpKill, a_killed_device_is_a_fault_and_ends_the_force) {
 TEST_F(UdpKill, a_device_that_stands_still_is_a_late_input_and_ends_the_force) {
   const Child server([&] { serve(); });
   await([&] { return shared_.port != 0; });
-  UdpDevice device(shared_.port, kLong);
+  UdpDevice device(shared_.port, kKillPatience);
   GuardedLoop loop{device, shared_.loop};
   loop.push();
   server.stop();
   const Nanoseconds start = monotonic_time();
-  while (loop.tick().out.state != GuardState::kSafe) ASSERT_LT(monotonic_time() - start, kLong);
+  while (loop.tick().out.state != GuardState::kSafe)
+    ASSERT_LT(monotonic_time() - start, kKillPatience);
   loop.report_end("SIGSTOP of the device");
   EXPECT_EQ(loop.guarded.reason, GuardReason::kLateInput);
   EXPECT_EQ(loop.faults, 0);
@@ -290,7 +292,8 @@ TEST_F(UdpKill, a_device_that_stands_still_is_a_late_input_and_ends_the_force) {
   for (int i = 0; i < 500; ++i) loop.tick();
   const std::uint64_t stood = loop.ticks.back().state.sequence;
   server.signal(SIGCONT);
-  while (loop.tick().state.sequence < stood + 10) ASSERT_LT(monotonic_time() - start, kLong);
+  while (loop.tick().state.sequence < stood + 10)
+    ASSERT_LT(monotonic_time() - start, kKillPatience);
   EXPECT_EQ(loop.guarded.state, GuardState::kSafe);
   EXPECT_EQ(loop.guarded.reason, GuardReason::kLateInput);
   // A person may go on.

@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "tests/device/udp_fakes.h"
+#include "tests/support/numbers.h"
 
 namespace gliss::udp {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using test::kNaN, test::kInfinity;
 
 DeviceState some_state() {
   DeviceState state;

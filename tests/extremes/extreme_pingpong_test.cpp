@@ -12,8 +12,8 @@ namespace {
 using oracle::Rng, oracle::uniform;
 using test::Extreme;
 
-const std::vector<const char*> kMeshes{"knot",  "torus", "goldberg", "banana",
-                                       "plate", "fin",   "sphere",   "fans"};
+const std::vector<const char*> kPingpongMeshes{"knot",  "torus", "goldberg", "banana",
+                                               "plate", "fin",   "sphere",   "fans"};
 
 struct Place {
   SurfacePoint point;
@@ -146,7 +146,8 @@ TEST_P(ExtremePingPong, over_comes_to_rest) {
 
 INSTANTIATE_TEST_SUITE_P(
     , ExtremePingPong,
-    ::testing::Values(Over{"an edge", false, kMeshes}, Over{"a vertex", true, kMeshes},
+    ::testing::Values(Over{"an edge", false, kPingpongMeshes},
+                      Over{"a vertex", true, kPingpongMeshes},
                       Over{"an edge of open parts", false, test::kOpenExtremes},
                       Over{"a vertex of open parts", true, test::kOpenExtremes}),
     test::kNameOf);

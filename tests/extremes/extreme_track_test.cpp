@@ -14,7 +14,8 @@ using oracle::Rng, oracle::uniform;
 using test::Extreme, test::Legs;
 
 using Names = std::vector<const char*>;
-const Names kRound{"knot", "torus", "goldberg", "banana", "sphere"}, kSharp{"fin", "fans"};
+const Names kRoundNames{"knot", "torus", "goldberg", "banana", "sphere"},
+    kSharpNames{"fin", "fans"};
 
 const char* const kStops =
     "where the second derivatives jump, at sides and corners, the solver's last step is not small";
@@ -133,8 +134,8 @@ class ExtremeTracking : public ::testing::TestWithParam<Loop> {};
 TEST_P(ExtremeTracking, follows_with_four_steps_of_newton) {
   QueryOptions options;
   options.max_iterations = 4;
-  Names all = kRound;
-  all.insert(all.end(), kSharp.begin(), kSharp.end());
+  Names all = kRoundNames;
+  all.insert(all.end(), kSharpNames.begin(), kSharpNames.end());
   const Loop& loop = GetParam();
   const Tracked found = follow_loops(loop, all, options, test::samples(30'000, 1'000'000));
   test::hold({"Tracking",
@@ -150,8 +151,8 @@ TEST_P(ExtremeTracking, gives_the_force_back_on_closed_paths) {
     const char* name;
     const Names& meshes;
     double back;
-  } parts[] = {{"", kRound, loop.back},
-               {", sharp parts", kSharp, loop.back_sharp},
+  } parts[] = {{"", kRoundNames, loop.back},
+               {", sharp parts", kSharpNames, loop.back_sharp},
                {", open parts", test::kOpenExtremes, loop.back_open}};
   for (const auto& [name, meshes, back] : parts) {
     const Tracked found = follow_loops(loop, meshes, {}, test::samples(15'000, 1'000'000));

@@ -19,10 +19,13 @@
 #include "gliss/query/contact_tracker.h"
 #include "gliss/surface/instances.h"
 #include "gliss/surface/layout.h"
+#include "tests/support/numbers.h"
 #include "tests/support/scratch_folder.h"
 
 namespace gliss {
 namespace {
+
+using test::kInfinity, test::kNaN;
 
 using namespace cache_format;
 using test::ScratchFolder;
@@ -374,8 +377,6 @@ TEST(CacheFile, HeadersThatLieAreRefused) {
     EXPECT_FALSE(error.stale);
     return std::string(error.what());
   };
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   EXPECT_THAT(header([](Header& h) { h.precision = 2; }), HasSubstr("unknown precision"));
   EXPECT_THAT(header([](Header& h) { h.level = 4; }), HasSubstr("unknown level"));
   EXPECT_THAT(header([](Header& h) { h.construction = 2; }), HasSubstr("unknown level"));
@@ -471,8 +472,8 @@ TEST(CacheFile, ForgedContentIsRefused) {
   }
   EXPECT_THAT(forged("patch", kPatchSag, -1.0), section("patch"));
   for (const std::string name : {"domain", "control", "corner", "patch", "node", "rho_min"}) {
-    EXPECT_THAT(forged(name, 2, std::numeric_limits<double>::quiet_NaN()), section(name));
-    EXPECT_THAT(forged(name, 2, std::numeric_limits<double>::infinity()), section(name));
+    EXPECT_THAT(forged(name, 2, kNaN), section(name));
+    EXPECT_THAT(forged(name, 2, kInfinity), section(name));
   }
 
   EXPECT_THAT(forged("child", 0, 0u), section("child"));                   // cyclic

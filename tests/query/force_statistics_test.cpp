@@ -7,12 +7,13 @@
 #include <optional>
 
 #include "gliss/study/sweep.h"
+#include "tests/support/numbers.h"
 
 namespace gliss {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using test::kInfinity;
 
 // Forces along z; no force: a free tick.
 using Series = std::initializer_list<std::optional<double>>;

@@ -83,15 +83,15 @@ TEST(OneContact, trace_and_run_give_the_same_bytes_on_any_mesh_and_path) {
 }
 
 // The largest change of the push from tick to tick, over the HIP's own way.
-struct Slide {
+struct BorderSlide {
   double largest_step = 0, last_push = 0;  // mesh's unit
   std::size_t touching = 0, changes = 0;
   Contact end;
 };
 
 template <class Path>
-Slide slide(ContactTracker& tracker, int ticks, Path path) {
-  Slide result;
+BorderSlide slide(ContactTracker& tracker, int ticks, Path path) {
+  BorderSlide result;
   Contact last = tracker.tick(path(0));
   for (int i = 1; i <= ticks; ++i) {
     const Contact contact = tracker.tick(path(static_cast<double>(i) / ticks));
@@ -105,7 +105,7 @@ Slide slide(ContactTracker& tracker, int ticks, Path path) {
   return result;
 }
 
-Slide slide(ContactTracker& tracker, const Vec3& from, const Vec3& to, int ticks) {
+BorderSlide slide(ContactTracker& tracker, const Vec3& from, const Vec3& to, int ticks) {
   return slide(tracker, ticks, [&](double s) { return Vec3(from + s * (to - from)); });
 }
 
@@ -129,7 +129,7 @@ TEST_P(Rim, lets_a_contact_go_gently_and_once) {
       };
       tracker.tick(beneath(0) + Vec3(0, 0, 3));
       constexpr int kTicks = 3000;
-      const Slide felt = slide(tracker, kTicks, beneath);
+      const BorderSlide felt = slide(tracker, kTicks, beneath);
       EXPECT_GT(felt.touching, kTicks / 3u);
       EXPECT_EQ(felt.changes, 1u) << wave << ": " << way.transpose();
       EXPECT_FALSE(felt.end.touching);

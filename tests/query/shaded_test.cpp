@@ -13,7 +13,7 @@ using test::Worst;
 using Exact = oracle::Polygon<long double>;
 using ExactVec = oracle::Vec<long double>;
 
-struct Case {
+struct ShadedCase {
   std::string name;
   Mesh mesh;
   double depth;  // of the HIPs, at most; mesh's unit
@@ -33,8 +33,8 @@ Mesh star(int points) {
   return mesh;
 }
 
-std::vector<Case> cases() {
-  std::vector<Case> all;
+std::vector<ShadedCase> cases() {
+  std::vector<ShadedCase> all;
   const auto add = [&](const std::string& name, const Mesh& mesh, double depth) {
     all.push_back({name, test::with_normals(mesh), depth});
   };
@@ -69,7 +69,7 @@ Exact exact_polygon(const Mesh& mesh, std::uint32_t face) {
 }
 
 // A HIP beneath a random point of a random face.
-Vec3 random_hip(Rng& rng, const Case& of) {
+Vec3 random_hip(Rng& rng, const ShadedCase& of) {
   const auto face = static_cast<std::uint32_t>(rng() % of.mesh.face_count());
   const std::vector<test::Triangle> triangles = triangles_of_face(of.mesh, face);
   const auto& [a, b, c] = triangles[rng() % triangles.size()];
@@ -91,7 +91,7 @@ INSTANTIATE_TEST_SUITE_P(, Shaded, ::testing::Values(Precision::kDouble, Precisi
 TEST_P(Shaded, pushes_along_normals_blended_by_mean_values) {
   QueryOptions options;
   options.method = Method::kShaded;
-  for (const Case& of : cases()) {
+  for (const ShadedCase& of : cases()) {
     // Not tamed: a face that is split would be measured as the triangles of its patches.
     const PatchCache cache = test::cache_of(of.mesh, GetParam(), false);
     const double size = test::size_of(of.mesh);

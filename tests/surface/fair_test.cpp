@@ -26,14 +26,14 @@ PatchCache fair_cache(const Mesh& mesh, Precision precision = Precision::kDouble
 
 // Meshes that meet every branch of the construction, and the share of their triangles that may
 // fold.
-struct Case {
+struct FairCase {
   std::string name;
   Mesh mesh;
   double folded = 0;
 };
-std::vector<Case> cases() {
+std::vector<FairCase> cases() {
   Rng rng(19);
-  std::vector<Case> made;
+  std::vector<FairCase> made;
   const auto add = [&](const std::string& name, Mesh mesh, double folded) {
     validate(mesh);
     made.push_back({name, std::move(mesh), folded});
@@ -84,7 +84,7 @@ TEST_P(FairTest, triangles_agree_with_the_oracle) {
   const double bound = is_float() ? 1e-6 : 1e-11;
   Rng rng(20);
   oracle::FairClamps all;
-  for (const Case& c : cases()) {
+  for (const FairCase& c : cases()) {
     const Topology topology = build_topology(c.mesh);
     const oracle::Fair fair(c.mesh, topology);
     const PatchCache cache = fair_cache(c.mesh, GetParam(), false);
@@ -114,7 +114,7 @@ TEST_P(FairTest, triangles_agree_with_the_oracle) {
 
 TEST_P(FairTest, corners_have_the_normals_of_their_vertices) {
   Worst position, normal;
-  for (const Case& c : cases()) {
+  for (const FairCase& c : cases()) {
     const PatchCache cache = fair_cache(c.mesh, GetParam());
     const double size = test::size_of(c.mesh);
     for (std::uint32_t f = 0; f < c.mesh.face_count(); ++f) {
@@ -134,14 +134,14 @@ TEST_P(FairTest, corners_have_the_normals_of_their_vertices) {
 
 // ---- Across edges -------------------------------------------------------------------------------
 
-constexpr int kPointsPerEdge = 15;
+constexpr int kFairPointsPerEdge = 15;
 
 // Edges by what meets there, and the largest angle between the normals of both sides, rad.
 struct Met {
   int edges = 0;
   Worst angle;
 };
-struct Crossing {
+struct FairCrossing {
   Met triangles, quad, pentagon, tamed, seam;
   Worst gap;  // relative to the size of the mesh
   int bent = 0;
@@ -153,14 +153,14 @@ bool is_seam(const Mesh& mesh, const Topology& topology, std::uint32_t side, std
          normal(next_side(mesh, topology, side)) != normal(twin);
 }
 
-Crossing cross_all_edges(const Mesh& mesh, const PatchCache& cache) {
+FairCrossing cross_fair_edges(const Mesh& mesh, const PatchCache& cache) {
   const Topology topology = build_topology(mesh);
   std::vector<double> forward, backward;
-  for (int i = 0; i < kPointsPerEdge; ++i) {
-    forward.push_back(i / (kPointsPerEdge - 1.0));
+  for (int i = 0; i < kFairPointsPerEdge; ++i) {
+    forward.push_back(i / (kFairPointsPerEdge - 1.0));
     backward.push_back(1 - forward.back());
   }
-  Crossing result;
+  FairCrossing result;
   test::for_each_inner_edge(topology, [&](std::uint32_t side, std::uint32_t twin) {
     const std::uint32_t faces[] = {topology.side_face[side], topology.side_face[twin]};
     bool tamed = false, bent = false;
@@ -194,15 +194,16 @@ Crossing cross_all_edges(const Mesh& mesh, const PatchCache& cache) {
 
 TEST_P(FairTest, normals_agree_across_every_edge) {
   const double bound = is_float() ? 1e-5 : 1e-10;
-  Crossing all;
+  FairCrossing all;
   int bent = 0;
   std::uint32_t eased = 0, split = 0;
-  for (const Case& c : cases()) {
+  for (const FairCase& c : cases()) {
     BuildReport report;
-    const Crossing found = cross_all_edges(c.mesh, fair_cache(c.mesh, GetParam(), true, &report));
+    const FairCrossing found =
+        cross_fair_edges(c.mesh, fair_cache(c.mesh, GetParam(), true, &report));
     EXPECT_LE(found.gap.value, is_float() ? 1e-6 : 1e-12) << c.name;
-    for (const auto part :
-         {&Crossing::triangles, &Crossing::quad, &Crossing::pentagon, &Crossing::tamed}) {
+    for (const auto part : {&FairCrossing::triangles, &FairCrossing::quad, &FairCrossing::pentagon,
+                            &FairCrossing::tamed}) {
       EXPECT_LE((found.*part).angle.value, bound) << c.name;
       (all.*part).edges += (found.*part).edges;
       (all.*part).angle.add((found.*part).angle.value);
@@ -230,7 +231,7 @@ TEST_P(FairTest, a_dart_is_smooth_beyond_its_seam) {
     Rng rng(27);
     const Mesh mesh =
         test::random_sheet(rng, {.cells = 9, .has_quads = has_quads, .has_dart = true});
-    const Crossing found = cross_all_edges(mesh, fair_cache(mesh, GetParam()));
+    const FairCrossing found = cross_fair_edges(mesh, fair_cache(mesh, GetParam()));
     const double bound = is_float() ? 1e-5 : 1e-10;
     EXPECT_LE(found.triangles.angle.value, bound);
     EXPECT_LE(found.quad.angle.value, bound);
