@@ -107,13 +107,13 @@ RUN = "run scene.toml --device replay:path.csv --no-wait --record run.csv"
 COMMANDS = [
     ("check", "check mesh.obj"),
     ("bake", "bake mesh.obj -o mesh.gliss"),
-    ("bake fair", "bake mesh.obj --construction fair -o fair.gliss"),
+    ("bake paper", "bake mesh.obj --construction paper -o paper.gliss"),
     ("info", "info mesh.gliss"),
     ("eval", "eval mesh.gliss --at points.csv -o eval.csv"),
     ("project", "project mesh.gliss --hip hips.csv -o project.csv"),
     ("sweep", "sweep mesh.gliss --depth 1mm --samples 1e3 -o sweep.csv"),
     ("trace", "trace mesh.gliss --path path.csv --method gregory,shaded,flat -o trace.csv"),
-    ("trace fair", "trace fair.gliss --path path.csv --method gregory -o trace.csv"),
+    ("trace paper", "trace paper.gliss --path path.csv --method gregory -o trace.csv"),
     ("compare", "compare mesh.obj --levels exact,flat --walks 1 --walk-ticks 500 --ticks 200 --dense-limit 0 -o compare.csv"),
     ("run", RUN),
 ]

@@ -29,8 +29,8 @@ class Overlaps {
     }
   }
 
-  // Calls visit(a, b) once for each two boxes of different labels that overlap. What lies beneath
-  // two boxes of one label each is left out where skips(label, label).
+  // Calls visit(a, b) once for each two boxes of different labels that overlap, until it returns
+  // false. What lies beneath two boxes of one label each is left out where skips(label, label).
   template <class Skips, class Visit>
   void for_each(Skips skips, Visit visit) const {
     if (!beneath_.empty()) within(0, skips, visit);
@@ -67,31 +67,27 @@ class Overlaps {
   }
 
   template <class Skips, class Visit>
-  void within(std::uint32_t child, Skips skips, Visit visit) const {
-    if ((child & kNodeLeaf) || beneath_[child] != kSeveral) return;
+  bool within(std::uint32_t child, Skips skips, Visit visit) const {
+    if ((child & kNodeLeaf) || beneath_[child] != kSeveral) return true;
     const std::size_t left = 2 * std::size_t{child};
-    within(child_[left], skips, visit);
-    within(child_[left + 1], skips, visit);
-    between(left, left + 1, skips, visit);
+    return within(child_[left], skips, visit) && within(child_[left + 1], skips, visit) &&
+           between(left, left + 1, skips, visit);
   }
   template <class Skips, class Visit>
-  void between(std::size_t a, std::size_t b, Skips skips, Visit visit) const {
+  bool between(std::size_t a, std::size_t b, Skips skips, Visit visit) const {
     const std::uint32_t at_a = child_[a], at_b = child_[b];
     const std::uint32_t label_a = label_of(at_a), label_b = label_of(at_b);
-    if (!overlap(box_of(a), box_of(b))) return;
+    if (!overlap(box_of(a), box_of(b))) return true;
     if (label_a != kSeveral && label_b != kSeveral &&
         (label_a == label_b || skips(label_a, label_b)))
-      return;
+      return true;
     const bool leaf_a = at_a & kNodeLeaf, leaf_b = at_b & kNodeLeaf;
-    if (leaf_a && leaf_b) {
-      visit(at_a & ~kNodeLeaf, at_b & ~kNodeLeaf);
-    } else if (leaf_b || (!leaf_a && at_a < at_b)) {  // the larger one, mostly
-      between(2 * std::size_t{at_a}, b, skips, visit);
-      between(2 * std::size_t{at_a} + 1, b, skips, visit);
-    } else {
-      between(a, 2 * std::size_t{at_b}, skips, visit);
-      between(a, 2 * std::size_t{at_b} + 1, skips, visit);
-    }
+    if (leaf_a && leaf_b) return visit(at_a & ~kNodeLeaf, at_b & ~kNodeLeaf);
+    if (leaf_b || (!leaf_a && at_a < at_b))  // the larger one, mostly
+      return between(2 * std::size_t{at_a}, b, skips, visit) &&
+             between(2 * std::size_t{at_a} + 1, b, skips, visit);
+    return between(a, 2 * std::size_t{at_b}, skips, visit) &&
+           between(a, 2 * std::size_t{at_b} + 1, skips, visit);
   }
 
   const LargeArray<Real>& node_;

@@ -22,6 +22,35 @@ namespace {
 
 using Triangle = std::array<Vec3, 3>;
 
+// Pairs of parts, in either order: bits where there are few parts, and any two may meet.
+class PairSet {
+ public:
+  explicit PairSet(std::size_t parts) : parts_(parts) {
+    if (parts <= kMostParts) bits_.resize(parts * parts);
+  }
+  bool contains(std::uint32_t a, std::uint32_t b) const {
+    return bits_.empty() ? keys_.contains(key(a, b)) : bits_[key(a, b)];
+  }
+  void insert(std::uint32_t a, std::uint32_t b) {
+    if (bits_.empty()) {
+      keys_.insert(key(a, b));
+    } else {
+      bits_[key(a, b)] = true;
+    }
+  }
+
+ private:
+  static constexpr std::size_t kMostParts = 1 << 14;  // 32 MiB
+
+  std::uint64_t key(std::uint32_t a, std::uint32_t b) const {
+    return std::min(a, b) * std::uint64_t{parts_} + std::max(a, b);
+  }
+
+  const std::size_t parts_;
+  std::vector<bool> bits_;
+  std::unordered_set<std::uint64_t> keys_;
+};
+
 template <class Real>
 class PartFinder {
  public:
@@ -183,15 +212,14 @@ class PartFinder {
   // The patches whose boxes overlap those of a solid part.
   void find_mixed() {
     mixed_.assign(boxes_.size(), 0);
-    std::unordered_set<std::uint64_t> known;  // pairs of parts
+    PairSet known(count_);
     const auto mix = [&](std::uint32_t a, std::uint32_t b) {
       poll_();
       const std::uint32_t p = part_[a], q = part_[b];
-      const std::uint64_t pair = std::uint64_t{std::min(p, q)} << 32 | std::max(p, q);
-      const bool is_known = known.contains(pair);
+      const bool is_known = known.contains(p, q);
       if (is_known && (mixed_[a] || !solid_[q]) && (mixed_[b] || !solid_[p])) return;
       if (!overlap_oriented(oriented_box(a), oriented_box(b))) return;
-      if (!is_known) known.insert(pair);
+      if (!is_known) known.insert(p, q);
       const auto enter = [&](std::uint32_t patch, std::uint32_t part, std::uint32_t partner) {
         if (!solid_[partner]) return;
         mixed_[patch] = 1;
@@ -208,7 +236,10 @@ class PartFinder {
               poll_();
               return !solid_[a] && !solid_[b];
             },
-            mix);
+            [&](std::uint32_t a, std::uint32_t b) {
+              mix(a, b);
+              return true;
+            });
   }
 
   // The others, in connected groups: all of a group lie within another part or none does.

@@ -15,6 +15,7 @@ namespace {
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kPoints = 20000, kPointsPerFace = 64, kMostPoints = 1000000;
 constexpr double kMeasureFor = 0.1;  // s, each rate
+constexpr std::size_t kGrain = 256;  // points measured between two polls
 constexpr int kRides = 5;            // along each path, for the time of a tick
 
 // Items a second of work that does `items` at a time.
@@ -113,6 +114,15 @@ void Comparison::poll() const {
   if (options_.poll) options_.poll();
 }
 
+ParallelFor Comparison::polled(const Engine& engine) const {
+  return [&](std::size_t count, std::size_t grain, const auto& body) {
+    engine.for_each(count, grain, [&](std::size_t begin, std::size_t end) {
+      poll();
+      body(begin, end);
+    });
+  };
+}
+
 std::unique_ptr<Engine> Comparison::engine_of(const std::string& backend) const {
   if (options_.make_engine) return options_.make_engine(backend);
   if (backend == "tbb") return make_tbb_engine();
@@ -131,7 +141,7 @@ std::vector<CompareRow> Comparison::measure(const std::function<void()>& measure
         const Surface surface = build(candidate, precision, *engine);
         if (felt.empty()) {
           CompareRow shape{candidate, precision, Solver::kNewton, ""};
-          measure_shape(surface, shape);
+          measure_shape(surface, *engine, shape);
           for (const Solver solver : options_.solvers) {
             felt.push_back(shape);
             felt.back().solver = solver;
@@ -183,33 +193,43 @@ Comparison::Surface Comparison::build(const CompareCandidate& candidate, Precisi
   return surface;
 }
 
-void Comparison::measure_shape(const Surface& surface, CompareRow& row) const {
+void Comparison::measure_shape(const Surface& surface, const Engine& engine,
+                               CompareRow& row) const {
   const PatchCache& cache = surface.cache;
   const Method method = surface.candidate.method;
   const Exact& exact = exact_of(surface.candidate);
+  QueryOptions flat;
+  flat.method = Method::kFlat;
   row.bytes = static_cast<double>(cache.bytes());
   row.bytes_per_patch = row.bytes / cache.patch_count();
   const Distances gaps = normal_gaps(mesh_, topology_, cache, method);
   row.max_normal_gap = gaps.largest;
   row.p99_normal_gap = gaps.p99;
-  std::vector<Vec3> there;  // on the surface
-  std::vector<double> distance;
-  if (method == Method::kGregory) {
-    std::vector<SurfacePoint> points(points_.size());
-    evaluate(cache, points_, points);
-    for (const SurfacePoint& p : points) {
-      there.push_back(p.position);
-      distance.push_back(std::abs(nearest(exact.cache, p.position).distance));
+  std::vector<Vec3> there(points_.size());  // on the surface
+  std::vector<double> distance(points_.size());
+  std::vector<Contact> contacts(points_.size());
+  polled(engine)(points_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    const std::size_t count = end - begin;
+    if (method == Method::kGregory) {
+      const std::span places = std::span(points_).subspan(begin, count);
+      std::vector<SurfacePoint> points(count);
+      evaluate(cache, places, points);
+      for (std::size_t i = 0; i < count; ++i) there[begin + i] = points[i].position;
+      track(exact.cache, std::span(there).subspan(begin, count), places, {},
+            std::span(contacts).subspan(begin, count));
     }
-  } else {
-    QueryOptions flat;
-    flat.method = Method::kFlat;
-    for (const SurfacePoint& p : exact.points) {
-      const Contact contact = nearest(cache, p.position, flat);
-      there.push_back(contact.scp);
-      distance.push_back(std::abs(contact.distance));
+    for (std::size_t i = begin; i < end; ++i) {
+      const Vec3& same = exact.points[i].position;
+      if (method == Method::kGregory) {
+        // Within another part the contact lies elsewhere.
+        distance[i] = std::min(std::abs(contacts[i].distance), (there[i] - same).norm());
+      } else {
+        const Contact contact = nearest(cache, same, flat);
+        there[i] = contact.scp;
+        distance[i] = std::abs(contact.distance);
+      }
     }
-  }
+  });
   const Distances to_exact = distances_of(distance);
   row.max_distance = to_exact.largest * mesh_.unit;
   row.p99_distance = to_exact.p99 * mesh_.unit;
@@ -252,14 +272,8 @@ void Comparison::measure_walks(const PatchCache& cache, const QueryOptions& quer
   row.walk_max_force_step = kUnknown;
   row.loop_gain = loop_gain(cache, query, walks_.loops);
   if (walks_.walks.empty()) return;
-  const ParallelFor polled = [&](std::size_t count, std::size_t grain, const auto& body) {
-    engine.for_each(count, grain, [&](std::size_t begin, std::size_t end) {
-      poll();
-      body(begin, end);
-    });
-  };
   const ForceStatistics felt =
-      feel_walks(cache, query, walks_.walks, walks_.depth / mesh_.unit, polled);
+      feel_walks(cache, query, walks_.walks, walks_.depth / mesh_.unit, polled(engine));
   row.walk_max_force_step = options_.stiffness * mesh_.unit * felt.largest_step;
   row.jumps_per_100k = felt.jumps_per_100k();
   row.lost_per_100k = felt.lost_per_100k();

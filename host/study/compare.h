@@ -132,6 +132,7 @@ class GLISS_EXPORT Comparison {
   };
 
   void poll() const;
+  ParallelFor polled(const Engine& engine) const;  // that of the engine, with polls
   void add_exact(Construction construction);
   const Exact* find_exact(Construction construction) const;  // null: not added
   const Mesh& mesh_of(Construction construction) const;
@@ -139,7 +140,7 @@ class GLISS_EXPORT Comparison {
   const Exact& exact_of(const CompareCandidate& candidate) const;
   std::unique_ptr<Engine> engine_of(const std::string& backend) const;
   Surface build(const CompareCandidate& candidate, Precision precision, const Engine& engine) const;
-  void measure_shape(const Surface& surface, CompareRow& row) const;
+  void measure_shape(const Surface& surface, const Engine& engine, CompareRow& row) const;
   void measure_feel(const PatchCache& cache, const QueryOptions& query, const Exact& exact,
                     CompareRow& row) const;
   void measure_walks(const PatchCache& cache, const QueryOptions& query, const Engine& engine,

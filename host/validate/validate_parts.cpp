@@ -56,7 +56,7 @@ class PartPairs {
     if (!number_parts()) return;
     find_boxes();
     warn_of_intersections();
-    warn_of_insides();
+    if (met_.size() < kMostPairs) warn_of_insides();
   }
 
  private:
@@ -128,22 +128,23 @@ class PartPairs {
         .for_each(
             [&](std::uint32_t a, std::uint32_t b) {
               report_.poll();
-              return (!closed_[a] && !closed_[b]) || met_.size() >= kMostPairs ||
-                     met_.contains(key(a, b));
+              return (!closed_[a] && !closed_[b]) || met_.contains(key(a, b));
             },
             [&](std::uint32_t a, std::uint32_t b) {
               report_.poll();
-              if (!faces_meet(a, b)) return;
+              if (!faces_meet(a, b)) return true;
               met_.insert(key(part_[a], part_[b]));
-              if (std::min(a, b) >= face) return;
-              face = std::min(a, b);
-              other = std::max(a, b);
+              if (std::min(a, b) < face) {
+                face = std::min(a, b);
+                other = std::max(a, b);
+              }
+              return met_.size() < kMostPairs;
             });
     if (met_.empty()) return;
     report_
         .add(Severity::kWarning, "parts-intersect", {.face = face},
              "meets face {} of another part ({} pairs of parts{})", file_face(other), met_.size(),
-             met_.size() < kMostPairs ? "" : " or more")
+             met_.size() < kMostPairs ? "" : " or more; no others are looked for")
         .count = met_.size();
   }
   bool faces_meet(std::uint32_t a, std::uint32_t b) const {
@@ -197,7 +198,7 @@ class PartPairs {
     return std::abs(angle) > 2 * std::numbers::pi;
   }
 
-  static constexpr std::size_t kMostPairs = 1'000'000;  // that are looked for
+  static constexpr std::size_t kMostPairs = 100'000;  // that are looked for
 
   const Mesh& mesh_;
   Report& report_;

@@ -9,6 +9,7 @@
 #include "gliss/study/fidelity.h"
 #include "gliss/study/tessellate.h"
 #include "gliss/surface/names.h"
+#include "tests/oracle/union_oracle.h"
 #include "tests/support/gliss_process.h"
 #include "tests/support/places.h"
 #include "tests/support/surfaces.h"
@@ -122,6 +123,18 @@ TEST_F(Compare, a_row_is_marked_where_no_other_is_better_in_all) {
     }
     EXPECT_EQ(row["pareto"].get<bool>(), !beaten) << row;
   }
+}
+
+// Not how far it is to the surface of the union, within which a part of each lies.
+TEST_F(Compare, measures_distances_where_parts_overlap) {
+  const Mesh one = torus(12, 8).mesh;
+  save_obj(test::joined({one, test::moved(one, Vec3(30, 1, 2))}), folder_ / "torus.obj");
+  const Json rows = json_of({"--levels", "exact,ribbon", "--precisions", "double", "--walks", "0",
+                             "--dense-limit", "0"})["rows"];
+  ASSERT_EQ(rows.size(), 2);
+  EXPECT_LE(rows[0]["max_distance"], 1e-11);
+  EXPECT_GT(rows[1]["max_distance"], 0);
+  EXPECT_LT(rows[1]["max_distance"], 1e-5);
 }
 
 TEST_F(Compare, recommends_what_the_budget_allows) {
