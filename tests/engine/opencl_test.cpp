@@ -453,6 +453,8 @@ TEST_P(OpenClSmall, evaluates_with_any_number_of_lanes) {
     const PatchCache cache = build_cache(lantern({24, 8, 4, 4}), options);
     const Answers want = evaluated(*serial_->reside(cache), questions_);
     for (const int lanes : {1, 4, 8, 16}) {
+      // No device has 16 in double; to compile them takes as long as all others.
+      if (!single && lanes == 16 && options.level != Level{}) continue;
       test::pretend(
           single ? CL_DEVICE_NATIVE_VECTOR_WIDTH_FLOAT : CL_DEVICE_NATIVE_VECTOR_WIDTH_DOUBLE,
           static_cast<cl_ulong>(lanes));
