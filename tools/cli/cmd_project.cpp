@@ -48,11 +48,15 @@ void run(const ProjectOptions& options) {
   std::vector<Contact> found;
   std::size_t inside = 0, unconverged = 0;
   const Stopwatch clock;
+  Pace pace;
   for_blocks(options, "project", hips.points.size(), "HIPs",
              [&](std::size_t begin, std::size_t end) {
                const std::size_t rows = end - begin;
                found.resize(rows);
-               surface->project(std::span(hips.points).subspan(begin, rows), options.query, found);
+               pace.for_pieces(rows, [&](std::size_t from, std::size_t to) {
+                 surface->project(std::span(hips.points).subspan(begin + from, to - from),
+                                  options.query, std::span(found).subspan(from, to - from));
+               });
                table.fill(rows, [&](std::size_t i) { return found[i].at.face; });
                table.fill(rows, [&](std::size_t i) { return found[i].at.xi; });
                table.fill(rows, [&](std::size_t i) { return found[i].at.eta; });
