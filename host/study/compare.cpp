@@ -207,24 +207,23 @@ void Comparison::measure_shape(const Surface& surface, const Engine& engine,
   row.p99_normal_gap = gaps.p99;
   std::vector<Vec3> there(points_.size());  // on the surface
   std::vector<double> distance(points_.size());
-  std::vector<Contact> contacts(points_.size());
   polled(engine)(points_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    const std::size_t count = end - begin;
     if (method == Method::kGregory) {
+      const std::size_t count = end - begin;
       const std::span places = std::span(points_).subspan(begin, count);
       std::vector<SurfacePoint> points(count);
       evaluate(cache, places, points);
-      for (std::size_t i = 0; i < count; ++i) there[begin + i] = points[i].position;
-      track(exact.cache, std::span(there).subspan(begin, count), places, {},
-            std::span(contacts).subspan(begin, count));
-    }
-    for (std::size_t i = begin; i < end; ++i) {
-      const Vec3& same = exact.points[i].position;
-      if (method == Method::kGregory) {
+      for (std::size_t i = begin; i < end; ++i) there[i] = points[i - begin].position;
+      std::vector<Contact> contacts(count);
+      track(exact.cache, std::span(there).subspan(begin, count), places, {}, contacts);
+      for (std::size_t i = begin; i < end; ++i) {
         // Within another part the contact lies elsewhere.
-        distance[i] = std::min(std::abs(contacts[i].distance), (there[i] - same).norm());
-      } else {
-        const Contact contact = nearest(cache, same, flat);
+        const double same = (there[i] - exact.points[i].position).norm();
+        distance[i] = std::min(std::abs(contacts[i - begin].distance), same);
+      }
+    } else {
+      for (std::size_t i = begin; i < end; ++i) {
+        const Contact contact = nearest(cache, exact.points[i].position, flat);
         there[i] = contact.scp;
         distance[i] = std::abs(contact.distance);
       }

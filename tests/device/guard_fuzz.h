@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 
 #include "gliss/device/guard.h"
 #include "tests/oracle/oracle.h"
+#include "tests/support/numbers.h"
 
 namespace gliss::test {
 
@@ -19,8 +19,6 @@ struct GuardCase {
 
 // A value that may stand where a number should.
 inline double odd_number(oracle::Rng& rng) {
-  using Limits = std::numeric_limits<double>;
-  constexpr double kNaN = Limits::quiet_NaN(), kInfinity = Limits::infinity();
   constexpr double kOdd[] = {kNaN,    -kNaN, kInfinity, -kInfinity, 1e300, -1e300, 5e-324, -2e-308,
                              1.7e308, 0,     -0.0,      1e9,        -1e9,  0.2,    3.3};
   return kOdd[rng() % std::size(kOdd)];

@@ -9,10 +9,11 @@
 #include <boost/beast/core/buffers_to_string.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
 #include <boost/beast/websocket.hpp>
-#include <limits>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <thread>
+
+#include "tests/support/numbers.h"
 
 namespace gliss::test {
 namespace {
@@ -26,7 +27,6 @@ using Socket = websocket::stream<tcp::socket, false>;
 Json json_of(const Vec3& v) { return {{"x", v.x()}, {"y", v.y()}, {"z", v.z()}}; }
 
 HaplyCommand parsed(Nanoseconds time, const std::string& text) {
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   const Json message = Json::parse(text, nullptr, false);
   try {
     const Json& device = message.at("inverse3").at(0);
