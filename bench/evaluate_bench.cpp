@@ -1,4 +1,5 @@
-// Positions with both derivatives, by patch and one sample a patch.
+// Positions with both derivatives, by patch and one sample a patch: of the kernels, and (api_...)
+// as a caller of the library gets them.
 #include <benchmark/benchmark.h>
 
 #include "bench/benches.h"
@@ -67,25 +68,76 @@ Work by_patch(const Surface<Real>& s, const Case& c) {
 template <class Real>
 Work shuffled(const Surface<Real>& s, const Case& c) {
   // Rows are not a power of two apart: they would share their place in the cache.
-  constexpr std::size_t kStride = kShuffledPoints + 16;
+  constexpr std::size_t kStride = kCallPoints + 16;
   const auto out = std::make_shared<std::vector<Real>>(9 * kStride);
   const auto patches = patches_of(s, c.n);
-  ShuffledPoints<Real> points(patches.size());
+  CallPoints<Real> points(Order::kShuffled, patches.size());
   for (std::uint32_t& p : points.patch) p = patches[p];
   const auto run = [&s, c, points = std::move(points), out] {
-    engine_of(c.threads).for_each(kShuffledPoints, 1024, [&](std::size_t begin, std::size_t end) {
+    engine_of(c.threads).for_each(kCallPoints, 1024, [&](std::size_t begin, std::size_t end) {
       kernels<Real>().evaluate_each(s, &points.patch[begin], &points.xi[begin], &points.eta[begin],
                                     end - begin, kStride, out->data() + begin);
     });
     benchmark::DoNotOptimize(out->data());
   };
-  return {static_cast<double>(kShuffledPoints), run};
+  return {static_cast<double>(kCallPoints), run};
 }
+
+// The results of a call: positions and both derivatives, an array for each coordinate.
+template <class Real>
+struct CallResults {
+  std::vector<Real> numbers = std::vector<Real>(9 * kCallPoints);
+
+  SurfaceArrays<Real> arrays() {
+    const auto vectors = [&](std::size_t row) {
+      Real* x = &numbers[row * kCallPoints];
+      return strided_vectors(x, x + kCallPoints, x + 2 * kCallPoints);
+    };
+    return {.position = vectors(0), .d_xi = vectors(3), .d_eta = vectors(6)};
+  }
+};
+
+template <class Real>
+Work api_points(const Surface<Real>& s, const Case& c, Order order) {
+  const std::shared_ptr<ResidentSurface> surface =
+      engine_of(c.threads).reside(cache_of(c.shape, c.precision, c.level));
+  const auto patches = patches_of(s, c.n);
+  CallPoints<Real> points(order, patches.size(), c.n);
+  for (std::uint32_t& p : points.patch) p = patches[p];
+  const auto run = [surface, points, out = std::make_shared<CallResults<Real>>()] {
+    surface->evaluate(
+        PointArrays<Real>{
+            points.patch.size(), {points.patch.data()}, {points.xi.data()}, {points.eta.data()}},
+        out->arrays());
+  };
+  return {static_cast<double>(kCallPoints), run, {{"bytes", 11 * sizeof(Real) + 4}}};
+}
+
+template <class Real>
+Work api_grid(const Surface<Real>& s, const Case& c) {
+  const std::shared_ptr<ResidentSurface> surface =
+      engine_of(c.threads).reside(cache_of(c.shape, c.precision, c.level));
+  const auto patches = patches_of(s, c.n);
+  std::vector<std::uint32_t> faces;
+  for (std::size_t i = 0; i < kCallPoints / kPatchPoints; ++i)
+    faces.push_back(patches[i % patches.size()]);
+  const auto run = [=, grid = PatchGrid<Real>(c.n), out = std::make_shared<CallResults<Real>>()] {
+    surface->evaluate_grid(faces, std::span<const Real>(grid.xi), std::span<const Real>(grid.eta),
+                           out->arrays());
+  };
+  return {static_cast<double>(kCallPoints), run, {{"bytes", 9 * sizeof(Real)}}};
+}
+
+bool is_shuffled(const Case& c) { return c.path.find("shuffled") != std::string::npos; }
+Order order_of(const Case& c) { return is_shuffled(c) ? Order::kShuffled : Order::kByPatch; }
+bool is_api(const Case& c) { return c.path.starts_with("api_"); }
 
 Work make(const Case& c) {
   return std::visit(
       [&](const auto& s) {
-        return c.path == "evaluate_shuffled" ? shuffled(s, c) : by_patch(s, c);
+        if (c.path == "api_grid") return api_grid(s, c);
+        if (is_api(c)) return api_points(s, c, order_of(c));
+        return is_shuffled(c) ? shuffled(s, c) : by_patch(s, c);
       },
       cache_of(c.shape, c.precision, c.level).surface);
 }
@@ -100,7 +152,12 @@ std::vector<Rival> rivals_of(const Case& c) {
     rivals.push_back({"x_one_thread", like(other)});
     return rivals;
   }
-  const bool is_shuffled = c.path == "evaluate_shuffled";
+  if (is_api(c)) {
+    other.path = is_shuffled(c) ? "evaluate_shuffled" : "evaluate";
+    rivals.push_back({"of_kernel", like(other)});
+    other = c;
+    if (!is_shuffled(c)) rivals.push_back({"of_triad", [] { return triad_work(1); }, "bytes"});
+  }
   if (c.level != kPapers) {
     other.level = kPapers;
     rivals.push_back({"x_exact", like(other)});
@@ -110,10 +167,10 @@ std::vector<Rival> rivals_of(const Case& c) {
     other.precision = Precision::kFloat;
     rivals.push_back({"x_float", like(other)});
   }
-  if (!is_shuffled)
+  if (!is_api(c) && !is_shuffled(c))
     rivals.push_back({"of_peak", [=] { return fma_work(c.precision, 1); }, "flops"});
-  if (c.n == 4 && c.precision == Precision::kFloat) {
-    const Order order = is_shuffled ? Order::kShuffled : Order::kByPatch;
+  if (is_api(c) && c.n == 4 && c.precision == Precision::kFloat) {
+    const Order order = order_of(c);
     if constexpr (kOpenSubdiv) {
       rivals.push_back(
           {"x_opensubdiv", [=] { return opensubdiv_evaluate(mesh_of(c.shape), order); }});
@@ -144,6 +201,11 @@ void register_evaluate() {
         }
         add({"evaluate_irregular", Shape::kIrregular, level, p, 4, threads});
         add({"evaluate_shuffled", Shape::kKnot, level, p, 4, threads});
+        for (const std::uint32_t n : {4u, 3u})
+          add({"api_evaluate", shape_of(n), level, p, n, threads});
+        add({"api_evaluate_irregular", Shape::kIrregular, level, p, 4, threads});
+        add({"api_grid", Shape::kKnot, level, p, 4, threads});
+        add({"api_evaluate_shuffled", Shape::kKnot, level, p, 4, threads});
       }
     }
   }

@@ -10,6 +10,7 @@
 #include "bench/meshes.h"
 #include "bench/peers/peers.h"
 #include "gliss/query/contact_tracker.h"
+#include "gliss/query/frames.h"
 #include "gliss/study/walk.h"
 #include "gliss/surface/layout.h"
 #include "gliss/surface/names.h"
@@ -92,19 +93,121 @@ double patch_tolerance(const PatchCache& cache) {
   return 0.25 * kGoodEnough * size_of(cache) * cache.scale / most;
 }
 
+// HIPs that moved since they lay beneath their points.
+Hips moved_hips(const PatchCache& cache) {
+  Hips h = hips_beneath(cache, kTracked);
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  for (Vec3& hip : h.hips) {
+    const Vec3 way(normal(random), normal(random), normal(random));
+    hip += kMove * size_of(cache) * way.normalized();
+  }
+  return h;
+}
+
+// HIPs as the kernels take them.
+template <class Real>
+std::vector<RawHip<Real>> raw_hips(const PatchCache& cache, const std::vector<Vec3>& hips) {
+  std::vector<RawHip<Real>> raw;
+  for (const Vec3& hip : hips) raw.push_back(raw_hip<Real>(cache, hip));
+  return raw;
+}
+
+Work kernel_nearest(Precision precision, Search order) {
+  const PatchCache& cache = cache_of(Shape::kKnot, precision);
+  return with_surface(cache, [&]<class Real>(const Surface<Real>& s) -> Work {
+    const auto run = [&s, hips = raw_hips<Real>(cache, hips_of(order)),
+                      out = std::vector<RawContact<Real>>(kHips)]() mutable {
+      constexpr Method kGregory[] = {Method::kGregory};
+      kernels<Real>().nearest(s, kGregory, 1, track_options<Real>({}), hips.data(), kHips,
+                              out.data());
+    };
+    return {static_cast<double>(kHips), run};
+  });
+}
+
+Work kernel_track(Precision precision) {
+  const PatchCache& cache = cache_of(Shape::kKnot, precision);
+  return with_surface(cache, [&]<class Real>(const Surface<Real>& s) -> Work {
+    const Hips h = moved_hips(cache);
+    std::vector<RawContact<Real>> starts(kTracked);
+    for (std::size_t i = 0; i < kTracked; ++i) place_at(place_of(cache, s, h.points[i]), starts[i]);
+    const auto run = [&s, &cache, starts, states = starts,
+                      hips = raw_hips<Real>(cache, h.hips)]() mutable {
+      states = starts;
+      QueryOptions options;
+      options.tolerance = patch_tolerance(cache);
+      kernels<Real>().track(s, Method::kGregory, track_options<Real>(options), hips.data(),
+                            kTracked, states.data());
+    };
+    return {static_cast<double>(kTracked), run};
+  });
+}
+
+// The arrays that a caller asks for: SCPs, their normals, and signed distances.
+template <class Real>
+struct Found {
+  std::vector<Real> numbers;
+
+  ContactArrays<Real> arrays(std::size_t count) {
+    numbers.resize(7 * count);
+    return {.scp = strided_vectors(numbers.data()),
+            .normal = strided_vectors(&numbers[3 * count]),
+            .distance = {&numbers[6 * count]}};
+  }
+};
+
+template <class Real>
+std::vector<Real> numbers_of(const std::vector<Vec3>& hips) {
+  std::vector<Real> numbers;
+  for (const Vec3& hip : hips) {
+    for (const double x : hip) numbers.push_back(static_cast<Real>(x));
+  }
+  return numbers;
+}
+
+template <class Real>
+Work api_nearest(Precision precision, Search order, int threads) {
+  std::shared_ptr<ResidentSurface> surface =
+      engine_of(threads).reside(cache_of(Shape::kKnot, precision));
+  const auto run = [surface, hips = numbers_of<Real>(hips_of(order)),
+                    found = Found<Real>()]() mutable {
+    constexpr Method kGregory[] = {Method::kGregory};
+    const ContactArrays<Real> out = found.arrays(kHips);
+    surface->nearest(HipArrays<Real>{kHips, strided_vectors(hips.data())}, kGregory, {}, {&out, 1});
+  };
+  return {static_cast<double>(kHips), run};
+}
+
+template <class Real>
+Work api_track(Precision precision, int threads) {
+  const PatchCache& cache = cache_of(Shape::kKnot, precision);
+  std::shared_ptr<ResidentSurface> surface = engine_of(threads).reside(cache);
+  const Hips h = moved_hips(cache);
+  std::vector<std::uint32_t> face;
+  std::vector<Real> xi, eta;
+  for (const DomainPoint& p : h.points) {
+    face.push_back(p.face);
+    xi.push_back(static_cast<Real>(p.xi));
+    eta.push_back(static_cast<Real>(p.eta));
+  }
+  QueryOptions options;
+  options.tolerance = patch_tolerance(cache);
+  const auto run = [=, hips = numbers_of<Real>(h.hips), found = Found<Real>()]() mutable {
+    const HipArrays<Real> at{kTracked, strided_vectors<const Real>(hips.data())};
+    const PointArrays<Real> starts{kTracked, {face.data()}, {xi.data()}, {eta.data()}};
+    surface->track(at, starts, options, found.arrays(kTracked));
+  };
+  return {static_cast<double>(kTracked), run};
+}
+
 // HIPs that moved since their contacts were found; errors are distances to where each contact ends,
 // of the size.
 Work make_track(Precision precision, int threads) {
   const PatchCache& cache = cache_of(Shape::kKnot, precision);
   std::shared_ptr<ResidentSurface> surface = engine_of(threads).reside(cache);
-  Hips h = hips_beneath(cache, kTracked);
+  const Hips h = moved_hips(cache);
   const double size = size_of(cache);
-  std::mt19937 random(3);
-  std::normal_distribution<double> normal;
-  for (Vec3& hip : h.hips) {
-    const Vec3 way(normal(random), normal(random), normal(random));
-    hip += kMove * size * way.normalized();
-  }
   QueryOptions options;
   std::vector<Contact> contacts(kTracked);
   ContactTracker reference(cache_of(Shape::kKnot, Precision::kDouble), {});
@@ -194,6 +297,21 @@ void register_queries() {
           work_name("track", kPapers, p, 4, threads), threads,
           [=] { return make_track(p, threads); }, rivals);
     }
+    const auto by_precision = [p](auto narrow, auto wide) {
+      return p == Precision::kFloat ? narrow() : wide();
+    };
+    add_work(work_name("api_nearest", kPapers, p, 4, 1), 1,
+             [=] {
+               return by_precision([=] { return api_nearest<float>(p, Search::kRandom, 1); },
+                                   [=] { return api_nearest<double>(p, Search::kRandom, 1); });
+             },
+             {{"of_kernel", [=] { return kernel_nearest(p, Search::kRandom); }}});
+    add_work(work_name("api_track", kPapers, p, 4, 1), 1,
+             [=] {
+               return by_precision([=] { return api_track<float>(p, 1); },
+                                   [=] { return api_track<double>(p, 1); });
+             },
+             {{"of_kernel", [=] { return kernel_track(p); }}});
     for (const auto& [name, method] : kMethodNames) {
       QueryOptions options;
       options.method = method;

@@ -10,9 +10,8 @@
 namespace gliss::bench {
 
 inline constexpr std::size_t kPatchPoints = 256;  // of a patch, when many are asked for at once
-// A call of a benchmark takes about so many patches.
-inline constexpr std::size_t kCallPatches = 1024;
-inline constexpr std::size_t kShuffledPoints = 65536;  // or so many points, each of another patch
+// The kernel's benchmark takes about so many patches at once, a call of a library so many points.
+inline constexpr std::size_t kCallPatches = 1024, kCallPoints = 65536;
 
 // A quad's own parameters: u from corner 0 to 1, v from corner 0 to 3.
 struct QuadPoint {
@@ -37,15 +36,28 @@ struct PatchGrid {
   }
 };
 
-// One point each of quads in random order, as those of unrelated HIPs are.
+// By patch, many points of each; or one point a patch, in random order, as those of unrelated HIPs
+// are.
+enum class Order { kByPatch, kShuffled };
+
+// The points of a call, of `patches` polygons of n sides; shuffled ones are of quads.
 template <class Real>
-struct ShuffledPoints {
+struct CallPoints {
   std::vector<std::uint32_t> patch;
   std::vector<Real> xi, eta;
-  explicit ShuffledPoints(std::size_t patches) {
+  CallPoints(Order order, std::size_t patches, std::uint32_t n = 4) {
+    if (order == Order::kByPatch) {
+      const PatchGrid<Real> grid(n);
+      for (std::size_t i = 0; i < kCallPoints; ++i) {
+        patch.push_back(static_cast<std::uint32_t>(i / kPatchPoints % patches));
+        xi.push_back(grid.xi[i % kPatchPoints]);
+        eta.push_back(grid.eta[i % kPatchPoints]);
+      }
+      return;
+    }
     std::mt19937 random(1);
     std::uniform_real_distribution<double> uniform(0.01, 0.99);
-    for (std::size_t i = 0; i < kShuffledPoints; ++i) {
+    for (std::size_t i = 0; i < kCallPoints; ++i) {
       const double u = uniform(random), v = uniform(random);
       patch.push_back(static_cast<std::uint32_t>(i % patches));
       xi.push_back(static_cast<Real>(1 - u - v));

@@ -8,7 +8,8 @@ import tempfile
 bench, table = sys.argv[1:]
 names = [f"{path}/exact/{precision}/4/tbb/1" for precision in ("float", "double")
          for path in ("evaluate", "evaluate_irregular", "evaluate_shuffled", "build", "build_checked", "track",
-                      "nearest", "nearest_spatial", "tick", "sweep", "load")]
+                      "nearest", "nearest_spatial", "tick", "sweep", "load", "api_evaluate", "api_evaluate_irregular",
+                      "api_grid", "api_evaluate_shuffled", "api_nearest", "api_track")]
 names += [f"evaluate/exact/float/{n}/tbb/{threads}" for n in (3, 4, 5, 6) for threads in (1, 2)]
 names += [f"machine/{what}/1" for what in ("fma/float", "fma/double", "read", "write", "triad")]
 peers = {"opensubdiv": ["evaluate_irregular/1", "evaluate_regular/1"],
@@ -34,6 +35,8 @@ for name in names:
     assert results[name]["items_per_second"] > 0, f"{name}: {results[name]}"
 exact = results["evaluate/exact/float/4/tbb/1"]
 assert exact["flops"] > 1000 and exact["of_peak"] > 0, exact
+for name in names:
+    assert not name.startswith("api_") or results[name]["of_kernel"] > 0, f"{name}: {results[name]}"
 assert results["track/exact/double/4/tbb/1"]["error_p999"] < 1e-6, results["track/exact/double/4/tbb/1"]
 assert text.startswith("before\n") and text.endswith("after\n") and "\nold\n" not in text, text
 assert "| evaluate/exact/float/4/tbb/1 |" in text, text

@@ -17,7 +17,7 @@ fi
 cmake --preset release -DGLISS_BENCH=ON
 cmake --build --preset release --parallel "$(nproc)" --target gliss_bench
 
-run=(--benchmark_filter='^(machine|peer|evaluate|build|nearest|track|tick|sweep|load).*/[0-9]+$'
+run=(--benchmark_filter='^(machine|peer|api|evaluate|build|nearest|track|tick|sweep|load).*/[0-9]+$'
   --benchmark_repetitions=5 --benchmark_min_time=0.2)
 [[ -z $quick ]] || run+=(--benchmark_repetitions=1 --benchmark_min_time=0.01)
 results=$(mktemp)

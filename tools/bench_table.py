@@ -56,12 +56,29 @@ def peers(r):
     def row(what, name, limit=""):
         return [what, cell(r, name), cell(r, name, "x_opensubdiv", times), cell(r, name, "x_embree", times)]
     rows = []
-    for path, what in (("evaluate", "regular quads, by patch"), ("evaluate_irregular", "irregular quads, by patch"),
-                       ("evaluate_shuffled", "regular quads, one sample a patch, shuffled")):
+    for path, what in (("api_evaluate", "regular quads, by patch"),
+                       ("api_evaluate_irregular", "irregular quads, by patch"),
+                       ("api_evaluate_shuffled", "regular quads, one sample a patch, shuffled")):
         rows += [row(f"{what}, {level}", f"{path}/{level}/float/4/tbb/1") for level in LEVELS]
     for path, order in (("nearest", "random order"), ("nearest_spatial", "in spatial order")):
         rows += [row(f"nearest, {p}, {order}", f"{path}/exact/{p}/4/tbb/1") for p in PRECISIONS]
-    return table(["float, one thread", "a second", "of OpenSubdiv", "of Embree"], rows)
+    return table(["calls of both libraries, float, one thread", "a second", "of OpenSubdiv", "of Embree"], rows)
+
+
+def calls(r):
+    rows = []
+    for level in LEVELS:
+        for p in PRECISIONS:
+            names = [f"{path}/{level}/{p}/4/tbb/1" for path in ("api_evaluate", "api_grid", "api_evaluate_shuffled")]
+            rows.append([f"{level}, {p}"] + [cell(r, name) for name in names] +
+                        [cell(r, name, "of_kernel", times) for name in names] +
+                        [cell(r, name, "of_triad", percent) for name in names[:2]])
+    for path in ("api_nearest", "api_track"):
+        for p in PRECISIONS:
+            name = f"{path}/exact/{p}/4/tbb/1"
+            rows.append([f"{path[4:]}, exact, {p}", cell(r, name), "", "", cell(r, name, "of_kernel", times), "", "", "", ""])
+    return table(["calls of the library, one thread, n = 4", "by patch", "grid", "shuffled", "of the kernel: by patch",
+                  "grid", "shuffled", "of the triad's bandwidth: by patch", "grid"], rows)
 
 
 def peer_rates(r):
@@ -129,7 +146,7 @@ def section(data):
     if two is not None and two < 1.9:
         lines.append(f"Two threads do {times(two)} the fma of one: **others used the machine**.")
     lines.append("")
-    for title, part in (("Beside peers", peers(r) + peer_rates(r)), ("Evaluation", evaluate(r)), ("The other paths", paths(r) + ticks(r)),
+    for title, part in (("Beside peers", peers(r) + peer_rates(r)), ("Calls", calls(r)), ("Evaluation of the kernels", evaluate(r)), ("The other paths", paths(r) + ticks(r)),
                         ("Roofline", roofline(r))):
         if part:
             lines += [f"### {title}", "", *part]

@@ -52,7 +52,7 @@ void measure(const std::string& name, std::size_t count) {
     const std::vector<Vec3> hips = hips_of(cache, kind, count);
     std::vector<Contact> contacts(count);
     const std::clock_t start = std::clock();
-    nearest(cache, hips, methods, {}, count, contacts.data());
+    nearest(cache, hips, methods, {}, contacts);
     const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
     double iterations = 0;
     for (const Contact& c : contacts) iterations += c.iterations;

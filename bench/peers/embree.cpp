@@ -120,42 +120,27 @@ bool try_triangle(RTCPointQueryFunctionArguments* arguments) {
 
 Work embree_evaluate(const Mesh& mesh, Order order) {
   const auto scene = std::make_shared<Scene>(mesh, RTC_GEOMETRY_TYPE_SUBDIVISION);
-  std::vector<std::uint32_t> faces;
+  const CallPoints<double> points(order, mesh.face_count());
   std::vector<float> u, v;
-  const auto add = [&](std::uint32_t face, double xi, double eta) {
-    const QuadPoint p = quad_point(xi, eta);
-    faces.push_back(face);
+  for (std::size_t i = 0; i < kCallPoints; ++i) {
+    const QuadPoint p = quad_point(points.xi[i], points.eta[i]);
     u.push_back(p.u);
     v.push_back(p.v);
-  };
-  std::size_t batch = kShuffledPoints;
-  if (order == Order::kByPatch) {
-    const PatchGrid<double> grid(4);
-    batch = kPatchPoints;
-    for (std::uint32_t f = 0; f < std::min(kCallPatches, mesh.face_count()); ++f) {
-      for (std::size_t i = 0; i < kPatchPoints; ++i) add(f, grid.xi[i], grid.eta[i]);
-    }
-  } else {
-    const ShuffledPoints<double> points(mesh.face_count());
-    for (std::size_t i = 0; i < points.patch.size(); ++i)
-      add(points.patch[i], points.xi[i], points.eta[i]);
   }
-  const auto out = std::make_shared<std::vector<float>>(9 * batch);
-  return {static_cast<double>(faces.size()), [=] {
-            for (std::size_t first = 0; first < faces.size(); first += batch) {
-              RTCInterpolateNArguments a{};
-              a.geometry = scene->geometry();
-              a.primIDs = &faces[first];
-              a.u = &u[first];
-              a.v = &v[first];
-              a.N = static_cast<unsigned>(batch);
-              a.bufferType = RTC_BUFFER_TYPE_VERTEX;
-              a.P = out->data();
-              a.dPdu = out->data() + 3 * batch;
-              a.dPdv = out->data() + 6 * batch;
-              a.valueCount = 3;
-              rtcInterpolateN(&a);
-            }
+  const auto out = std::make_shared<std::vector<float>>(9 * kCallPoints);
+  return {static_cast<double>(kCallPoints), [=, faces = points.patch] {
+            RTCInterpolateNArguments a{};
+            a.geometry = scene->geometry();
+            a.primIDs = faces.data();
+            a.u = u.data();
+            a.v = v.data();
+            a.N = static_cast<unsigned>(kCallPoints);
+            a.bufferType = RTC_BUFFER_TYPE_VERTEX;
+            a.P = out->data();
+            a.dPdu = out->data() + 3 * kCallPoints;
+            a.dPdv = out->data() + 6 * kCallPoints;
+            a.valueCount = 3;
+            rtcInterpolateN(&a);
             benchmark::DoNotOptimize(out->data());
           }};
 }

@@ -81,25 +81,16 @@ class Quads {
 
 Work opensubdiv_evaluate(const Mesh& mesh, Order order) {
   const auto quads = std::make_shared<Quads>(mesh);
-  std::vector<Osd::PatchCoord> coords;
-  std::size_t batch = kShuffledPoints;
-  if (order == Order::kByPatch) {
-    const PatchGrid<double> grid(4);
-    batch = kPatchPoints;
-    for (std::uint32_t f = 0; f < std::min(kCallPatches, mesh.face_count()); ++f) {
-      for (std::size_t i = 0; i < kPatchPoints; ++i)
-        coords.push_back(quads->coord(f, quad_point(grid.xi[i], grid.eta[i])));
-    }
-  } else {
-    const ShuffledPoints<double> points(mesh.face_count());
-    for (std::size_t i = 0; i < points.patch.size(); ++i)
-      coords.push_back(quads->coord(points.patch[i], quad_point(points.xi[i], points.eta[i])));
-  }
-  const auto out = std::make_shared<std::vector<float>>(9 * batch);
-  const auto items = static_cast<double>(coords.size());
-  return {items, [=, coords = std::move(coords)] {
-            for (std::size_t first = 0; first < coords.size(); first += batch)
-              quads->evaluate(&coords[first], batch, out->data());
+  const CallPoints<double> points(order, mesh.face_count());
+  std::vector<QuadPoint> places;
+  for (std::size_t i = 0; i < kCallPoints; ++i)
+    places.push_back(quad_point(points.xi[i], points.eta[i]));
+  const auto out = std::make_shared<std::vector<float>>(9 * kCallPoints);
+  return {static_cast<double>(kCallPoints),
+          [=, faces = points.patch, coords = std::vector<Osd::PatchCoord>(kCallPoints)]() mutable {
+            for (std::size_t i = 0; i < kCallPoints; ++i)
+              coords[i] = quads->coord(faces[i], places[i]);
+            quads->evaluate(coords.data(), kCallPoints, out->data());
             benchmark::DoNotOptimize(out->data());
           }};
 }

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "bench/samples.h"
 #include "bench/work.h"
 #include "gliss/mesh/mesh.h"
 
@@ -20,11 +21,9 @@ inline constexpr bool kEmbree = true;
 inline constexpr bool kEmbree = false;
 #endif
 
-// By patch, as many points of each as ours; or one point a patch, in random order.
-enum class Order { kByPatch, kShuffled };
-
-// Positions and both derivatives of the Catmull-Clark surface of a mesh of quads. Its patches are
-// Gregory's where a corner is not of four faces: Osd's CpuEvaluator without subdivision.
+// Positions and both derivatives of the Catmull-Clark surface of a mesh of quads, at the points of
+// a call (samples.h). Its patches are Gregory's where a corner is not of four faces: Osd's
+// CpuEvaluator without subdivision. It finds the patches of the points in each call, as we do.
 Work opensubdiv_evaluate(const Mesh& quads, Order order);
 // The same by rtcInterpolateN, its irregular patches in a cache that holds them all.
 Work embree_evaluate(const Mesh& quads, Order order);

@@ -1,5 +1,8 @@
 #include "gliss/engine/engine.h"
 
+#include <algorithm>
+#include <array>
+
 namespace gliss {
 namespace {
 
@@ -16,6 +19,15 @@ class SerialEngine final : public Engine {
   }
 };
 
+template <class T>
+PointArrays<T> piece_of(const PointArrays<T>& points, std::size_t begin, std::size_t end) {
+  return {end - begin, points.face.from(begin), points.xi.from(begin), points.eta.from(begin)};
+}
+template <class T>
+HipArrays<T> piece_of(const HipArrays<T>& hips, std::size_t begin, std::size_t end) {
+  return {end - begin, hips.position.from(begin)};
+}
+
 // In the host's memory, where the cache is.
 class HostSurface final : public ResidentSurface {
  public:
@@ -23,35 +35,81 @@ class HostSurface final : public ResidentSurface {
     require_patches(cache);
   }
 
-  void evaluate(std::span<const DomainPoint> points, std::span<SurfacePoint> out) const override {
-    require_room(out.size(), points.size());
-    engine_.for_each(points.size(), kPointGrain, [&](std::size_t begin, std::size_t end) {
-      const std::size_t count = end - begin;
-      gliss::evaluate(cache_, points.subspan(begin, count), out.subspan(begin, count));
-    });
+  void evaluate(const PointArrays<double>& points,
+                const SurfaceArrays<double>& out) const override {
+    evaluate_pieces(points, out);
   }
-
-  void nearest(std::span<const Vec3> hips, std::span<const Method> methods,
-               const QueryOptions& options, std::span<Contact> out) const override {
-    require_room(out.size(), methods.size() * hips.size());
-    engine_.for_each(hips.size(), kHipGrain, [&](std::size_t begin, std::size_t end) {
-      gliss::nearest(cache_, hips.subspan(begin, end - begin), methods, options, hips.size(),
-                     out.data() + begin);
-    });
+  void evaluate_grid(std::span<const std::uint32_t> faces, std::span<const double> xi,
+                     std::span<const double> eta, const SurfaceArrays<double>& out) const override {
+    grid_pieces(faces, xi, eta, out);
   }
-
-  void track(std::span<const Vec3> hips, std::span<const DomainPoint> starts,
-             const QueryOptions& options, std::span<Contact> out) const override {
-    require_room(starts.size(), hips.size());
-    require_room(out.size(), hips.size());
-    engine_.for_each(hips.size(), kHipGrain, [&](std::size_t begin, std::size_t end) {
-      const std::size_t count = end - begin;
-      gliss::track(cache_, hips.subspan(begin, count), starts.subspan(begin, count), options,
-                   out.subspan(begin, count));
-    });
+  void nearest(const HipArrays<double>& hips, std::span<const Method> methods,
+               const QueryOptions& options,
+               std::span<const ContactArrays<double>> out) const override {
+    nearest_pieces(hips, methods, options, out);
+  }
+  void track(const HipArrays<double>& hips, const PointArrays<double>& starts,
+             const QueryOptions& options, const ContactArrays<double>& out) const override {
+    track_pieces(hips, starts, options, out);
+  }
+  void evaluate(const PointArrays<float>& points, const SurfaceArrays<float>& out) const override {
+    evaluate_pieces(points, out);
+  }
+  void evaluate_grid(std::span<const std::uint32_t> faces, std::span<const float> xi,
+                     std::span<const float> eta, const SurfaceArrays<float>& out) const override {
+    grid_pieces(faces, xi, eta, out);
+  }
+  void nearest(const HipArrays<float>& hips, std::span<const Method> methods,
+               const QueryOptions& options,
+               std::span<const ContactArrays<float>> out) const override {
+    nearest_pieces(hips, methods, options, out);
+  }
+  void track(const HipArrays<float>& hips, const PointArrays<float>& starts,
+             const QueryOptions& options, const ContactArrays<float>& out) const override {
+    track_pieces(hips, starts, options, out);
   }
 
  private:
+  template <class T>
+  void evaluate_pieces(const PointArrays<T>& points, const SurfaceArrays<T>& out) const {
+    engine_.for_each(points.count, kPointGrain, [&](std::size_t begin, std::size_t end) {
+      gliss::evaluate(cache_, piece_of(points, begin, end), out.from(begin));
+    });
+  }
+
+  template <class T>
+  void grid_pieces(std::span<const std::uint32_t> faces, std::span<const T> xi,
+                   std::span<const T> eta, const SurfaceArrays<T>& out) const {
+    const std::size_t points = std::max<std::size_t>(xi.size(), 1);
+    engine_.for_each(faces.size(), (kPointGrain + points - 1) / points,
+                     [&](std::size_t begin, std::size_t end) {
+                       gliss::evaluate_grid(cache_, faces.subspan(begin, end - begin), xi, eta,
+                                            out.from(begin * xi.size()));
+                     });
+  }
+
+  template <class T>
+  void nearest_pieces(const HipArrays<T>& hips, std::span<const Method> methods,
+                      const QueryOptions& options, std::span<const ContactArrays<T>> out) const {
+    require_room(kMethods, methods.size());
+    require_room(out.size(), methods.size());
+    engine_.for_each(hips.count, kHipGrain, [&](std::size_t begin, std::size_t end) {
+      std::array<ContactArrays<T>, kMethods> there;
+      for (std::size_t m = 0; m < methods.size(); ++m) there[m] = out[m].from(begin);
+      gliss::nearest(cache_, piece_of(hips, begin, end), methods, options, there);
+    });
+  }
+
+  template <class T>
+  void track_pieces(const HipArrays<T>& hips, const PointArrays<T>& starts,
+                    const QueryOptions& options, const ContactArrays<T>& out) const {
+    require_room(starts.count, hips.count);
+    engine_.for_each(hips.count, kHipGrain, [&](std::size_t begin, std::size_t end) {
+      gliss::track(cache_, piece_of(hips, begin, end), piece_of(starts, begin, end), options,
+                   out.from(begin));
+    });
+  }
+
   const Engine& engine_;
   const PatchCache& cache_;
 };

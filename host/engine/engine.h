@@ -17,16 +17,47 @@ namespace gliss {
 class GLISS_EXPORT ResidentSurface {
  public:
   virtual ~ResidentSurface() = default;
-  // out.size() >= points.size(); every point must be in_domain.
-  virtual void evaluate(std::span<const DomainPoint> points, std::span<SurfacePoint> out) const = 0;
-  // Global: the nearest contact of each HIP with each method (at most kMethods, each once;
-  // options.method is not read), which share the search. out: [method][hip].
-  virtual void nearest(std::span<const Vec3> hips, std::span<const Method> methods,
-                       const QueryOptions& options, std::span<Contact> out) const = 0;
-  // Local: the contact that each HIP slides to from its start.
-  virtual void track(std::span<const Vec3> hips, std::span<const DomainPoint> starts,
-                     const QueryOptions& options, std::span<Contact> out) const = 0;
 
+  // Points: every one must be in_domain.
+  virtual void evaluate(const PointArrays<double>& points,
+                        const SurfaceArrays<double>& out) const = 0;
+  virtual void evaluate(const PointArrays<float>& points,
+                        const SurfaceArrays<float>& out) const = 0;
+  // The same points on each of the faces: point j of face i at out[i * points + j].
+  virtual void evaluate_grid(std::span<const std::uint32_t> faces, std::span<const double> xi,
+                             std::span<const double> eta,
+                             const SurfaceArrays<double>& out) const = 0;
+  virtual void evaluate_grid(std::span<const std::uint32_t> faces, std::span<const float> xi,
+                             std::span<const float> eta, const SurfaceArrays<float>& out) const = 0;
+  // Global: the nearest contact of each HIP with each method (at most kMethods, each once;
+  // options.method is not read), which share the search: HIP i with method m at out[m][i].
+  virtual void nearest(const HipArrays<double>& hips, std::span<const Method> methods,
+                       const QueryOptions& options,
+                       std::span<const ContactArrays<double>> out) const = 0;
+  virtual void nearest(const HipArrays<float>& hips, std::span<const Method> methods,
+                       const QueryOptions& options,
+                       std::span<const ContactArrays<float>> out) const = 0;
+  // Local: the contact that each HIP slides to from its start.
+  virtual void track(const HipArrays<double>& hips, const PointArrays<double>& starts,
+                     const QueryOptions& options, const ContactArrays<double>& out) const = 0;
+  virtual void track(const HipArrays<float>& hips, const PointArrays<float>& starts,
+                     const QueryOptions& options, const ContactArrays<float>& out) const = 0;
+
+  // The same of structs: out has room for as many as are asked for; nearest's are [method][hip].
+  void evaluate(std::span<const DomainPoint> points, std::span<SurfacePoint> out) const {
+    require_room(out.size(), points.size());
+    evaluate(arrays_of(points), arrays_of(out));
+  }
+  void nearest(std::span<const Vec3> hips, std::span<const Method> methods,
+               const QueryOptions& options, std::span<Contact> out) const {
+    require_room(kMethods, methods.size());
+    nearest(arrays_of(hips), methods, options, by_method(out, hips.size(), methods.size()));
+  }
+  void track(std::span<const Vec3> hips, std::span<const DomainPoint> starts,
+             const QueryOptions& options, std::span<Contact> out) const {
+    require_room(out.size(), hips.size());
+    track(arrays_of(hips), arrays_of(starts), options, arrays_of(out));
+  }
   // The global nearest point of each HIP, with options.method.
   void project(std::span<const Vec3> hips, const QueryOptions& options,
                std::span<Contact> out) const {

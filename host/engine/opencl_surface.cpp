@@ -3,13 +3,15 @@
 // host work overlap the other's kernels.
 #include <algorithm>
 #include <array>
+#include <numeric>
 #include <optional>
+#include <vector>
 
 #include "gliss/engine/opencl_arrays.h"
 #include "gliss/engine/opencl_queue.h"
 #include "gliss/engine/opencl_shared.h"
 #include "gliss/query/frames.h"
-#include "gliss/query/point_blocks.h"
+#include "gliss/query/placed_points.h"
 
 namespace gliss {
 namespace {
@@ -17,6 +19,15 @@ namespace {
 constexpr std::size_t kPointGrain = 4096, kHipGrain = 1024;
 // At once on a processor: fewer and they wait for each other more, more and they leave its caches.
 constexpr std::size_t kPoints = 1 << 18, kHips = 1 << 16;
+constexpr std::size_t kGridPoints = 1 << 22;
+
+template <class Real>
+bool has_many_valences(const Surface<Real>& s) {
+  for (std::uint32_t p = 1; p < s.patch_count(); ++p) {
+    if (s.valence(p) != s.valence(0)) return true;
+  }
+  return false;
+}
 
 template <class Real>
 class OpenClSurface final : public ResidentSurface {
@@ -27,34 +38,92 @@ class OpenClSurface final : public ResidentSurface {
         surface_(s),
         host_(shared.host->reside(cache)),
         lanes_(static_cast<std::size_t>(shared.lanes(kPrecision<Real>))),
+        is_mixed_(has_many_valences(s)),
         there_(shared.device, s),
         turns_{Turn(shared), Turn(shared)} {}
 
-  void evaluate(std::span<const DomainPoint> points, std::span<SurfacePoint> out) const override {
-    require_room(out.size(), points.size());
+  void evaluate(const PointArrays<double>& points,
+                const SurfaceArrays<double>& out) const override {
+    evaluate_there(points, out);
+  }
+  void evaluate_grid(std::span<const std::uint32_t> faces, std::span<const double> xi,
+                     std::span<const double> eta, const SurfaceArrays<double>& out) const override {
+    grid_there(faces, xi, eta, out);
+  }
+  void nearest(const HipArrays<double>& hips, std::span<const Method> methods,
+               const QueryOptions& options,
+               std::span<const ContactArrays<double>> out) const override {
+    nearest_there(hips, methods, options, out);
+  }
+  void track(const HipArrays<double>& hips, const PointArrays<double>& starts,
+             const QueryOptions& options, const ContactArrays<double>& out) const override {
+    track_there(hips, starts, options, out);
+  }
+  void evaluate(const PointArrays<float>& points, const SurfaceArrays<float>& out) const override {
+    evaluate_there(points, out);
+  }
+  void evaluate_grid(std::span<const std::uint32_t> faces, std::span<const float> xi,
+                     std::span<const float> eta, const SurfaceArrays<float>& out) const override {
+    grid_there(faces, xi, eta, out);
+  }
+  void nearest(const HipArrays<float>& hips, std::span<const Method> methods,
+               const QueryOptions& options,
+               std::span<const ContactArrays<float>> out) const override {
+    nearest_there(hips, methods, options, out);
+  }
+  void track(const HipArrays<float>& hips, const PointArrays<float>& starts,
+             const QueryOptions& options, const ContactArrays<float>& out) const override {
+    track_there(hips, starts, options, out);
+  }
+
+ private:
+  template <class T>
+  void evaluate_there(const PointArrays<T>& points, const SurfaceArrays<T>& out) const {
     on_device(
-        points.size(), kPoints, 11 * sizeof(Real) * lanes_,
+        points.count, kPoints, 11 * sizeof(Real) * lanes_,
         [&](Turn& turn, std::size_t begin, std::size_t count) {
-          start_evaluate(turn, points.subspan(begin, count));
+          start_evaluate(turn, points, begin, count);
         },
         [&](Turn& turn, std::size_t begin, std::size_t count) {
-          finish_evaluate(turn, out.subspan(begin, count));
+          finish_evaluate(turn, out.from(begin), count);
         },
         [&] { host_->evaluate(points, out); });
   }
 
-  void nearest(std::span<const Vec3> hips, std::span<const Method> methods,
-               const QueryOptions& options, std::span<Contact> out) const override {
+  // As points of any faces, some at a time.
+  template <class T>
+  void grid_there(std::span<const std::uint32_t> faces, std::span<const T> xi,
+                  std::span<const T> eta, const SurfaceArrays<T>& out) const {
+    if (xi.size() != eta.size() || faces.size() * xi.size() < shared_.options.smallest_batch)
+      return host_->evaluate_grid(faces, xi, eta, out);
+    std::vector<std::uint32_t> face;
+    std::vector<T> xis, etas;
+    const std::size_t at_once = std::max<std::size_t>(1, kGridPoints / xi.size());
+    for (std::size_t begin = 0; begin < faces.size(); begin += at_once) {
+      face.clear(), xis.clear(), etas.clear();
+      for (std::size_t i = begin; i < std::min(faces.size(), begin + at_once); ++i) {
+        face.insert(face.end(), xi.size(), faces[i]);
+        xis.insert(xis.end(), xi.begin(), xi.end());
+        etas.insert(etas.end(), eta.begin(), eta.end());
+      }
+      evaluate_there<T>({face.size(), {face.data()}, {xis.data()}, {etas.data()}},
+                        out.from(begin * xi.size()));
+    }
+  }
+
+  template <class T>
+  void nearest_there(const HipArrays<T>& hips, std::span<const Method> methods,
+                     const QueryOptions& options, std::span<const ContactArrays<T>> out) const {
     require_room(kMethods, methods.size());
-    require_room(out.size(), methods.size() * hips.size());
+    require_room(out.size(), methods.size());
     cl_uint packed = 0;
     for (std::size_t m = 0; m < methods.size(); ++m)
       packed |= static_cast<cl_uint>(methods[m]) << 4 * m;
     const TrackOptions<Real> track = track_options<Real>(options);
     on_device(
-        hips.size(), kHips, hip_bytes(methods.size()),
+        hips.count, kHips, hip_bytes(methods.size()),
         [&](Turn& turn, std::size_t begin, std::size_t count) {
-          start_hips(turn, hips.subspan(begin, count), methods.size());
+          start_hips(turn, hips, begin, count, methods.size());
           turn.ran(kernel(nearest_)(
               turn.queue, count, turn.in.buffer(), packed, static_cast<cl_uint>(methods.size()),
               static_cast<cl_int>(track.solver), static_cast<cl_int>(track.max_iterations),
@@ -65,27 +134,27 @@ class OpenClSurface final : public ResidentSurface {
         },
         [&](Turn& turn, std::size_t begin, std::size_t count) {
           for (std::size_t m = 0; m < methods.size(); ++m)
-            finish_contacts(turn, m * count, row_stride(methods.size() * count),
-                            out.subspan(m * hips.size() + begin, count));
+            finish_contacts(turn, m * count, row_stride(methods.size() * count), count,
+                            out[m].from(begin));
         },
         [&] { host_->nearest(hips, methods, options, out); });
   }
 
-  void track(std::span<const Vec3> hips, std::span<const DomainPoint> starts,
-             const QueryOptions& options, std::span<Contact> out) const override {
-    require_room(starts.size(), hips.size());
-    require_room(out.size(), hips.size());
+  template <class T>
+  void track_there(const HipArrays<T>& hips, const PointArrays<T>& starts,
+                   const QueryOptions& options, const ContactArrays<T>& out) const {
+    require_room(starts.count, hips.count);
     const TrackOptions<Real> track = track_options<Real>(options);
     on_device(
-        hips.size(), kHips, hip_bytes(1) + 2 * sizeof(Real) + sizeof(cl_uint),
+        hips.count, kHips, hip_bytes(1) + 2 * sizeof(Real) + sizeof(cl_uint),
         [&](Turn& turn, std::size_t begin, std::size_t count) {
-          start_hips(turn, hips.subspan(begin, count), 1);
+          start_hips(turn, hips, begin, count, 1);
           turn.start.resize(2 * count);
           turn.in_index.resize(count);
           Real* start = turn.start.data();
           cl_uint* patch = turn.in_index.data();
           for_pieces(count, [&](std::size_t i) {
-            const PatchPlace place = place_of(cache_, surface_, starts[begin + i]);
+            const PatchPlace place = place_of(cache_, surface_, point_at(starts, begin + i));
             patch[i] = place.patch;
             start[i] = static_cast<Real>(place.xi);
             start[count + i] = static_cast<Real>(place.eta);
@@ -101,21 +170,30 @@ class OpenClSurface final : public ResidentSurface {
           turn.out_index.download();
         },
         [&](Turn& turn, std::size_t begin, std::size_t count) {
-          finish_contacts(turn, 0, row_stride(count), out.subspan(begin, count));
+          finish_contacts(turn, 0, row_stride(count), count, out.from(begin));
         },
         [&] { host_->track(hips, starts, options, out); });
   }
 
- private:
+  // Points of a piece in blocks of as many lanes, each of one patch; what is over in a block
+  // repeats its first.
+  struct Blocks {
+    PlacedPoints<Real> points;
+    PatchOrder order;
+    std::vector<PatchRun> runs;
+    std::vector<std::uint32_t> block_patch;  // [block]
+    std::vector<std::uint32_t> patch, slot;  // [point], its patch and place among the blocks' lanes
+  };
+
   // One of the two queues with its arrays.
   struct Turn {
     const OpenClShared& shared;
     cl::CommandQueue queue;
     Staging<Real> in, start, out;
     Staging<cl_uint> in_index, out_index;
-    std::vector<PointBlocks<Real>> blocks;  // of pieces of points
-    std::vector<cl::Event> kernels;         // not yet timed
-    std::size_t begin = 0, count = 0;       // of what is under way
+    std::vector<Blocks> blocks;        // of pieces of points
+    std::vector<cl::Event> kernels;    // not yet timed
+    std::size_t begin = 0, count = 0;  // of what is under way
 
     explicit Turn(const OpenClShared& s)
         : shared(s),
@@ -207,15 +285,44 @@ class OpenClSurface final : public ResidentSurface {
     });
   }
 
-  void start_evaluate(Turn& turn, std::span<const DomainPoint> points) const {
-    const std::size_t pieces = (points.size() + kPointGrain - 1) / kPointGrain;
+  template <class T>
+  void block_points(const PointArrays<T>& points, std::size_t begin, std::size_t count,
+                    Blocks& b) const {
+    b.points.take(cache_, surface_, points, begin, count);
+    const bool in_runs =
+        b.order.judge(b.points.runs, surface_.patch_count(), lanes_) == PatchOrder::kInRuns;
+    if (!in_runs) b.order.sort();
+    b.runs = in_runs ? b.points.runs : b.order.runs;
+    if (!in_runs && is_mixed_) {
+      // Neighbours of one valence take the same way through a kernel.
+      std::stable_sort(b.runs.begin(), b.runs.end(), [&](const PatchRun& p, const PatchRun& q) {
+        return surface_.valence(p.patch) < surface_.valence(q.patch);
+      });
+    }
+    b.block_patch.clear();
+    b.patch.resize(count), b.slot.resize(count);
+    for (const PatchRun& run : b.runs) {
+      const std::size_t first = b.block_patch.size() * lanes_, points = run.end - run.begin;
+      b.block_patch.insert(b.block_patch.end(), (points + lanes_ - 1) / lanes_, run.patch);
+      for (std::size_t i = 0; i < points; ++i) {
+        const std::size_t at = in_runs ? run.begin + i : b.order.order[run.begin + i];
+        b.patch[at] = run.patch;
+        b.slot[at] = static_cast<std::uint32_t>(first + i);
+      }
+    }
+  }
+
+  template <class T>
+  void start_evaluate(Turn& turn, const PointArrays<T>& points, std::size_t from,
+                      std::size_t size) const {
+    const std::size_t pieces = (size + kPointGrain - 1) / kPointGrain;
     turn.blocks.resize(pieces);
-    shared_.host->for_each(points.size(), kPointGrain, [&](std::size_t begin, std::size_t end) {
-      block_points(cache_, surface_, points.subspan(begin, end - begin), lanes_,
-                   turn.blocks[begin / kPointGrain]);
+    shared_.host->for_each(size, kPointGrain, [&](std::size_t begin, std::size_t end) {
+      block_points(points, from + begin, end - begin, turn.blocks[begin / kPointGrain]);
     });
     std::vector<std::size_t> first(pieces + 1, 0);  // block of each piece
-    for (std::size_t i = 0; i < pieces; ++i) first[i + 1] = first[i] + turn.blocks[i].patch.size();
+    for (std::size_t i = 0; i < pieces; ++i)
+      first[i + 1] = first[i] + turn.blocks[i].block_patch.size();
     const std::size_t count = first.back(), slots = count * lanes_;
     turn.in_index.resize(count);
     turn.in.resize(2 * slots);
@@ -223,12 +330,8 @@ class OpenClSurface final : public ResidentSurface {
     cl_uint* patch = turn.in_index.data();
     Real* in = turn.in.data();
     shared_.host->for_each(pieces, 1, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        const PointBlocks<Real>& b = turn.blocks[i];
-        std::copy(b.patch.begin(), b.patch.end(), patch + first[i]);
-        std::copy(b.xi.begin(), b.xi.end(), in + first[i] * lanes_);
-        std::copy(b.eta.begin(), b.eta.end(), in + slots + first[i] * lanes_);
-      }
+      for (std::size_t i = begin; i < end; ++i)
+        copy_blocks(turn.blocks[i], patch + first[i], in + first[i] * lanes_, slots);
     });
     turn.in_index.upload();
     turn.in.upload();
@@ -237,41 +340,73 @@ class OpenClSurface final : public ResidentSurface {
     turn.out.download();
   }
 
-  void finish_evaluate(Turn& turn, std::span<SurfacePoint> out) const {
+  // Rows of xi and eta, `stride` apart.
+  void copy_blocks(const Blocks& b, cl_uint* patch, Real* in, std::size_t stride) const {
+    std::copy(b.block_patch.begin(), b.block_patch.end(), patch);
+    for (std::size_t i = 0; i < b.slot.size(); ++i) {
+      in[b.slot[i]] = b.points.xi[i];
+      in[stride + b.slot[i]] = b.points.eta[i];
+    }
+    std::size_t filled = 0;  // lanes
+    for (const PatchRun& run : b.runs) {
+      const std::size_t end = filled + (run.end - run.begin);
+      const std::size_t last = (end - 1) / lanes_ * lanes_;  // block
+      for (filled = end; filled < last + lanes_; ++filled) {
+        in[filled] = in[last];
+        in[stride + filled] = in[stride + last];
+      }
+    }
+  }
+
+  template <class T>
+  void finish_evaluate(Turn& turn, const SurfaceArrays<T>& out, std::size_t count) const {
     std::vector<std::size_t> first(turn.blocks.size() + 1, 0);  // slot of each piece
     for (std::size_t i = 0; i < turn.blocks.size(); ++i)
-      first[i + 1] = first[i] + turn.blocks[i].slots();
+      first[i + 1] = first[i] + turn.blocks[i].block_patch.size() * lanes_;
     const Real* all = turn.out.data();
-    shared_.host->for_each(out.size(), kPointGrain, [&](std::size_t begin, std::size_t end) {
-      const PointBlocks<Real>& b = turn.blocks[begin / kPointGrain];
-      surface_points<Real>(cache_, surface_, b.patch_of, b.slot, all + first[begin / kPointGrain],
-                           row_stride(first.back()), out.subspan(begin, end - begin));
+    const std::size_t stride = row_stride(first.back());
+    shared_.host->for_each(count, kPointGrain, [&](std::size_t begin, std::size_t end) {
+      const Blocks& b = turn.blocks[begin / kPointGrain];
+      const Real* there = all + first[begin / kPointGrain];
+      constexpr std::size_t kRows = 256, kStride = row_stride(kRows);
+      Real rows[9 * kStride];
+      for (std::size_t at = begin; at < end; at += kRows) {
+        const std::size_t many = std::min(kRows, end - at);
+        for (std::size_t r = 0; r < 9; ++r) {
+          for (std::size_t i = 0; i < many; ++i)
+            rows[r * kStride + i] = there[r * stride + b.slot[at - begin + i]];
+        }
+        place_points(cache_, surface_, &b.patch[at - begin], 1, rows, kStride, many, nullptr, at,
+                     out);
+      }
     });
   }
 
-  void start_hips(Turn& turn, std::span<const Vec3> hips, std::size_t methods) const {
-    const std::size_t count = hips.size();
+  template <class T>
+  void start_hips(Turn& turn, const HipArrays<T>& hips, std::size_t begin, std::size_t count,
+                  std::size_t methods) const {
     turn.in.resize(6 * count);
     turn.out.resize(kContactReals * row_stride(methods * count));
     turn.out_index.resize(kContactUints * row_stride(methods * count));
     Real* in = turn.in.data();
     for_pieces(count, [&](std::size_t i) {
-      const RawHip<Real> hip = raw_hip<Real>(cache_, hips[i]);
+      const RawHip<Real> hip = raw_hip<Real>(cache_, hip_at(hips, begin + i));
       for (std::size_t r = 0; r < 6; ++r) in[r * count + i] = hip.parts[r];
     });
     turn.in.upload();
   }
 
   // Contacts from column `first` on of rows of `stride`.
-  void finish_contacts(Turn& turn, std::size_t first, std::size_t stride,
-                       std::span<Contact> out) const {
+  template <class T>
+  void finish_contacts(Turn& turn, std::size_t first, std::size_t stride, std::size_t count,
+                       const ContactArrays<T>& out) const {
     const Real* reals = turn.out.data() + first;
     const cl_uint* uints = turn.out_index.data() + first;
-    for_pieces(out.size(), [&](std::size_t i) {
+    for_pieces(count, [&](std::size_t i) {
       RawContact<Real> raw;
       for (std::size_t r = 0; r < kContactReals; ++r) raw.reals[r] = reals[r * stride + i];
       for (std::size_t r = 0; r < kContactUints; ++r) raw.uints[r] = uints[r * stride + i];
-      out[i] = contact_of(cache_, surface_, raw);
+      store_contact(cache_, surface_, raw, out, i);
     });
   }
 
@@ -280,6 +415,7 @@ class OpenClSurface final : public ResidentSurface {
   const Surface<Real>& surface_;
   const std::unique_ptr<ResidentSurface> host_;
   const std::size_t lanes_;
+  const bool is_mixed_;  // of faces with different numbers of sides
   const DeviceSurface<Real> there_;
   mutable std::mutex mutex_;
   mutable Kernel evaluate_{kEvaluateProgram, "evaluate_blocks", static_cast<int>(lanes_), {}};

@@ -3,9 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 
 namespace gliss {
+
+bool is_part(const PatchCache& cache, std::uint32_t patch) {
+  const std::uint32_t face = cache.patch_face[patch], next = patch + 1;
+  return cache.face_patch[face] != patch ||
+         (next < cache.patch_count() && cache.patch_face[next] == face);
+}
+
 template <class Real>
 Eigen::Vector2d domain_corner(const Surface<Real>& s, std::uint32_t n, std::uint32_t k) {
   const Real* c = &s.domain[s.domain_begin[n] + kDomainHead + kDomainStride * k + kDomainCorner];
@@ -13,13 +19,6 @@ Eigen::Vector2d domain_corner(const Surface<Real>& s, std::uint32_t n, std::uint
 }
 
 namespace {
-
-// True if the patch is one triangle of its face rather than all of it.
-bool is_part(const PatchCache& cache, std::uint32_t patch) {
-  const std::uint32_t face = cache.patch_face[patch], next = patch + 1;
-  return cache.face_patch[face] != patch ||
-         (next < cache.patch_count() && cache.patch_face[next] == face);
-}
 
 // The corners of a part in the domain of its face, and in its own.
 template <class Real>
@@ -88,47 +87,42 @@ PatchPlace place_of(const PatchCache& cache, const Surface<Real>& s, const Domai
   return place;
 }
 
-template <class Real>
-void surface_points(const PatchCache& cache, const Surface<Real>& s,
-                    std::span<const std::uint32_t> patch, std::span<const std::uint32_t> slot,
-                    const Real* rows, std::size_t stride, std::span<SurfacePoint> out) {
-  const double inverse = 1 / cache.scale;
+template <class Real, class T>
+void place_points(const PatchCache& cache, const Surface<Real>& s, const std::uint32_t* patch,
+                  std::size_t patch_step, const Real* rows, std::size_t stride, std::size_t count,
+                  const std::uint32_t* at, std::size_t first, const SurfaceArrays<T>& out,
+                  const Kernels<Real>& by) {
+  const Vec3& o = cache.origin;
+  const MeshPlacement mesh{{o.x(), o.y(), o.z()}, 1 / cache.scale};
+  if constexpr (sizeof(T) == 4) {
+    by.place_float(s, mesh, patch, patch_step, rows, stride, count, at, first, out);
+  } else {
+    by.place_double(s, mesh, patch, patch_step, rows, stride, count, at, first, out);
+  }
+  if (!out.d_xi && !out.d_eta) return;
   std::uint32_t last = kNone;
-  Vec3 origin = Vec3::Zero(), upward = Vec3::UnitZ();
-  double unscale = 1;
-  std::optional<Eigen::Matrix2d> map;  // d(patch xi, eta) / d(face xi, eta), of a part
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    if (patch[i] != last) {
-      last = patch[i];
-      const Real* numbers = &s.patch[last * kPatchReals];
-      origin = vec(numbers + kPatchOrigin);
-      upward = vec(numbers + kPatchNormal).normalized();
-      unscale = static_cast<double>(numbers[kPatchUnscale]);
-      map.reset();
-      if (is_part(cache, last)) {
-        const PartDomain<Real> part(cache, s, last);
+  Eigen::Matrix<double, 2, 2> map;  // d(patch xi, eta) / d(face xi, eta), of a part
+  double per = 0;
+  bool maps = false;
+  for (std::size_t i = 0; i < (patch_step == 0 && !is_part(cache, *patch) ? 0 : count); ++i) {
+    const std::uint32_t p = patch[i * patch_step];
+    if (p != last) {
+      last = p;
+      maps = is_part(cache, p);
+      if (maps) {
+        const PartDomain<Real> part(cache, s, p);
         map = (part.in_patch * part.in_face.inverse()).template topLeftCorner<2, 2>();
+        per = static_cast<double>(s.patch[p * kPatchReals + kPatchUnscale]) * mesh.per;
       }
     }
-    const Real* column = rows + slot[i];
-    const auto triple = [&](std::size_t r) {
-      return Vec3(column[r * stride], column[(r + 1) * stride], column[(r + 2) * stride]);
-    };
-    const Vec3 g_xi = triple(3), g_eta = triple(6);
-    SurfacePoint& p = out[i];
-    p.position = cache.origin + (origin + triple(0) * unscale) * inverse;
-    p.d_xi = g_xi * (unscale * inverse);
-    p.d_eta = g_eta * (unscale * inverse);
-    const Vec3 across = g_xi.cross(g_eta);
-    const bool spans =
-        spans_a_plane(across.norm(), std::max(g_xi.squaredNorm(), g_eta.squaredNorm()),
-                      static_cast<double>(std::numeric_limits<Real>::epsilon()));
-    p.normal = spans ? Vec3(across.normalized()) : upward;
-    if (map) {
-      const Eigen::Matrix<double, 3, 2> d =
-          (Eigen::Matrix<double, 3, 2>() << p.d_xi, p.d_eta).finished() * *map;
-      p.d_xi = d.col(0);
-      p.d_eta = d.col(1);
+    if (!maps) continue;
+    const std::size_t to = first + (at != nullptr ? at[i] : i);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double xi = static_cast<double>(rows[(3 + c) * stride + i]) * per,
+                   eta = static_cast<double>(rows[(6 + c) * stride + i]) * per;
+      const int axis = static_cast<int>(c);
+      if (out.d_xi) out.d_xi[axis][to] = static_cast<T>(xi * map(0, 0) + eta * map(1, 0));
+      if (out.d_eta) out.d_eta[axis][to] = static_cast<T>(xi * map(0, 1) + eta * map(1, 1));
     }
   }
 }
@@ -153,35 +147,106 @@ TrackOptions<Real> track_options(const QueryOptions& options) {
   return {options.solver, options.max_iterations, static_cast<Real>(tolerance), options.budget};
 }
 
+namespace {
+
+// What a contact is made of. The scale is a power of two: to multiply by 1 / scale is to divide.
+bool is_touching(const auto& raw) { return raw.uints[kContactState] != 0; }
+Vec3 offset_of(const PatchCache& cache, const auto& raw) {
+  return vec(raw.reals + kContactOffset) * (1 / cache.scale);
+}
+double distance_of(const auto& raw, const Vec3& offset) {
+  return (is_touching(raw) ? -1 : 1) * offset.norm();
+}
+Vec3 push_of(const PatchCache& cache, const auto& raw) {
+  const Vec3 push = vec(raw.reals + kContactPush) * (1 / cache.scale);
+  return is_touching(raw) || push.hasNaN() ? push : Vec3(Vec3::Zero());
+}
+double residual_angle_of(const Vec3& offset, const Vec3& normal) {
+  return std::atan2(offset.cross(normal).norm(), std::abs(offset.dot(normal)));
+}
+template <class Real>
+DomainPoint domain_point_of(const PatchCache& cache, const Surface<Real>& s,
+                            const RawContact<Real>& raw) {
+  return face_point(cache, s, raw.uints[kContactPatch], number(raw.reals[kContactXi]),
+                    number(raw.reals[kContactEta]));
+}
+template <class Real>
+Vec3 scp_of(const PatchCache& cache, const Surface<Real>& s, const RawContact<Real>& raw) {
+  return from_local(cache, s, raw.uints[kContactPatch], vec(raw.reals + kContactScp));
+}
+double clear_of(const PatchCache& cache, const auto& raw) {
+  return number(raw.reals[kContactClear]) * (1 / cache.scale);
+}
+
+template <class T, class U>
+void store(const Strided<T>& out, std::size_t i, U number) {
+  if (out) out[i] = static_cast<T>(number);
+}
+template <class T>
+void store(const StridedVectors<T>& out, std::size_t i, const Vec3& v) {
+  for (int c = 0; out && c < 3; ++c) out[c][i] = static_cast<T>(v[c]);
+}
+
+}  // namespace
+
 template <class Real>
 Contact contact_of(const PatchCache& cache, const Surface<Real>& s, const RawContact<Real>& raw) {
-  const std::uint32_t patch = raw.uints[kContactPatch];
   Contact c;
-  c.touching = raw.uints[kContactState] != 0;
-  c.at = face_point(cache, s, patch, number(raw.reals[kContactXi]), number(raw.reals[kContactEta]));
-  c.scp = from_local(cache, s, patch, vec(raw.reals + kContactScp));
+  const Vec3 offset = offset_of(cache, raw);
+  c.touching = is_touching(raw);
+  c.at = domain_point_of(cache, s, raw);
+  c.scp = scp_of(cache, s, raw);
   c.normal = vec(raw.reals + kContactNormal);
-  const Vec3 offset = vec(raw.reals + kContactOffset) / cache.scale;
-  c.distance = (c.touching ? -1 : 1) * offset.norm();
-  const Vec3 push = vec(raw.reals + kContactPush) / cache.scale;
-  c.push = c.touching || push.hasNaN() ? push : Vec3(Vec3::Zero());
-  c.residual_angle = std::atan2(offset.cross(c.normal).norm(), std::abs(offset.dot(c.normal)));
+  c.distance = distance_of(raw, offset);
+  c.push = push_of(cache, raw);
+  c.residual_angle = residual_angle_of(offset, c.normal);
   c.iterations = static_cast<int>(raw.uints[kContactIterations]);
   c.crossings = static_cast<int>(raw.uints[kContactCrossings]);
   c.flags = raw.uints[kContactFlags];
-  c.clear = number(raw.reals[kContactClear]) / cache.scale;
+  c.clear = clear_of(cache, raw);
   return c;
 }
 
-#define GLISS_FRAMES(REAL)                                                                     \
-  template Eigen::Vector2d domain_corner(const Surface<REAL>&, std::uint32_t, std::uint32_t);  \
-  template PatchPlace place_of(const PatchCache&, const Surface<REAL>&, const DomainPoint&);   \
-  template void surface_points(const PatchCache&, const Surface<REAL>&,                        \
-                               std::span<const std::uint32_t>, std::span<const std::uint32_t>, \
-                               const REAL*, std::size_t, std::span<SurfacePoint>);             \
-  template RawHip<REAL> raw_hip(const PatchCache&, const Vec3&);                               \
-  template TrackOptions<REAL> track_options(const QueryOptions&);                              \
-  template Contact contact_of(const PatchCache&, const Surface<REAL>&, const RawContact<REAL>&);
+template <class Real, class T>
+void store_contact(const PatchCache& cache, const Surface<Real>& s, const RawContact<Real>& raw,
+                   const ContactArrays<T>& out, std::size_t i) {
+  store(out.touching, i, is_touching(raw));
+  if (out.face || out.xi || out.eta) {
+    const DomainPoint at = domain_point_of(cache, s, raw);
+    store(out.face, i, at.face);
+    store(out.xi, i, at.xi);
+    store(out.eta, i, at.eta);
+  }
+  if (out.scp) store(out.scp, i, scp_of(cache, s, raw));
+  const Vec3 normal = vec(raw.reals + kContactNormal);
+  store(out.normal, i, normal);
+  if (out.push) store(out.push, i, push_of(cache, raw));
+  if (out.distance || out.residual_angle) {
+    const Vec3 offset = offset_of(cache, raw);
+    store(out.distance, i, distance_of(raw, offset));
+    if (out.residual_angle) store(out.residual_angle, i, residual_angle_of(offset, normal));
+  }
+  store(out.iterations, i, raw.uints[kContactIterations]);
+  store(out.crossings, i, raw.uints[kContactCrossings]);
+  store(out.flags, i, raw.uints[kContactFlags]);
+  if (out.clear) store(out.clear, i, clear_of(cache, raw));
+}
+
+#define GLISS_FRAMES(REAL)                                                                       \
+  template Eigen::Vector2d domain_corner(const Surface<REAL>&, std::uint32_t, std::uint32_t);    \
+  template PatchPlace place_of(const PatchCache&, const Surface<REAL>&, const DomainPoint&);     \
+  template RawHip<REAL> raw_hip(const PatchCache&, const Vec3&);                                 \
+  template TrackOptions<REAL> track_options(const QueryOptions&);                                \
+  template Contact contact_of(const PatchCache&, const Surface<REAL>&, const RawContact<REAL>&); \
+  GLISS_FRAMES_OUT(REAL, float)                                                                  \
+  GLISS_FRAMES_OUT(REAL, double)
+#define GLISS_FRAMES_OUT(REAL, T)                                                               \
+  template void place_points(const PatchCache&, const Surface<REAL>&, const std::uint32_t*,     \
+                             std::size_t, const REAL*, std::size_t, std::size_t,                \
+                             const std::uint32_t*, std::size_t, const SurfaceArrays<T>&,        \
+                             const Kernels<REAL>&);                                             \
+  template void store_contact(const PatchCache&, const Surface<REAL>&, const RawContact<REAL>&, \
+                              const ContactArrays<T>&, std::size_t);
 GLISS_FRAMES(float)
 GLISS_FRAMES(double)
 

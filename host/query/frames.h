@@ -18,13 +18,27 @@ template <class Real>
 GLISS_EXPORT PatchPlace place_of(const PatchCache& cache, const Surface<Real>& s,
                                  const DomainPoint& point);
 
-// out[i] from column slot[i] of the nine rows, `stride` apart, that evaluation gave; a point of
-// patch[i].
-template <class Real>
-GLISS_EXPORT void surface_points(const PatchCache& cache, const Surface<Real>& s,
-                                 std::span<const std::uint32_t> patch,
-                                 std::span<const std::uint32_t> slot, const Real* rows,
-                                 std::size_t stride, std::span<SurfacePoint> out);
+// True if the patch is one triangle of its face rather than all of it.
+GLISS_EXPORT bool is_part(const PatchCache& cache, std::uint32_t patch);
+
+// Points from the nine rows, `stride` apart, that evaluation gave: as Kernels::place_double does,
+// with derivatives by the coordinates of the face where a patch is but a part of it.
+template <class Real, class T>
+GLISS_EXPORT void place_points(const PatchCache& cache, const Surface<Real>& s,
+                               const std::uint32_t* patch, std::size_t patch_step, const Real* rows,
+                               std::size_t stride, std::size_t count, const std::uint32_t* at,
+                               std::size_t first, const SurfaceArrays<T>& out,
+                               const Kernels<Real>& by = kernels<Real>());
+
+template <class T>
+Vec3 hip_at(const HipArrays<T>& hips, std::size_t i) {
+  const StridedVectors<const T>& at = hips.position;
+  return {static_cast<double>(at.x[i]), static_cast<double>(at.y[i]), static_cast<double>(at.z[i])};
+}
+template <class T>
+DomainPoint point_at(const PointArrays<T>& points, std::size_t i) {
+  return {points.face[i], static_cast<double>(points.xi[i]), static_cast<double>(points.eta[i])};
+}
 
 template <class Real>
 GLISS_EXPORT RawHip<Real> raw_hip(const PatchCache& cache, const Vec3& hip);
@@ -35,6 +49,12 @@ GLISS_EXPORT TrackOptions<Real> track_options(const QueryOptions& options);
 template <class Real>
 GLISS_EXPORT Contact contact_of(const PatchCache& cache, const Surface<Real>& s,
                                 const RawContact<Real>& raw);
+
+// The same to the i-th of arrays.
+template <class Real, class T>
+GLISS_EXPORT void store_contact(const PatchCache& cache, const Surface<Real>& s,
+                                const RawContact<Real>& raw, const ContactArrays<T>& out,
+                                std::size_t i);
 
 // Makes a state of a point from which to track.
 template <class Real>

@@ -10,10 +10,12 @@
 // working arrays for the next call, one set a thread, as large as its largest batch.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 
 #include "gliss/base/export.h"
+#include "gliss/surface/arrays.h"
 #include "gliss/surface/instances.h"
 #include "gliss/surface/patch_cache.h"
 
@@ -39,9 +41,22 @@ GLISS_EXPORT DomainPoint on_side(std::uint32_t face, std::uint32_t n, std::uint3
 // True if a point lies in the domain of a face that has a patch.
 GLISS_EXPORT bool in_domain(const PatchCache& cache, const DomainPoint& point);
 GLISS_EXPORT SurfacePoint evaluate(const PatchCache& cache, const DomainPoint& point);
-// Many points of any faces: as evaluate, several lanes at a time; point i at out[i]. Allocates.
+// Many points of any faces, several lanes at a time: point i at out[i]. Those of one face in a row
+// are fastest. Allocates.
+GLISS_EXPORT void evaluate(const PatchCache& cache, const PointArrays<double>& points,
+                           const SurfaceArrays<double>& out);
+GLISS_EXPORT void evaluate(const PatchCache& cache, const PointArrays<float>& points,
+                           const SurfaceArrays<float>& out);
 GLISS_EXPORT void evaluate(const PatchCache& cache, std::span<const DomainPoint> points,
                            std::span<SurfacePoint> out);
+// The same points (xi, eta) on each of the faces: point j of face i at out[i * points + j].
+// Allocates. Throws std::invalid_argument unless there are as many eta as xi.
+GLISS_EXPORT void evaluate_grid(const PatchCache& cache, std::span<const std::uint32_t> faces,
+                                std::span<const double> xi, std::span<const double> eta,
+                                const SurfaceArrays<double>& out);
+GLISS_EXPORT void evaluate_grid(const PatchCache& cache, std::span<const std::uint32_t> faces,
+                                std::span<const float> xi, std::span<const float> eta,
+                                const SurfaceArrays<float>& out);
 
 // How far a solver goes on: until its step is shorter than `tolerance`, relative to the size of the
 // patch, or as often as is allowed.
@@ -88,17 +103,40 @@ GLISS_EXPORT Contact nearest(const PatchCache& cache, const Vec3& hip,
 // options.method is not read), which share the search.
 GLISS_EXPORT void nearest(const PatchCache& cache, const Vec3& hip, std::span<const Method> methods,
                           const QueryOptions& options, std::span<Contact> out);
-// The nearest points of many HIPs, several lanes at a time: HIP i with method m at out[m * stride +
-// i]. Allocates.
+// The nearest points of many HIPs, several lanes at a time: HIP i with method m at out[m][i].
+// Allocates.
+GLISS_EXPORT void nearest(const PatchCache& cache, const HipArrays<double>& hips,
+                          std::span<const Method> methods, const QueryOptions& options,
+                          std::span<const ContactArrays<double>> out);
+GLISS_EXPORT void nearest(const PatchCache& cache, const HipArrays<float>& hips,
+                          std::span<const Method> methods, const QueryOptions& options,
+                          std::span<const ContactArrays<float>> out);
+// The same at out[m * hips + i].
 GLISS_EXPORT void nearest(const PatchCache& cache, std::span<const Vec3> hips,
                           std::span<const Method> methods, const QueryOptions& options,
-                          std::size_t stride, Contact* out);
+                          std::span<Contact> out);
 
 // Local: the nearest point that each HIP slides to from its start, several lanes at a time.
 // Allocates.
+GLISS_EXPORT void track(const PatchCache& cache, const HipArrays<double>& hips,
+                        const PointArrays<double>& starts, const QueryOptions& options,
+                        const ContactArrays<double>& out);
+GLISS_EXPORT void track(const PatchCache& cache, const HipArrays<float>& hips,
+                        const PointArrays<float>& starts, const QueryOptions& options,
+                        const ContactArrays<float>& out);
 GLISS_EXPORT void track(const PatchCache& cache, std::span<const Vec3> hips,
                         std::span<const DomainPoint> starts, const QueryOptions& options,
                         std::span<Contact> out);
+
+// Structs as arrays, of as many as the span holds.
+GLISS_EXPORT PointArrays<double> arrays_of(std::span<const DomainPoint> points);
+GLISS_EXPORT SurfaceArrays<double> arrays_of(std::span<SurfacePoint> points);
+GLISS_EXPORT HipArrays<double> arrays_of(std::span<const Vec3> hips);
+GLISS_EXPORT ContactArrays<double> arrays_of(std::span<Contact> contacts);
+// [method][hip] as arrays of each method.
+GLISS_EXPORT std::array<ContactArrays<double>, kMethods> by_method(std::span<Contact> contacts,
+                                                                   std::size_t hips,
+                                                                   std::size_t methods);
 
 // F = stiffness (N/m) x push, in newtons.
 inline Vec3 contact_force(const PatchCache& cache, const Contact& contact, double stiffness) {

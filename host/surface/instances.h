@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gliss/base/export.h"
+#include "gliss/surface/arrays.h"
 #include "gliss/surface/surface.h"
 
 namespace gliss {
@@ -73,6 +74,12 @@ struct FairVertex {
   Real x[3] = {}, y[3] = {}, shape[3] = {};
 };
 
+// Where the mesh frame lies in the mesh: PatchCache's origin, and 1 / its scale.
+struct MeshPlacement {
+  double origin[3];
+  double per;
+};
+
 template <class Real>
 struct Kernels {
   const char* isa;
@@ -130,6 +137,16 @@ struct Kernels {
   // The same at a point of each of `patch`[count], patch by patch: out[row * stride + i].
   void (*evaluate_each)(const Surface<Real>&, const std::uint32_t* patch, const Real* xi,
                         const Real* eta, std::size_t count, std::size_t stride, Real* out);
+  // Columns [0, count) of such rows as points in the mesh's unit: point i, of patch[i *
+  // patch_step], at out[first + i], or out[first + at[i]] if `at` is not null.
+  void (*place_double)(const Surface<Real>&, const MeshPlacement&, const std::uint32_t* patch,
+                       std::size_t patch_step, const Real* rows, std::size_t stride,
+                       std::size_t count, const std::uint32_t* at, std::size_t first,
+                       const SurfaceArrays<double>& out);
+  void (*place_float)(const Surface<Real>&, const MeshPlacement&, const std::uint32_t* patch,
+                      std::size_t patch_step, const Real* rows, std::size_t stride,
+                      std::size_t count, const std::uint32_t* at, std::size_t first,
+                      const SurfaceArrays<float>& out);
   // Samples a patch and gives its shape, kShapeReals numbers, from its base polygon's corners and
   // triangles, its frame (unit normal and tangent) and its control data; `count` probes, or none
   // for the base polygon alone.

@@ -3,7 +3,9 @@
 // time.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <type_traits>
 
 #include "gliss/surface/instances.h"
 #include "kernels/lanes.h"
@@ -40,19 +42,34 @@ namespace gliss::GLISS_ISA {
 
 const Kernels<GLISS_SCALAR>& GLISS_TABLE() {
   static const Kernels<GLISS_SCALAR> table = {
-      GLISS_STRING(GLISS_ISA),    static_cast<int>(GLISS_VECTOR_BYTES / GLISS_SCALAR_BYTES),
-      instance::domain_reals,     instance::fill_domain,
-      instance::probe_rings,      instance::probes_of,
-      instance::probe_reals,      instance::fill_probes,
-      instance::build_patches,    instance::build_sharp_patch,
-      instance::ease_patch,       instance::bend_patch,
-      instance::control_reals_of, instance::bake_patch,
-      instance::turn_of,          instance::shape_of_vertex,
-      instance::side_of,          instance::smooth_turn_of,
-      instance::bake_fair_of,     instance::wide::evaluate_points,
-      instance::evaluate_each,    instance::wide::shape_of,
-      instance::side_normal_at,   instance::nearest_each,
-      instance::track_each,       instance::tick_state};
+      GLISS_STRING(GLISS_ISA),
+      static_cast<int>(GLISS_VECTOR_BYTES / GLISS_SCALAR_BYTES),
+      instance::domain_reals,
+      instance::fill_domain,
+      instance::probe_rings,
+      instance::probes_of,
+      instance::probe_reals,
+      instance::fill_probes,
+      instance::build_patches,
+      instance::build_sharp_patch,
+      instance::ease_patch,
+      instance::bend_patch,
+      instance::control_reals_of,
+      instance::bake_patch,
+      instance::turn_of,
+      instance::shape_of_vertex,
+      instance::side_of,
+      instance::smooth_turn_of,
+      instance::bake_fair_of,
+      instance::wide::evaluate_points,
+      instance::evaluate_each,
+      instance::place_points<double>,
+      instance::place_points<float>,
+      instance::wide::shape_of,
+      instance::side_normal_at,
+      instance::nearest_each,
+      instance::track_each,
+      instance::tick_state};
   return table;
 }
 

@@ -24,24 +24,17 @@ bool contains(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-template <class Column>
-const Column* find_in(const std::vector<std::string>& names, const std::vector<Column>& columns,
-                      std::string_view name) {
-  const auto found = std::find(names.begin(), names.end(), name);
-  return found == names.end() ? nullptr : &columns[static_cast<std::size_t>(found - names.begin())];
-}
-
 }  // namespace
 
 class CsvParser {
  public:
-  CsvParser(const std::string& path, const CsvRequest& request) : lines_(path, request.poll) {
+  CsvParser(const std::string& path, const TableRequest& request) : lines_(path, request.poll) {
     table_.source_ = path;
     read_header();
     choose_columns(request);
   }
 
-  CsvTable read() {
+  InputTable read() {
     bool blank = false;
     while (lines_.next(line_)) {
       if (trim(line_).empty()) {
@@ -65,18 +58,12 @@ class CsvParser {
     for (bool more = true; more;) header_.emplace_back(cut_field(more));
   }
 
-  void choose_columns(const CsvRequest& request) {
-    const auto complete = [this](const std::vector<std::string>& names) {
-      return std::all_of(names.begin(), names.end(),
-                         [this](const std::string& name) { return contains(header_, name); });
-    };
+  void choose_columns(const TableRequest& request) {
+    const auto found =
+        request.choose([this](const std::string& name) { return contains(header_, name); });
     const auto& alternatives = request.alternatives;
-    const auto found = std::find_if(alternatives.begin(), alternatives.end(), complete);
     if (found == alternatives.end() && !alternatives.empty()) {
-      std::vector<std::string> wanted;
-      for (const auto& names : alternatives)
-        wanted.push_back(fmt::format("{}", fmt::join(names, ",")));
-      fail(fmt::format("missing columns: wanted {}; the header has {}", fmt::join(wanted, " or "),
+      fail(fmt::format("missing columns: wanted {}; the header has {}", request.wanted(),
                        fmt::join(header_, ",")));
     }
     std::vector<std::string> wanted = request.optional;
@@ -171,25 +158,13 @@ class CsvParser {
   }
 
   LineReader lines_;
-  CsvTable table_;
+  InputTable table_;
   std::string_view line_;                        // what is left of the line at hand
   std::vector<std::string> header_;              // [column]
   std::vector<std::size_t> slots_, text_slots_;  // [column], into the table, or kIgnored
 };
 
-const std::vector<double>* CsvTable::find(std::string_view name) const {
-  return find_in(names_, values_, name);
-}
-
-const std::vector<std::string>* CsvTable::find_text(std::string_view name) const {
-  return find_in(text_names_, texts_, name);
-}
-
-std::string CsvTable::place(std::size_t row) const {
-  return fmt::format("{}:{}", source_, first_line_ + row);
-}
-
-CsvTable read_csv(const std::string& path, const CsvRequest& request) {
+InputTable read_csv(const std::string& path, const TableRequest& request) {
   return CsvParser(path, request).read();
 }
 

@@ -188,10 +188,20 @@ std::vector<std::string> Hdf5Reader::texts(const std::string& column) const {
 }
 
 std::optional<std::string> Hdf5Reader::text_attribute(const std::string& name) const {
+  return text_attribute(*file_, name);
+}
+
+std::optional<std::string> Hdf5Reader::unit(const std::string& column) const {
+  hdf5::Quiet quiet;
+  return text_attribute(open(column).dataset, "unit");
+}
+
+std::optional<std::string> Hdf5Reader::text_attribute(const Handle& of,
+                                                      const std::string& name) const {
   hdf5::Quiet quiet;
   const std::string action = fmt::format("{}: attribute '{}'", action_, name);
-  if (H5Aexists(*file_, name.c_str()) <= 0) return std::nullopt;
-  const Handle attribute(H5Aopen(*file_, name.c_str(), H5P_DEFAULT), H5Aclose, action);
+  if (H5Aexists(of, name.c_str()) <= 0) return std::nullopt;
+  const Handle attribute(H5Aopen(of, name.c_str(), H5P_DEFAULT), H5Aclose, action);
   const Handle space(H5Aget_space(attribute), H5Sclose, action);
   if (H5Sget_simple_extent_npoints(space) != 1) throw std::runtime_error(action + ": not one text");
   const Handle in_file(H5Aget_type(attribute), H5Tclose, action);

@@ -32,11 +32,14 @@ class Hdf5Reader {
   // and an attribute is taken for none.
   std::vector<std::string> texts(const std::string& column) const;
   std::optional<std::string> text_attribute(const std::string& name) const;
+  // The text of a column's attribute "unit".
+  std::optional<std::string> unit(const std::string& column) const;
 
  private:
   struct Dataset;
   Dataset open(const std::string& column) const;
   void check_size(Dataset& dataset) const;
+  std::optional<std::string> text_attribute(const hdf5::Handle& of, const std::string& name) const;
   std::uint64_t most_bytes() const;
   void poll() const;
 

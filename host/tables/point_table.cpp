@@ -10,9 +10,7 @@
 namespace gliss {
 namespace {
 
-std::vector<Vec3> read_recording(const std::string& path, const std::function<void()>& poll) {
-  const std::string action = fmt::format("cannot read '{}' as a recording", path);
-  const Hdf5Reader file(path, "a recording", poll);
+std::vector<Vec3> read_recording(const Hdf5Reader& file, const std::string& action) {
   const auto x = file.numbers("ticks/x"), y = file.numbers("ticks/y"), z = file.numbers("ticks/z");
   if (y.size() != x.size() || z.size() != x.size())
     throw std::runtime_error(action + ": x, y and z are not equally long");
@@ -32,18 +30,30 @@ PointTable read_points(const std::string& path, double unit,
                        const std::vector<std::string>& optional,
                        const std::function<void()>& poll) {
   PointTable result;
-  if (path.ends_with(".h5") || path.ends_with(".hdf5")) {
+  if (is_hdf5(path)) {
     try {
-      result.points = read_recording(path, poll);
+      const Hdf5Reader file(path, "a recording", poll);
+      if (!file.has("x") && !file.has("x_mm")) {
+        result.points = read_recording(file, fmt::format("cannot read '{}' as a recording", path));
+        return result;
+      }
     } catch (const std::runtime_error& error) {
       throw RecordingError(error.what());
     }
-    return result;
   }
   const std::vector<std::vector<std::string>> names = {{"x", "y", "z"}, {"x_mm", "y_mm", "z_mm"}};
-  result.table = read_csv(path, {.alternatives = names, .optional = optional, .poll = poll});
+  result.table = read_table(path, {.alternatives = names, .optional = optional, .poll = poll});
   const std::size_t chosen = result.table.alternative;
+  const std::string named = result.table.unit(names[chosen][0]);
   result.unit = chosen == 0 ? unit : 1e-3;
+  if (!named.empty()) {
+    try {
+      result.unit = parse_unit(named);
+    } catch (const UnitError& error) {
+      throw RecordingError(
+          fmt::format("{}: column '{}': {}", path, names[chosen][0], error.what()));
+    }
+  }
   const auto &x = *result.table.find(names[chosen][0]), &y = *result.table.find(names[chosen][1]),
              &z = *result.table.find(names[chosen][2]);
   result.points.reserve(x.size());

@@ -7,18 +7,15 @@
 #include "gliss/base/export.h"
 #include "gliss/base/vector.h"
 #include "gliss/tables/csv_reader.h"
+#include "gliss/tables/input_table.h"
 
 namespace gliss {
 
-// what() names the file.
-struct GLISS_EXPORT RecordingError : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
-
-// Points of a file. CSV: columns x,y,z in a unit that the caller knows, or x_mm,y_mm,z_mm in
-// millimetres; of .h5 or .hdf5, the table "ticks", in metres.
+// Points of a table: columns x,y,z in the unit that the file names or else in one that the caller
+// knows, or x_mm,y_mm,z_mm in millimetres. Of a recording of the loop, in HDF5: its ticks, in
+// metres.
 struct PointTable {
-  CsvTable table;            // the other columns that were asked for; of HDF5: none
+  InputTable table;          // the other columns that were asked for; of a recording: none
   double unit = 1;           // m
   std::vector<Vec3> points;  // in `unit`
 };

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <initializer_list>
 #include <memory>
+#include <span>
 #include <string>
 #include <type_traits>
 #include <variant>
@@ -49,6 +50,16 @@ class GLISS_EXPORT ResultTable {
         },
         columns_[next_]);
     next_ = (next_ + 1) % columns_.size();
+  }
+
+  // Room for so many rows in the next column, whose numbers are Values; lasts until write().
+  template <class Value>
+  std::span<Value> extend(std::size_t rows) {
+    auto& values = std::get<std::vector<Value>>(columns_[next_]);
+    next_ = (next_ + 1) % columns_.size();
+    const std::size_t old = values.size();
+    values.resize(old + rows);
+    return std::span(values).subspan(old);
   }
 
   // The next three columns from vectors.

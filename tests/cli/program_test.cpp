@@ -138,6 +138,23 @@ TEST_F(Program, EvalWritesWhatTheLibraryFinds) {
   EXPECT_LT((corner - knot_.positions[knot_.corner_vertex[0]]).norm(), 1e-12);
 }
 
+// HDF5 goes round: eval's points are project's HIPs, in the unit that they name.
+TEST_F(Program, ReadsTheTablesThatItWrites) {
+  output_of("eval knot.obj --at points.csv --unit mm -o points.h5");
+  output_of("eval knot.obj --at points.h5 --unit mm -o again.h5");
+  EXPECT_EQ(output_of("eval knot.obj --at again.h5 --unit mm"),
+            output_of("eval knot.obj --at points.csv --unit mm"));
+  const auto points = numbers_of(output_of("eval knot.obj --at points.csv --unit mm"));
+  const auto feet = numbers_of(output_of("project knot.obj --hip points.h5 --unit mm"));
+  ASSERT_EQ(feet.size(), points.size());
+  for (std::size_t i = 0; i < feet.size(); ++i) {
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      EXPECT_NEAR(feet[i][3 + axis], points[i][3 + axis], 1e-9);
+  }
+  EXPECT_THAT(run("eval knot.obj --at points.h5 --unit mm -o points.h5").err,
+              HasSubstr("points.h5"));
+}
+
 TEST_F(Program, ProjectWritesItsColumns) {
   output_of("project knot.obj --hip hips.csv --unit mm -o project.csv");
   const std::string csv = folder_.read("project.csv");

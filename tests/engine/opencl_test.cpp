@@ -190,6 +190,52 @@ Answers evaluated(const ResidentSurface& surface, const Questions& q) {
 }
 
 constexpr Method kAll[] = {Method::kGregory, Method::kShaded, Method::kFlat};
+
+// By arrays of float, one of which holds the rows of a table; then on a grid.
+Answers evaluated_by_arrays(const ResidentSurface& surface, const Questions& q) {
+  std::vector<std::uint32_t> face;
+  std::vector<float> xi, eta;
+  for (const DomainPoint& p : q.points) {
+    face.push_back(p.face);
+    xi.push_back(static_cast<float>(p.xi));
+    eta.push_back(static_cast<float>(p.eta));
+  }
+  constexpr float kGrid[] = {-0.2f, 0, 0.3f, 0.1f, 0.25f};
+  const std::size_t count = face.size(), both = count + count * std::size(kGrid);
+  std::vector<float> rows(12 * both);
+  const auto at = [&](std::size_t row) {
+    const auto vectors = [&](std::size_t column) {
+      return strided_vectors(&rows[12 * row + column], 12 * sizeof(float));
+    };
+    return SurfaceArrays<float>{vectors(0), vectors(3), vectors(6), vectors(9)};
+  };
+  surface.evaluate({count, {face.data()}, {xi.data()}, {eta.data()}}, at(0));
+  surface.evaluate_grid(face, std::span<const float>(kGrid), std::span<const float>(kGrid),
+                        at(count));
+  return {12, 12, {rows.begin(), rows.end()}};
+}
+
+Answers nearest_by_arrays(const ResidentSurface& surface, const Questions& q) {
+  std::vector<float> hips;
+  for (const Vec3& hip : q.hips) {
+    for (const double x : hip) hips.push_back(static_cast<float>(x));
+  }
+  const std::size_t count = q.hips.size();
+  std::vector<float> rows(14 * count);
+  std::vector<ContactArrays<float>> out;
+  for (const std::size_t first : {0, 7}) {
+    const auto vectors = [&](std::size_t column) {
+      return strided_vectors(&rows[first + column], 14 * sizeof(float));
+    };
+    out.push_back({.scp = vectors(0),
+                   .push = vectors(3),
+                   .distance = {&rows[first + 6], 14 * sizeof(float)}});
+  }
+  surface.nearest(HipArrays<float>{count, strided_vectors<const float>(hips.data())},
+                  std::span(kAll).first(2), {}, out);
+  return {14, 14, {rows.begin(), rows.end()}};
+}
+
 constexpr Solver kSolvers[] = {Solver::kNewton, Solver::kGaussNewton, Solver::kPaper};
 
 Answers nearest_of(const ResidentSurface& surface, const Questions& q, Solver solver,
@@ -465,6 +511,16 @@ TEST_P(OpenClSmall, evaluates_with_any_number_of_lanes) {
     }
   }
   judge.conclude("evaluate");
+}
+
+TEST_P(OpenClSmall, takes_and_gives_arrays) {
+  Judge judge = this->judge();
+  const auto opencl = engine();
+  const auto there = opencl->reside(cache_);
+  judge.compare(evaluated_by_arrays(*host_, questions_), evaluated_by_arrays(*there, questions_));
+  judge.compare(nearest_by_arrays(*host_, questions_), nearest_by_arrays(*there, questions_));
+  EXPECT_GT(opencl->device_seconds(), 0);
+  judge.conclude("arrays");
 }
 
 // Builds with any number of lanes; under Oclgrind with those of one kind of device.

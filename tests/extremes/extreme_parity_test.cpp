@@ -174,10 +174,10 @@ Bits answers(const Kernels<Real>& kernels, const PatchCache& cache, const Questi
     kernels.evaluate(&s.domain[s.domain_begin[n]],
                      &s.control[3 * std::size_t{s.control_begin[place.patch]}], s.form[place.patch],
                      n, xi.data(), eta.data(), count, count, rows.data());
-    const auto slot = static_cast<std::uint32_t>(count - 1);
-    SurfacePoint point;
-    surface_points<Real>(cache, s, {&place.patch, 1}, {&slot, 1}, rows.data(), count, {&point, 1});
-    add(bits, {&point, 1});
+    std::vector<SurfacePoint> placed(count);
+    place_points(cache, s, &place.patch, 0, rows.data(), count, count, nullptr, 0,
+                 arrays_of(placed), kernels);
+    add(bits, {&placed.back(), 1});
   }
   const TrackOptions<Real> options = track_options<Real>(QueryOptions{});
   for (const Vec3& hip : q.hips) {

@@ -142,7 +142,7 @@ Found ask(const PatchCache& cache) {
   }
   constexpr Method kAll[] = {Method::kGregory, Method::kShaded, Method::kFlat};
   std::vector<Contact> contacts(hips.size() * kMethods);
-  nearest(cache, hips, kAll, {{}, Method::kGregory, 2000}, hips.size(), contacts.data());
+  nearest(cache, hips, kAll, {{}, Method::kGregory, 2000}, contacts);
   for (const Contact& c : contacts) found.add(c);
   std::vector<DomainPoint> starts(hips.size());
   for (std::size_t i = 0; i < starts.size(); ++i)

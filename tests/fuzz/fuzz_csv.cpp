@@ -15,7 +15,7 @@ void read(const std::string& path) {
 }
 
 void read_texts(const std::string& path) {
-  const CsvTable table = read_csv(path, {.alternatives = {{"fx"}, {}}, .texts = {"method", "x"}});
+  const InputTable table = read_csv(path, {.alternatives = {{"fx"}, {}}, .texts = {"method", "x"}});
   if (const auto* methods = table.find_text("method"))
     require(methods->size() == table.rows, "a text for each row");
 }

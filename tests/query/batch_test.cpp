@@ -117,15 +117,15 @@ TEST_P(Batch, of_hips_has_the_bytes_of_one_at_a_time) {
     for (const Solver solver : {Solver::kNewton, Solver::kGaussNewton, Solver::kPaper}) {
       QueryOptions options;
       options.solver = solver;
-      const std::size_t count = a.hips.size(), stride = count + 3;
-      std::vector<Contact> found(3 * stride), tracked(count);
-      nearest(cache, a.hips, kAsked, options, stride, found.data());
+      const std::size_t count = a.hips.size();
+      std::vector<Contact> found(3 * count), tracked(count);
+      nearest(cache, a.hips, kAsked, options, found);
       track(cache, a.hips, a.points, options, tracked);
       for (std::size_t i = 0; i < count; ++i) {
         const std::string what = mesh.source + ", HIP " + std::to_string(i);
         for (std::size_t m = 0; m < 3; ++m) {
           options.method = kAsked[m];
-          expect_same(nearest(cache, a.hips[i], options), found[m * stride + i], what);
+          expect_same(nearest(cache, a.hips[i], options), found[m * count + i], what);
         }
         options.method = Method::kGregory;
         ContactTracker tracker(cache, options);

@@ -56,7 +56,7 @@ TEST(HostMisuse, results_with_too_little_room_are_refused_before_anything_is_wri
   }
   EXPECT_THAT(refused([&] { evaluate(cache, points, surface); }), short_of);
   EXPECT_THAT(refused([&] { track(cache, hips, points, {}, few); }), short_of);
-  EXPECT_THAT(refused([&] { nearest(cache, hips, kTwo, {}, 299, contacts.data()); }), short_of);
+  EXPECT_THAT(refused([&] { nearest(cache, hips, kTwo, {}, contacts); }), short_of);
   EXPECT_THAT(refused([&] { nearest(cache, hips[0], kTwo, {}, few.first(1)); }), short_of);
   EXPECT_THAT(refused([&] { nearest(cache, hips[0], kFour, {}, contacts); }), short_of);
 }
@@ -76,7 +76,7 @@ TEST(HostMisuse, a_cache_that_was_moved_from_is_empty_and_says_so) {
     const std::vector<DomainPoint> points(1, at);
     constexpr Method kMethod[] = {Method::kGregory};
     EXPECT_THAT(refused([&] { nearest(cache, Vec3::Zero()); }), empty);
-    EXPECT_THAT(refused([&] { nearest(cache, hips, kMethod, {}, 1, contacts.data()); }), empty);
+    EXPECT_THAT(refused([&] { nearest(cache, hips, kMethod, {}, contacts); }), empty);
     EXPECT_THAT(refused([&] { track(cache, hips, points, {}, contacts); }), empty);
     EXPECT_THAT(refused([&] { evaluate(cache, at); }), empty);
     EXPECT_THAT(refused([&] { evaluate(cache, points, surface); }), empty);

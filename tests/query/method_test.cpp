@@ -158,7 +158,7 @@ TEST_F(SharedSlide, gregory_is_smooth_along_the_recorded_paths) {
       {"knot_traj_2mm_slow", {.gregory = 1.6, .fair = 1.15}},
       {"knot_traj_4mm", {.gregory = 1.9, .fair = 1.2}}};
   for (const auto& [name, bound] : paths) {
-    const CsvTable table = read_csv(
+    const InputTable table = read_csv(
         test::shared_path(fmt::format("knot/{}.csv", name)),
         {.alternatives = {{"phase", "x_mm", "y_mm", "z_mm", "depth_mm", "nx", "ny", "nz"}}});
     const auto column = [&](const char* of, std::size_t i) { return (*table.find(of))[i]; };

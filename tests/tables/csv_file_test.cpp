@@ -39,7 +39,7 @@ TEST(CsvFile, NumbersReadBackAsTheSameBits) {
              {"d", ColumnType::kUint8, ""}},
             {std::span<const double>(doubles), std::span<const float>(floats),
              std::span<const std::uint32_t>(integers), std::span<const std::uint8_t>(bytes)});
-  const CsvTable table = read_csv(folder / "r.csv", {.alternatives = {{"a", "b", "c", "d"}}});
+  const InputTable table = read_csv(folder / "r.csv", {.alternatives = {{"a", "b", "c", "d"}}});
   EXPECT_EQ(*table.find("a"), doubles);
   const std::vector<double>& b = *table.find("b");  // its digits name a float, not a double
   EXPECT_EQ(std::vector<float>(b.begin(), b.end()), floats);

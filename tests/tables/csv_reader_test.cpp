@@ -18,8 +18,8 @@ using ::testing::HasSubstr;
 
 class CsvReader : public ::testing::Test {
  protected:
-  CsvTable read(const std::string& text,
-                const CsvRequest& request = {.alternatives = {{"x", "y"}}}) {
+  InputTable read(const std::string& text,
+                  const TableRequest& request = {.alternatives = {{"x", "y"}}}) {
     return read_csv(folder_.write("p.csv", text), request);
   }
   std::string error(const std::string& text) {
@@ -30,7 +30,7 @@ class CsvReader : public ::testing::Test {
 };
 
 TEST_F(CsvReader, FindsColumnsByName) {
-  const CsvTable table = read("y,name,x\n2,left,1\n4,right,-3.5e-3\n");
+  const InputTable table = read("y,name,x\n2,left,1\n4,right,-3.5e-3\n");
   EXPECT_EQ(table.rows, 2u);
   EXPECT_THAT(*table.find("x"), ElementsAre(1, -3.5e-3));
   EXPECT_THAT(*table.find("y"), ElementsAre(2, 4));
@@ -38,8 +38,8 @@ TEST_F(CsvReader, FindsColumnsByName) {
 }
 
 TEST_F(CsvReader, KeepsWordsThatAreAskedFor) {
-  const CsvTable table = read("y,name,x\n2, left ,1\n4,\"r,ight\",3\n",
-                              {.alternatives = {{"x"}}, .texts = {"name", "y", "absent"}});
+  const InputTable table = read("y,name,x\n2, left ,1\n4,\"r,ight\",3\n",
+                                {.alternatives = {{"x"}}, .texts = {"name", "y", "absent"}});
   EXPECT_THAT(*table.find_text("name"), ElementsAre("left", "r,ight"));
   EXPECT_THAT(*table.find_text("y"), ElementsAre("2", "4"));
   EXPECT_THAT(*table.find("x"), ElementsAre(1, 3));
@@ -48,9 +48,9 @@ TEST_F(CsvReader, KeepsWordsThatAreAskedFor) {
 }
 
 TEST_F(CsvReader, TakesTheFirstCompleteAlternativeAndOptionalColumns) {
-  const CsvRequest request{.alternatives = {{"x", "y", "z"}, {"x_mm", "y_mm"}},
-                           .optional = {"step", "missing"}};
-  const CsvTable table = read("x,y,x_mm,y_mm,step\n1,2,3,4,5\n", request);
+  const TableRequest request{.alternatives = {{"x", "y", "z"}, {"x_mm", "y_mm"}},
+                             .optional = {"step", "missing"}};
+  const InputTable table = read("x,y,x_mm,y_mm,step\n1,2,3,4,5\n", request);
   EXPECT_EQ(table.alternative, 1u);
   EXPECT_EQ(table.find("x"), nullptr);
   EXPECT_THAT(*table.find("x_mm"), ElementsAre(3));
@@ -59,7 +59,7 @@ TEST_F(CsvReader, TakesTheFirstCompleteAlternativeAndOptionalColumns) {
 }
 
 TEST_F(CsvReader, AcceptsWhatSpreadsheetsWrite) {
-  const CsvTable table = read(
+  const InputTable table = read(
       "\xEF\xBB\xBF# made by hand\r\n# in mm\r\n\r\n x , \"y\" ,\"a \"\"note\"\"\"\r\n"
       "+1 ,\t2,\"so, so\"\r\n\"3\", 4 ,\r\n\r\n  \r\n");
   EXPECT_THAT(*table.find("x"), ElementsAre(1, 3));
@@ -78,7 +78,7 @@ TEST_F(CsvReader, LinesAcrossBlocksOfTheFile) {
     text += std::to_string(row) + "," + std::string(static_cast<std::size_t>(row), 'n') + ",1\n";
   }
   text += "7," + std::string(3 << 20, 'n') + ",8\n";  // longer than a block
-  const CsvTable table = read(text);
+  const InputTable table = read(text);
   ASSERT_EQ(table.rows, 3001u);
   for (std::size_t row = 0; row < 3000; ++row) {
     EXPECT_EQ((*table.find("x"))[row], static_cast<double>(row));

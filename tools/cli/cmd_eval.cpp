@@ -1,7 +1,9 @@
 // gliss eval: points, derivatives and normals of patches. Its columns are a contract.
 #include <fmt/format.h>
 
+#include <array>
 #include <cmath>
+#include <span>
 
 #include "gliss/tables/result_table.h"
 #include "tools/cli/outputs.h"
@@ -22,35 +24,62 @@ void describe(Command& command, EvalOptions& options) {
   add_output_option(command, options.output, "table to write; CSV on standard output without it");
 }
 
-std::vector<DomainPoint> read_domain_points(const std::string& path, const PatchCache& cache) {
-  const CsvTable table =
-      read_csv(path, {.alternatives = {{"patch", "xi", "eta"}}, .poll = stop_if_interrupted});
+// The table keeps xi and eta.
+struct DomainPoints {
+  InputTable table;
+  std::vector<std::uint32_t> face;
+
+  // Points [begin, end).
+  PointArrays<double> arrays(std::size_t begin, std::size_t end) const {
+    return {
+        end - begin, {&face[begin]}, {&(*table.find("xi"))[begin]}, {&(*table.find("eta"))[begin]}};
+  }
+};
+
+DomainPoints read_domain_points(const std::string& path, const PatchCache& cache) {
+  DomainPoints points;
+  points.table =
+      read_table(path, {.alternatives = {{"patch", "xi", "eta"}}, .poll = stop_if_interrupted});
+  const InputTable& table = points.table;
   const auto &patch = *table.find("patch"), &xi = *table.find("xi"), &eta = *table.find("eta");
   const auto refuse = [&](std::size_t row, const std::string& problem) {
     throw CsvError(fmt::format("{}: {}", table.place(row), problem));
   };
-  std::vector<DomainPoint> points(table.rows);
+  points.face.resize(table.rows);
   for (std::size_t i = 0; i < table.rows; ++i) {
     if (!(patch[i] >= 0 && patch[i] < cache.mesh_face_count) || patch[i] != std::floor(patch[i])) {
       refuse(i, fmt::format("no patch {}; they are 0 to {}", patch[i], cache.mesh_face_count - 1));
     }
-    points[i] = {static_cast<std::uint32_t>(patch[i]), xi[i], eta[i]};
-    if (cache.face_patch[points[i].face] == kNone) {
+    const DomainPoint point{points.face[i] = static_cast<std::uint32_t>(patch[i]), xi[i], eta[i]};
+    if (cache.face_patch[point.face] == kNone) {
       refuse(i, fmt::format("patch {} is not in this cache of a region", patch[i]));
     }
-    if (!in_domain(cache, points[i])) {
+    if (!in_domain(cache, point)) {
       refuse(i, fmt::format("({}, {}) is outside the domain of patch {}, a regular {}-gon", xi[i],
-                            eta[i], patch[i], cache.face_valence[points[i].face]));
+                            eta[i], patch[i], cache.face_valence[point.face]));
     }
   }
   return points;
+}
+
+// Three columns of a table, rows of which are under way.
+using VectorColumns = std::array<std::span<double>, 3>;
+
+VectorColumns extend_vectors(ResultTable& table, std::size_t rows) {
+  VectorColumns columns;
+  for (auto& column : columns) column = table.extend<double>(rows);
+  return columns;
+}
+
+StridedVectors<double> vectors_of(const VectorColumns& columns) {
+  return strided_vectors(columns[0].data(), columns[1].data(), columns[2].data());
 }
 
 void run(const EvalOptions& options) {
   check_outputs({options.output}, {options.surface, options.points});
   const auto engine = make_engine(options);
   const PatchCache cache = open_surface(options, *engine);
-  const std::vector<DomainPoint> points = read_domain_points(options.points, cache);
+  const DomainPoints points = read_domain_points(options.points, cache);
   const UnitChange length(cache.unit, options.unit);
   const auto file = create_described_file(options.output, cache, options);
   ResultTable table(
@@ -62,19 +91,21 @@ void run(const EvalOptions& options) {
                ColumnType::kFloat64, unit_name(options.unit))
           .add({"nx", "ny", "nz"}));
   const auto surface = engine->reside(cache);
-  std::vector<SurfacePoint> found;
-  for_blocks(options, "eval", points.size(), "points", [&](std::size_t begin, std::size_t end) {
+  for_blocks(options, "eval", points.table.rows, "points", [&](std::size_t begin, std::size_t end) {
     const std::size_t rows = end - begin;
-    const auto asked = std::span(points).subspan(begin, rows);
-    found.resize(rows);
-    surface->evaluate(asked, found);
-    table.fill(rows, [&](std::size_t i) { return asked[i].face; });
-    table.fill(rows, [&](std::size_t i) { return asked[i].xi; });
-    table.fill(rows, [&](std::size_t i) { return asked[i].eta; });
-    table.fill_vectors(rows, [&](std::size_t i) { return length(found[i].position); });
-    table.fill_vectors(rows, [&](std::size_t i) { return length(found[i].d_xi); });
-    table.fill_vectors(rows, [&](std::size_t i) { return length(found[i].d_eta); });
-    table.fill_vectors(rows, [&](std::size_t i) { return found[i].normal; });
+    const PointArrays<double> asked = points.arrays(begin, end);
+    table.fill(rows, [&](std::size_t i) { return asked.face[i]; });
+    table.fill(rows, [&](std::size_t i) { return asked.xi[i]; });
+    table.fill(rows, [&](std::size_t i) { return asked.eta[i]; });
+    const VectorColumns position = extend_vectors(table, rows), d_xi = extend_vectors(table, rows),
+                        d_eta = extend_vectors(table, rows), normal = extend_vectors(table, rows);
+    surface->evaluate(
+        asked, {vectors_of(position), vectors_of(d_xi), vectors_of(d_eta), vectors_of(normal)});
+    for (const VectorColumns& vectors : {position, d_xi, d_eta}) {
+      for (const auto& column : vectors) {
+        for (double& x : column) x = length(x);
+      }
+    }
     table.write();
   });
   file->close();

@@ -24,9 +24,9 @@ const WantedColumns& wanted(TickTable kind) {
 
 ReportTable read_csv_ticks(const ReportSource& source) {
   const auto &trace = wanted(TickTable::kTrace), &recording = wanted(TickTable::kRecording);
-  const CsvTable csv = read_csv(source.path, {.alternatives = {trace.numbers, recording.numbers},
-                                              .texts = {"method", "state", "guard"},
-                                              .poll = stop_if_interrupted});
+  const InputTable csv = read_csv(source.path, {.alternatives = {trace.numbers, recording.numbers},
+                                                .texts = {"method", "state", "guard"},
+                                                .poll = stop_if_interrupted});
   ReportTable table;
   table.kind = csv.alternative == 0 ? TickTable::kTrace : TickTable::kRecording;
   table.rows = csv.rows;

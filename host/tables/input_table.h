@@ -1,0 +1,69 @@
+// Numbers and words out of a table that somebody made: only the columns that a caller wants are
+// parsed and kept.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "gliss/base/export.h"
+
+namespace gliss {
+
+// Of HDF5; what() names the file.
+struct GLISS_EXPORT RecordingError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+// read_table("points.csv", {.alternatives = {{"x", "y", "z"}, {"x_mm", "y_mm", "z_mm"}}, .optional
+// =
+// {"step"}})
+struct TableRequest {
+  // The first of which the file has all columns is read.
+  std::vector<std::vector<std::string>> alternatives;
+  std::vector<std::string> optional = {};  // read as well where the file has them
+  std::vector<std::string> texts = {};     // likewise, as they stand there
+  // Asked many times a second, on the thread that reads; what it throws ends the reading.
+  std::function<void()> poll = nullptr;
+
+  // The alternative whose columns are all there; end() where none is.
+  std::vector<std::vector<std::string>>::const_iterator choose(
+      const std::function<bool(const std::string&)>& is_there) const;
+  std::string wanted() const;  // "x,y,z or x_mm,y_mm,z_mm"
+};
+
+class GLISS_EXPORT InputTable {
+ public:
+  std::size_t rows = 0;
+  std::size_t alternative = 0;  // index of the one that was read
+
+  // Null where the column was not asked for or is an optional one that the file lacks.
+  const std::vector<double>* find(std::string_view name) const;
+  const std::vector<std::string>* find_text(std::string_view name) const;
+  // The unit of a column, "mm"; empty where the file names none, as no CSV does.
+  std::string unit(std::string_view name) const;
+  // "points.csv:17" or "points.h5: row 17" (from 0), for messages about a value.
+  std::string place(std::size_t row) const;
+
+ private:
+  friend class CsvParser;
+  friend class TableColumns;
+  std::string source_;
+  std::size_t first_line_ = 0;  // 0: the file has no lines
+  std::vector<std::string> names_, units_;
+  std::vector<std::vector<double>> values_;
+  std::vector<std::string> text_names_;
+  std::vector<std::vector<std::string>> texts_;
+};
+
+// True if the file's ending is that of HDF5: .h5 or .hdf5.
+GLISS_EXPORT bool is_hdf5(const std::string& path);
+// Reads .h5 and .hdf5 as HDF5, with columns as `gliss` writes them: a dataset each, of the file's
+// root; all else as CSV (csv_reader.h). Throws CsvError or RecordingError on a missing column and
+// on wanted numbers that are not finite, and what they throw where a file cannot be read.
+GLISS_EXPORT InputTable read_table(const std::string& path, const TableRequest& request);
+
+}  // namespace gliss
