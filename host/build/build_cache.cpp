@@ -98,7 +98,7 @@ class CacheBuilder {
       cache_.surface.emplace<1>();
       fill(std::get<1>(cache_.surface));
     }
-    if (options_.like == nullptr) cache_.is_closed = !has_border(cache_);
+    if (options_.like == nullptr) find_open_parts(cache_);
     return std::move(cache_);
   }
 
@@ -116,7 +116,7 @@ class CacheBuilder {
       cache_.origin = options_.like->origin;
       cache_.scale = options_.like->scale;
       cache_.mesh_hash = options_.like->mesh_hash;
-      cache_.is_closed = options_.like->is_closed;
+      cache_.open = options_.like->open;
       cache_.face_valence = options_.like->face_valence;
       cache_.crease_count = options_.like->crease_count;
       return;

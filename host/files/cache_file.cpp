@@ -83,7 +83,7 @@ class Reader {
     });
     if (position_ != file_bytes_) fail("header", "more than its sections");
     check_cache(cache, path_);
-    cache.is_closed = !has_border(cache);
+    find_open_parts(cache);
     return cache;
   }
 

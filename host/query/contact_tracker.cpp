@@ -270,6 +270,9 @@ class ContactTracker::Tick {
     // From where squares overflow nothing is swept.
     const double uncovered =
         std::isfinite(length) ? length - clear_of(end) + (crosses ? on_surface_ : -on_surface_) : 0;
+    const auto is_closed = [&](const RawContact<Real>& contact) {
+      return cache_.is_closed_at(contact.uints[kContactPatch]);
+    };
     bool behind = t_.behind_, glided = false, was_near = false;
     for (double at = t_.clear_ > 0 ? t_.clear_ : std::min(4 * on_surface_, length);
          at < std::min(uncovered, length);) {
@@ -278,12 +281,12 @@ class ContactTracker::Tick {
       const Contact found = contact_of(cache_, s_, there);
       const double clear = clear_of(found);
       const bool is_in = is_touching(there) && !is_unfinished(there), meets = clear <= on_surface_;
-      if (!behind && (meets || (is_in && (glided || cache_.is_closed)))) {
+      if (!behind && (meets || (is_in && (glided || is_closed(there))))) {
         RawContact<Real> inside = there;
         follow_way(x, inside);
         if (is_touching(inside)) return accept(inside);
       }
-      if (!meets) behind = is_in && !cache_.is_closed;
+      if (!meets) behind = is_in && !is_closed(there);
       // Close to a surface it glides, towards it no farther than to its tangent plane.
       double step = std::min(glide_, length);
       const double towards = (found.scp - x).dot(way) / length;
@@ -300,7 +303,7 @@ class ContactTracker::Tick {
     }
     if (is_unfinished(end)) return pause(hip_, clear_of(end), end);
     // A HIP that was near a surface and ends inside has come in, though its place was not found.
-    return cache_.is_closed || (was_near && !behind) ? accept(end) : accept_free(end);
+    return is_closed(end) || (was_near && !behind) ? accept(end) : accept_free(end);
   }
 
   static constexpr double kApart = 1e-3;  // of cosines, more than one face's normals differ by

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "gliss/base/plain_arithmetic.h"
+#include "gliss/mesh/mesh_edges.h"
 #include "gliss/surface/instances.h"
 #include "gliss/surface/layout.h"
 
@@ -54,15 +55,28 @@ std::size_t PatchCache::bytes() const {
                size(s.tile) + size(s.tile_begin) + size(s.part) + size(s.part_table) +
                size(s.partner) + size(s.part_box) + size(patch_face) + size(face_patch) +
                size(kind) + size(folded) + size(rho_min) + size(corner_of_face) +
-               size(face_valence);
+               size(face_valence) + size(open);
       },
       surface);
 }
 
-bool has_border(const PatchCache& cache) {
-  return std::visit(
-      [](const auto& s) {
-        return std::find(s.side_twin.begin(), s.side_twin.end(), kNone) != s.side_twin.end();
+void find_open_parts(PatchCache& cache) {
+  cache.open.clear();
+  std::visit(
+      [&](const auto& s) {
+        if (std::find(s.side_twin.begin(), s.side_twin.end(), kNone) == s.side_twin.end()) return;
+        DisjointSets parts(s.patch_count());
+        for (std::size_t side = 0; side < s.side_twin.size(); ++side) {
+          if (s.side_twin[side] != kNone)
+            parts.unite(s.side_patch[side], s.side_patch[s.side_twin[side]]);
+        }
+        std::vector<std::uint8_t> open(s.patch_count(), 0);
+        for (std::size_t side = 0; side < s.side_twin.size(); ++side) {
+          if (s.side_twin[side] == kNone) open[parts.find(s.side_patch[side])] = 1;
+        }
+        cache.open.resize(cache.mesh_face_count);
+        for (std::uint32_t p = 0; p < s.patch_count(); ++p)
+          cache.open[cache.patch_face[p]] = open[parts.find(p)];
       },
       cache.surface);
 }

@@ -58,8 +58,6 @@ struct GLISS_EXPORT PatchCache {
   Vec3 origin = Vec3::Zero();  // of the mesh frame, in the mesh's unit
   double scale = 1.0;          // mesh-frame length of one unit: a power of two
   Level level{};
-  // True if the mesh has no open border: where the nearest point's normal says inside, a HIP is.
-  bool is_closed = true;
   std::uint32_t mesh_face_count = 0;
   std::uint32_t crease_count = 0;  // edges of the mesh that are creases (mesh/creases.h)
   std::uint64_t mesh_hash = 0;     // XXH3 of the mesh's arrays and unit
@@ -72,19 +70,25 @@ struct GLISS_EXPORT PatchCache {
   // [side], which corner of its face it starts at; valence: the centre.
   LargeArray<std::uint32_t> corner_of_face;
   LargeArray<std::uint32_t> face_valence;  // [face]
+  // [face], 1: its part, the faces that edges join to it, has an open border; empty: no part has
+  // one. Not in files: find_open_parts makes it.
+  LargeArray<std::uint8_t> open;
 
   Precision precision() const {
     return surface.index() == 0 ? Precision::kFloat : Precision::kDouble;
   }
   std::uint32_t patch_count() const { return static_cast<std::uint32_t>(patch_face.size()); }
+  // True if the patch's part has no open border: where it is nearest, its normal says what is
+  // inside.
+  bool is_closed_at(std::uint32_t patch) const { return open.empty() || !open[patch_face[patch]]; }
   double smallest_rho() const;
   // Largest |coordinate| extent, mesh's unit: what "relative to the size" means for a whole mesh.
   Box bounds() const;
   std::size_t bytes() const;
 };
 
-// True if a side of a patch has no neighbour.
-GLISS_EXPORT bool has_border(const PatchCache& cache);
+// Fills `open` of a cache whose other arrays are there.
+GLISS_EXPORT void find_open_parts(PatchCache& cache);
 
 // Throws std::invalid_argument unless the cache has patches.
 GLISS_EXPORT void require_patches(const PatchCache& cache);

@@ -50,7 +50,7 @@ void judge(const Extreme& e, const Vec3& hip, double nearest_distance, const Con
                       std::isfinite(c.distance) && in_domain(e.cache, c.at);
   const double distance = finite ? (evaluate(e.cache, c.at).position - hip).norm() : 0;
   // Behind an open skin is inside, however deep.
-  const bool is_deep = c.touching && e.cache.is_closed && distance > e.size;
+  const bool is_deep = c.touching && e.cache.open.empty() && distance > e.size;
   if (!finite || c.touching != (c.distance < 0) || is_deep) {
     ++j.unsound;
     return;

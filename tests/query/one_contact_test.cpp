@@ -6,6 +6,7 @@
 #include "gliss/generate/generate.h"
 #include "gliss/query/trace.h"
 #include "gliss/surface/names.h"
+#include "tests/oracle/union_oracle.h"
 #include "tests/support/open_meshes.h"
 #include "tests/support/surfaces.h"
 
@@ -176,17 +177,8 @@ INSTANTIATE_TEST_SUITE_P(Methods, Rim,
 
 // A leap out of one solid through another is stopped there.
 TEST(OneContact, of_a_hip_that_leaps_out_is_looked_for_along_its_way) {
-  Mesh two = thin_plate(6, 6, 30, 0.5).mesh;
-  const auto count = static_cast<std::uint32_t>(two.positions.size());
-  const Mesh one = two;
-  for (const Vec3& p : one.positions) two.positions.push_back(p + Vec3(0, 0, 20));
-  for (const Vec3& n : one.normals) two.normals.push_back(n);
-  for (const std::uint32_t v : one.corner_vertex) two.corner_vertex.push_back(v + count);
-  for (const std::uint32_t n : one.corner_normal)
-    two.corner_normal.push_back(n + static_cast<std::uint32_t>(one.normals.size()));
-  for (std::size_t f = 1; f < one.face_begin.size(); ++f)
-    two.face_begin.push_back(one.face_begin.back() + one.face_begin[f]);
-  const PatchCache cache = test::cache_of(two);
+  const Mesh one = thin_plate(6, 6, 30, 0.5).mesh;
+  const PatchCache cache = test::cache_of(test::joined({one, test::moved(one, Vec3(0, 0, 20))}));
   const Vec3 middle = 0.5 * (cache.bounds().low + cache.bounds().high);
   Rng rng(12);
   for (int i = 0; i < 300; ++i) {
@@ -203,6 +195,27 @@ TEST(OneContact, of_a_hip_that_leaps_out_is_looked_for_along_its_way) {
     ASSERT_TRUE(contact.touching) << i;
     EXPECT_LT(contact.normal.z(), -0.9);
     EXPECT_NEAR(contact.scp.z(), middle.z() + 10 - 0.25, 0.05);
+  }
+}
+
+// A sheet beside it makes no ball a skin: where a HIP leaps into the ball from behind the sheet, it
+// is inside.
+TEST(OneContact, begins_with_a_solid_part_behind_an_open_one) {
+  constexpr double kRadius = 4, kBelow = 8;
+  const Mesh ball = test::moved(goldberg(3, kRadius).mesh, Vec3(0, 0, -kBelow));
+  const PatchCache cache = test::cache_of(test::joined({test::sheet(), ball}));
+  Rng rng(3);
+  for (int i = 0; i < 300; ++i) {
+    ContactTracker tracker(cache, {});
+    for (const Vec3& round : {Vec3(40, 0, 5), Vec3(40, 0, -40), Vec3(0, 0, -40)})
+      tracker.tick(round);
+    const double angle = uniform(rng, 0, 2 * std::numbers::pi);
+    const Vec3 behind(9 * std::cos(angle), 9 * std::sin(angle), -uniform(rng, 0.5, kBelow));
+    const Vec3 inside = Vec3(0, 0, -kBelow) + uniform(rng, 0, 0.9) * kRadius * random_unit(rng);
+    ASSERT_FALSE(tracker.tick(behind).touching) << behind.transpose();
+    const Contact contact = tracker.tick(inside);
+    ASSERT_TRUE(contact.touching) << behind.transpose() << " to " << inside.transpose();
+    EXPECT_GT((contact.scp - inside).dot(contact.normal), 0);
   }
 }
 
