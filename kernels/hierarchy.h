@@ -23,6 +23,9 @@ FN walk start_walk(surface_view view) {
   return w;
 }
 
+// Squared distance from x to the box of the patch that next_patch gave last.
+FN real last_box_distance2(const walk* w) { return w->distance2[w->count]; }
+
 // The next patch whose box is nearer to x (mesh frame) than the limit, or NONE.
 FN_LARGE uint next_patch(surface_view view, walk* w, real3 x, real limit2) {
   while (w->count > 0) {

@@ -166,8 +166,8 @@ FN real3 triangle_normal(surface_view view, base_point b) {
   return norm3(normal) > TINY ? unit3(normal) : load3(numbers_of(view, b.patch), PATCH_NORMAL);
 }
 
-FN contact contact_of_base(surface_view view, hip_point h, base_point b, int method) {
-  const polygon_blend blend = blend_on_polygon(view, b.patch, b.at);
+FN contact contact_of_base(surface_view view, hip_point h, base_point b, polygon_blend blend,
+                           int method) {
   const real3 r = sub3(b.at.p, local_hip(view, h, b.patch));
   contact c = contact_at(method, b.patch, blend.xi, blend.eta, b.at.p, unit3(blend.normal),
                          mul3(numbers_of(view, b.patch)[PATCH_UNSCALE], r));
@@ -186,7 +186,7 @@ FN contact contact_of_base(surface_view view, hip_point h, base_point b, int met
 // A contact from there is none. From nearer, one that is no number is a fault of the surface; its
 // push is no number either, so that nobody takes it for none.
 FN contact within_reach(hip_point h, contact c) {
-  const real reach = fabs(h.high.x) + fabs(h.high.y) + fabs(h.high.z);
+  const real reach = reach_of_hip(h);
   const real3 all = add3(add3(c.scp, c.normal), add3(c.offset, c.push));
   const real sum = all.x + all.y + all.z;
   if (!(reach <= FAR_OUTSIDE)) {
@@ -212,15 +212,19 @@ FN_LARGE contact nearest_contact_from(surface_view view, hip_point h, foot first
   return HAS_UNION(view) ? unite_nearest(view, h, c, options) : c;
 }
 
-// Global: the nearest point of the surface, given that of the base polygons.
+FN contact nearest_contact_of_base(surface_view view, hip_point h, base_point base,
+                                   polygon_blend blend, int method) {
+  contact c = contact_of_base(view, h, base, blend, method);
+  c.clear = norm3(c.offset);
+  return within_reach(h, c);
+}
+
+// Global: the nearest point of the surface, given that of the base polygons and its blend.
 FN_LARGE contact nearest_contact(surface_view view, hip_point h, base_point base,
-                                 const near_patches* near, int method, track_options options) {
-  if (method != METHOD_GREGORY) {
-    contact c = contact_of_base(view, h, base, method);
-    c.clear = norm3(c.offset);
-    return within_reach(h, c);
-  }
-  const foot first = begin_foot(view, h, start_on_base(view, base), options);
+                                 polygon_blend blend, const near_patches* near, int method,
+                                 track_options options) {
+  if (method != METHOD_GREGORY) return nearest_contact_of_base(view, h, base, blend, method);
+  const foot first = begin_foot(view, h, start_at(base.patch, blend), options);
   return nearest_contact_from(view, h, first, near, options);
 }
 
@@ -238,7 +242,8 @@ FN_LARGE contact track_contact(surface_view view, hip_point h, contact last,
                                track_options options) {
   if (last.method != METHOD_GREGORY) {
     const base_point base = track_base(view, h, last.patch, options.max_iterations);
-    return within_reach(h, contact_of_base(view, h, base, last.method));
+    const polygon_blend blend = blend_on_polygon(view, base.patch, base.at);
+    return within_reach(h, contact_of_base(view, h, base, blend, last.method));
   }
   const domain_point at = {last.patch, last.xi, last.eta};
   return track_contact_from(view, h, last, begin_foot(view, h, at, options), options);
@@ -278,8 +283,9 @@ FN_LARGE contact follow_contact(surface_view view, hip_point h, contact last,
 FN contact tick(surface_view view, hip_point h, contact last, track_options options) {
   if (last.state != CONTACT_TOUCHING) {
     near_patches near;
-    const base_point base = nearest_base(view, h, last.method == METHOD_GREGORY, &near);
-    return nearest_contact(view, h, base, &near, last.method, options);
+    const base_point base = nearest_base(view, h, last.patch, last.method == METHOD_GREGORY, &near);
+    const polygon_blend blend = blend_on_polygon(view, base.patch, base.at);
+    return nearest_contact(view, h, base, blend, &near, last.method, options);
   }
   return last.warm && options.solver == SOLVER_NEWTON ? follow_contact(view, h, last, options)
                                                       : track_contact(view, h, last, options);

@@ -32,8 +32,8 @@ FN real patch_box_distance2(surface_view view, hip_point h, uint patch) {
   return dot3(out, out) * unscale * unscale;
 }
 
-// Patches that a walk for the nearest base polygon came by, in its order: all whose oriented boxes
-// are nearer than `complete2`.
+// Patches that a walk for the nearest base polygon came by, in its order: all whose boxes, both of
+// them, are nearer than `complete2`.
 #define NEAR_PATCHES 24
 typedef struct {
   int count;
@@ -42,36 +42,55 @@ typedef struct {
   real complete2;
 } near_patches;
 
-// Nearest point of all base polygons; on the first where the HIP is not a number or its distance
-// overflows. Where patches are asked for, also those that may hold a point as near as the patch
-// there is expected to.
-FN_LARGE base_point nearest_base(surface_view view, hip_point h, int keeps, near_patches* near) {
+// How far a HIP is from the middle of the mesh, which lies in [-1, 1]^3, at most; the squares of
+// distances of HIPs within FAR_AWAY do not overflow.
+FN real reach_of_hip(hip_point h) { return fabs(h.high.x) + fabs(h.high.y) + fabs(h.high.z); }
+#define FAR_AWAY K(0x1p40f)
+
+FN real square(real x) { return x * x; }
+
+// Nearest point of all base polygons, of those as near the first patch's; that on patch 0 where the
+// HIP is not a number or so far away that its distance may overflow. Where patches are asked for,
+// also those that may hold a point as near as the patch there is expected to: no point of it is
+// farther from its base polygon than its sag. `guess`: a patch that may be near; it makes the walk
+// shorter, and no difference to what is found.
+FN_LARGE base_point nearest_base(surface_view view, hip_point h, uint guess, int keeps,
+                                 near_patches* near) {
+  // So much farther, by rounding, may the box of a polygon seem that is as near.
+  const real slack = K(16) * EPSILON * (K(1) + reach_of_hip(h));
   walk w = start_walk(view);
-  base_point best = base_point_on(view, h, 0u);
-  real limit2 = K(0x1p126f);
+  base_point best = base_point_on(view, h, guess);
+  // Squared: boxes within the first may hold a nearer polygon, within the other a nearer patch.
+  real nearer2 = K(0), reach2 = K(INFINITY);
+  int is_new = 1;
   near->count = 0;
   near->complete2 = K(0);
-  if (!(best.distance2 <= limit2)) return best;
-  for (uint p = next_patch(view, &w, h.high, limit2); p != NONE;
-       p = next_patch(view, &w, h.high, limit2)) {
-    const real box2 = patch_box_distance2(view, h, p);
+  if (!(reach_of_hip(h) <= FAR_AWAY)) return base_point_on(view, h, 0u);
+  for (;;) {
+    if (is_new) {
+      GLOBAL scalar* numbers = numbers_of(view, best.patch);
+      const real distance = sqrt(best.distance2) + slack;
+      nearer2 = square(distance);
+      reach2 = smaller(reach2, square(fma(numbers[PATCH_SAG], numbers[PATCH_UNSCALE], distance)));
+    }
+    const real limit2 = keeps ? reach2 : nearer2;
+    const uint p = next_patch(view, &w, h.high, limit2);
+    if (p == NONE) break;
+    const real box2 = larger(patch_box_distance2(view, h, p), last_box_distance2(&w));
+    is_new = 0;
     if (!(box2 < limit2)) continue;
-    if (box2 < best.distance2) {
+    if (p != guess && box2 < nearer2) {
       const base_point b = base_point_on(view, h, p);
-      if (b.distance2 < best.distance2) best = b;
+      is_new = b.distance2 < best.distance2 || (b.distance2 == best.distance2 && p < best.patch);
+      if (is_new) best = b;
     }
     keeps = keeps && near->count < NEAR_PATCHES;
-    real reach2 = best.distance2;
     if (keeps) {
       near->patch[near->count] = p;
       near->box2[near->count++] = box2;
-      GLOBAL scalar* numbers = numbers_of(view, best.patch);
-      const real reach = sqrt(best.at.distance2) + numbers[PATCH_SAG];
-      reach2 = reach * reach * numbers[PATCH_UNSCALE] * numbers[PATCH_UNSCALE];
     }
-    if (reach2 < limit2) limit2 = reach2;
   }
-  if (keeps) near->complete2 = limit2;
+  if (keeps) near->complete2 = reach2;
   return best;
 }
 
@@ -123,10 +142,12 @@ FN foot end_foot(surface_view view, hip_point h, foot f, track_options options,
 }
 
 // Where the nearest point of a base polygon lies in the domain (4.1).
-FN domain_point start_on_base(surface_view view, base_point base) {
-  const polygon_blend blend = blend_on_polygon(view, base.patch, base.at);
-  domain_point r = {base.patch, blend.xi, blend.eta};
+FN domain_point start_at(uint patch, polygon_blend blend) {
+  domain_point r = {patch, blend.xi, blend.eta};
   return r;
+}
+FN domain_point start_on_base(surface_view view, base_point base) {
+  return start_at(base.patch, blend_on_polygon(view, base.patch, base.at));
 }
 
 // True if a search goes on with `a`: not for a rounding, by which other patches would decide, but
@@ -330,8 +351,7 @@ FN foot search_tile(surface_view view, hip_point h, uint patch, patch_tiles tile
 // that may hold a nearer point, but where a convex neighbourhood has but one minimum.
 FN_LARGE foot search_patch(surface_view view, hip_point h, uint patch, track_options options,
                            foot best) {
-  GLOBAL scalar* numbers = numbers_of(view, patch);
-  const real scale = numbers[PATCH_SCALE];
+  const real scale = numbers_of(view, patch)[PATCH_SCALE];
   if (best.patch == patch && is_sole_minimum(view, best)) return best;
   const patch_tiles tiles = tiles_of(view, h, patch);
   open_tiles open;
@@ -390,7 +410,7 @@ FN_LARGE foot nearest_foot(surface_view view, hip_point h, foot first, const nea
   int searched = 0;
   for (uint p = next_patch(view, &w, h.high, best.distance2); p != NONE;
        p = next_patch(view, &w, h.high, best.distance2)) {
-    const real box2 = patch_box_distance2(view, h, p);
+    const real box2 = larger(patch_box_distance2(view, h, p), last_box_distance2(&w));
     if (p == first.patch || !(box2 < best.distance2)) continue;
     if (options.budget > 0 && searched++ / PATCHES_AN_EVALUATION >= options.budget) {
       best.clear2 = smaller(box2, best.clear2);

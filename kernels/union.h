@@ -428,7 +428,7 @@ FN_LARGE void seek_on_patch(surface_view view, hip_point h, base_point base, rea
 
 // The nearest point of the union, given that of all parts: no point of the union is nearer.
 FN_LARGE contact unite_nearest(surface_view view, hip_point h, contact c, track_options options) {
-  const real reach = fabs(h.high.x) + fabs(h.high.y) + fabs(h.high.z);
+  const real reach = reach_of_hip(h);
   if (is_exposed(view, c.patch) || !(reach <= FAR_OUTSIDE) || (c.flags & FOOT_UNFINISHED)) return c;
   const int was_touching = c.state == CONTACT_TOUCHING;
   union_search u = start_union(c);
@@ -476,8 +476,9 @@ FN_LARGE contact search_union(surface_view view, hip_point h, int iterations,
   if (options.budget > 0)
     options.budget = options.budget > iterations ? options.budget - iterations : 1;
   near_patches near;
-  const base_point base = nearest_base(view, h, 1, &near);
-  contact c = nearest_contact(view, h, base, &near, METHOD_GREGORY, options);
+  const base_point base = nearest_base(view, h, 0u, 1, &near);
+  const polygon_blend blend = blend_on_polygon(view, base.patch, base.at);
+  contact c = nearest_contact(view, h, base, blend, &near, METHOD_GREGORY, options);
   c.iterations += iterations;
   return c;
 }
@@ -527,7 +528,7 @@ FN_LARGE contact hand_over(surface_view view, hip_point h, contact last, contact
 // The contact that followed `last` to c on its own part.
 FN_LARGE contact unite_tracked(surface_view view, hip_point h, contact last, contact c,
                                track_options options) {
-  const real reach = fabs(h.high.x) + fabs(h.high.y) + fabs(h.high.z);
+  const real reach = reach_of_hip(h);
   if (!(reach <= FAR_OUTSIDE)) return c;
   if (last.held_count > 0) return follow_seam(view, h, last, options);
   if (is_exposed(view, c.patch)) return c;

@@ -138,9 +138,12 @@ GLISS_EXPORT std::array<ContactArrays<double>, kMethods> by_method(std::span<Con
                                                                    std::size_t hips,
                                                                    std::size_t methods);
 
-// F = stiffness (N/m) x push, in newtons.
+// F = stiffness (N/m) x push (mesh's unit), in newtons.
+inline Vec3 push_force(const PatchCache& cache, const Vec3& push, double stiffness) {
+  return stiffness * cache.unit * push;
+}
 inline Vec3 contact_force(const PatchCache& cache, const Contact& contact, double stiffness) {
-  return stiffness * cache.unit * contact.push;
+  return push_force(cache, contact.push, stiffness);
 }
 
 }  // namespace gliss

@@ -20,10 +20,32 @@ constexpr int kSpotChecks = 4;       // of a block that is read
 constexpr double kRounding = 1e-9;   // of a point of a domain
 constexpr double kAgreement = 1e-3;  // of a depth, and of the force there
 
+// A contact, as far as a sweep needs it.
+struct Touch {
+  bool touching;
+  Vec3 scp, force;  // N
+  double residual_angle;
+  int iterations, crossings;
+  std::uint32_t flags;
+};
+
+// Their pushes come where their forces are to be.
+ContactArrays<double> touch_arrays(std::span<Touch> touches) {
+  Touch& t = touches.front();
+  constexpr std::ptrdiff_t kStride = sizeof t;
+  return {.touching = {&t.touching, kStride},
+          .scp = strided_vectors(t.scp.data(), kStride),
+          .push = strided_vectors(t.force.data(), kStride),
+          .residual_angle = {&t.residual_angle, kStride},
+          .iterations = {&t.iterations, kStride},
+          .crossings = {&t.crossings, kStride},
+          .flags = {&t.flags, kStride}};
+}
+
 // A chunk under way.
 struct Piece {
   const SweepChunk* chunk;
-  std::size_t begin;                        // of its points in the window
+  std::size_t begin, end;                   // of its points in the window
   std::vector<SweepStatistics> statistics;  // [depth][method]
   std::vector<SweepBlock> blocks;           // [depth][method]; empty: not kept
 };
@@ -33,9 +55,9 @@ struct Piece {
 struct Window {
   std::vector<Piece> pieces;
   std::vector<DomainPoint> points;
-  std::vector<SurfacePoint> surface;  // [point]
-  std::vector<Vec3> hips;             // [depth][point]
-  std::vector<Contact> contacts;      // [method][depth][point]
+  std::vector<Vec3> positions, normals;  // [point]
+  std::vector<Vec3> hips;                // [depth][point]
+  std::vector<Touch> touches;            // [method][depth][point]
 };
 
 class Sweeper {
@@ -202,7 +224,7 @@ class Sweeper {
     for (std::size_t i = 0; i < points.size(); ++i) {
       const auto [block, row] = chosen[i];
       const double depth = options_.depths[block->depth_index];
-      const Vec3 force = felt_at(cache_, hips[i], contacts[i], options_.stiffness);
+      const Vec3 force = felt_at(hips[i], contacts[i].push);
       if (!agree(block->hip[row], hips[i], depth / cache_.unit) ||
           !agree(block->scp[row], contacts[i].scp, depth / cache_.unit) ||
           !agree(block->force[row], force, depth * options_.stiffness) ||
@@ -215,10 +237,9 @@ class Sweeper {
   }
 
   // The force at a HIP; that at none, beneath a surface at fault, is no number.
-  static Vec3 felt_at(const PatchCache& cache, const Vec3& hip, const Contact& contact,
-                      double stiffness) {
+  Vec3 felt_at(const Vec3& hip, const Vec3& push) const {
     if (!hip.allFinite()) return Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
-    return gliss::contact_force(cache, contact, stiffness);
+    return push_force(cache_, push, options_.stiffness);
   }
   static bool is_finite(const SweepBlock& block, std::size_t row) {
     return block.hip[row].allFinite() && block.scp[row].allFinite() &&
@@ -236,24 +257,31 @@ class Sweeper {
     const std::size_t enough = std::max<std::size_t>(engine_.batch() / options_.depths.size(), 1);
     for (std::size_t c = first; c < last && window.points.size() < enough; ++c) {
       const SweepChunk& chunk = grid_.chunks()[c];
-      window.pieces.push_back({&chunk, window.points.size(), {}, {}});
+      const std::size_t begin = window.points.size();
       grid_.add_points(chunk, window.points);
+      window.pieces.push_back({&chunk, begin, window.points.size(), {}, {}});
     }
   }
 
   void feel(Window& window) const {
     const std::size_t points = window.points.size(), depths = options_.depths.size();
-    window.surface.resize(points);
-    surface_->evaluate(window.points, window.surface);
+    window.positions.resize(points);
+    window.normals.resize(points);
+    surface_->evaluate(arrays_of(window.points),
+                       {.position = strided_vectors(window.positions.front().data()),
+                        .normal = strided_vectors(window.normals.front().data())});
     window.hips.clear();
     window.hips.reserve(depths * points);
     for (const double depth : options_.depths) {
-      for (const SurfacePoint& p : window.surface)
-        window.hips.push_back(p.position - depth / cache_.unit * p.normal);
+      for (std::size_t p = 0; p < points; ++p)
+        window.hips.push_back(window.positions[p] - depth / cache_.unit * window.normals[p]);
     }
-    const QueryOptions query{options_};
-    window.contacts.resize(options_.methods.size() * depths * points);
-    surface_->nearest(window.hips, options_.methods, query, window.contacts);
+    const std::size_t hips = window.hips.size();
+    window.touches.resize(options_.methods.size() * hips);
+    std::vector<ContactArrays<double>> out;
+    for (std::size_t m = 0; m < options_.methods.size(); ++m)
+      out.push_back(touch_arrays(std::span(window.touches).subspan(m * hips, hips)));
+    surface_->nearest(arrays_of(window.hips), options_.methods, QueryOptions{options_}, out);
   }
 
   void count(Window& window, bool keep) const {
@@ -265,38 +293,39 @@ class Sweeper {
     engine_.for_each(window.pieces.size() * kinds, 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const std::size_t kind = i % kinds;
-        const Felt felt{window, cache_, options_, kind / methods, kind % methods};
-        count_kind(felt, window.pieces[i / kinds], kind);
+        Piece& piece = window.pieces[i / kinds];
+        if (keep) {
+          piece.blocks[kind].depth_index = kind / methods;
+          piece.blocks[kind].method_index = kind % methods;
+        }
+        count_kind(feel_piece(window, piece, kind / methods, kind % methods), piece, kind);
       }
     });
   }
 
-  // Collects what a window's points feel at one depth with one method.
+  // What a window's points feel at one depth with one method.
   struct Felt {
-    const Window& window;
-    const PatchCache& cache;
-    const SweepOptions& options;
-    std::size_t depth, method;
-
-    const Vec3& hip(std::size_t p) const { return window.hips[depth * window.points.size() + p]; }
-    const Contact& contact(std::size_t p) const {
-      return window.contacts[(method * options.depths.size() + depth) * window.points.size() + p];
-    }
-    double full_force() const { return options.stiffness * options.depths[depth]; }
-    // No number where the surface has none to put a HIP beneath.
-    Vec3 force(std::size_t p) const {
-      return felt_at(cache, hip(p), contact(p), options.stiffness);
-    }
+    const DomainPoint* points;
+    const Vec3 *normals, *hips;
+    const Touch* touches;
+    double full_force;
   };
+
+  // Turns the pushes of a piece's contacts into forces.
+  Felt feel_piece(Window& window, const Piece& piece, std::size_t depth, std::size_t method) const {
+    const std::size_t points = window.points.size(), depths = options_.depths.size();
+    const Vec3* hips = &window.hips[depth * points];
+    Touch* touches = &window.touches[(method * depths + depth) * points];
+    for (std::size_t p = piece.begin; p < piece.end; ++p)
+      touches[p].force = felt_at(hips[p], touches[p].force);
+    return {window.points.data(), window.normals.data(), hips, touches,
+            options_.stiffness * options_.depths[depth]};
+  }
 
   // Ring by ring, in the order of the grid.
   void count_kind(const Felt& felt, Piece& piece, std::size_t kind) const {
     SweepStatistics& statistics = piece.statistics[kind];
     SweepBlock* block = piece.blocks.empty() ? nullptr : &piece.blocks[kind];
-    if (block != nullptr) {
-      block->depth_index = felt.depth;
-      block->method_index = felt.method;
-    }
     const SweepChunk& chunk = *piece.chunk;
     std::size_t ring = piece.begin;
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
@@ -306,8 +335,8 @@ class Sweeper {
         const std::size_t end = ring + std::size_t{n} * r;
         if (r > chunk.first) count_outward(felt, n, r, inner, ring, statistics);
         for (std::size_t p = ring; r < chunk.last && p < end; ++p) {
-          const Vec3 exact = felt.full_force() * felt.window.surface[p].normal;
-          count_sample(felt.contact(p), (felt.force(p) - exact).norm(), statistics);
+          const Vec3 exact = felt.full_force * felt.normals[p];
+          count_sample(felt.touches[p], (felt.touches[p].force - exact).norm(), statistics);
           count_step(felt, p, p + 1 < end ? p + 1 : ring, statistics.step, statistics);
           if (block != nullptr) append(*block, felt, p);
         }
@@ -326,7 +355,7 @@ class Sweeper {
     }
   }
 
-  static void count_sample(const Contact& contact, double error, SweepStatistics& s) {
+  static void count_sample(const Touch& contact, double error, SweepStatistics& s) {
     ++s.samples;
     s.touching += contact.touching;
     s.unconverged += (contact.flags & kConverged) == 0;
@@ -338,11 +367,11 @@ class Sweeper {
 
   static void count_step(const Felt& felt, std::size_t p, std::size_t q, Histogram& step,
                          SweepStatistics& statistics) {
-    const Vec3 a = felt.force(p), b = felt.force(q);
+    const Vec3 &a = felt.touches[p].force, &b = felt.touches[q].force;
     const double size = (a - b).norm();
     step.add(size);
-    const bool a_touches = felt.contact(p).touching, b_touches = felt.contact(q).touching;
-    const bool jumps = !(size <= ForceStatistics::kJump * felt.full_force());
+    const bool a_touches = felt.touches[p].touching, b_touches = felt.touches[q].touching;
+    const bool jumps = !(size <= ForceStatistics::kJump * felt.full_force);
     statistics.felt_pairs += a_touches || b_touches;
     statistics.jumps += jumps;
     statistics.lost += jumps && a_touches != b_touches;
@@ -364,14 +393,14 @@ class Sweeper {
     const auto byte = [](std::uint32_t count) {
       return static_cast<std::uint8_t>(std::min(count, 255u));
     };
-    const Contact& contact = felt.contact(p);
-    const DomainPoint& at = felt.window.points[p];
+    const Touch& contact = felt.touches[p];
+    const DomainPoint& at = felt.points[p];
     block.face.push_back(at.face);
     block.xi.push_back(at.xi);
     block.eta.push_back(at.eta);
-    block.hip.push_back(felt.hip(p));
+    block.hip.push_back(felt.hips[p]);
     block.scp.push_back(contact.scp);
-    block.force.push_back(felt.force(p));
+    block.force.push_back(contact.force);
     block.residual_angle.push_back(static_cast<float>(contact.residual_angle));
     block.iterations.push_back(byte(static_cast<std::uint32_t>(contact.iterations)));
     block.crossings.push_back(byte(static_cast<std::uint32_t>(contact.crossings)));
