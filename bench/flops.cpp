@@ -177,9 +177,9 @@ double flops_of_evaluate(std::uint32_t form, std::uint32_t n) {
   k.fill_domain(n, domain.data());
   double soundness = 0;
   k.build_patches(corners.data(), n, 1, control.data(), &soundness);
-  if (form != kFormExact) {
+  if (form != kFormPaper) {
     std::vector<double> baked(k.control_reals(form, n));
-    k.bake(domain.data(), corners.data(), control.data(), kFormExact, form, n, baked.data());
+    k.to_form(domain.data(), corners.data(), control.data(), kFormPaper, form, n, baked.data());
     control = baked;
   }
   Tape own;

@@ -14,6 +14,6 @@ __kernel GROUP void examine_patches(uint count, __global const scalar* domain,
   const int n = (int)(side_begin[i + 1] - first);
   store_shape(shape + (ulong)i * SHAPE_REALS,
               examine(domain + domain_begin[n], probe + probe_begin[n], probe_count(n),
-                      control + (ulong)first * SIDE_REALS, FORM_EXACT, corner + 6 * (ulong)first,
+                      control + (ulong)first * SIDE_REALS, FORM_PAPER, corner + 6 * (ulong)first,
                       triangle + 3 * (ulong)(first - 2 * i), frame + (ulong)i * FRAME_REALS, n));
 }

@@ -84,7 +84,7 @@ FN_LARGE patch_shape examine(GLOBAL scalar* domain, GLOBAL scalar* probe, int co
   patch_shape r = {
       most, sub3(nothing, most), most, sub3(nothing, most), nothing, one, zero, zero, zero, one};
   for (int k = 0; k < n; ++k) r = widen(r, load3(corner, 2 * k), along, tangent);
-  if (count > 0 && form == FORM_EXACT) r.turn = corner_turn(control, corner, n, along);
+  if (count > 0 && form == FORM_PAPER) r.turn = corner_turn(control, corner, n, along);
   for (int first = 0; first < count; first += GLISS_LANES) {
     const real xi = load_lanes(probe + first), eta = load_lanes(probe + PROBE_STRIDE(n) + first);
     patch_point p;

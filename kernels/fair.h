@@ -300,8 +300,8 @@ FN fair_tangent fair_tangent_at(GLOBAL scalar* sides, int n, int k, GLOBAL scala
 
 // Control data of the quad between four sides, whose curves are cubic and whose normals quadratic,
 // in FORM_BEZIER; `flat` and `length` as above. Returns fair_tangent::turned of the worst.
-FN_LARGE real bake_fair_quad(GLOBAL scalar* sides, GLOBAL scalar* flat, real length,
-                             GLOBAL_OUT scalar* out) {
+FN_LARGE real fair_quad(GLOBAL scalar* sides, GLOBAL scalar* flat, real length,
+                        GLOBAL_OUT scalar* out) {
   bezier_side s[4];
   real turned = K(1);
   for (int k = 0; k < 4; ++k) {
@@ -350,8 +350,8 @@ FN int sextic_point_of(int side, int i, int j, int k) {
 
 // Control data of the triangle between three sides; `flat` and `length` as above. Returns
 // fair_tangent::turned of the worst.
-FN_LARGE real bake_fair_triangle(GLOBAL scalar* sides, GLOBAL scalar* flat, real length,
-                                 GLOBAL_OUT scalar* out) {
+FN_LARGE real fair_triangle(GLOBAL scalar* sides, GLOBAL scalar* flat, real length,
+                            GLOBAL_OUT scalar* out) {
   sextic_side s[3];
   real turned = K(1);
   for (int k = 0; k < 3; ++k) {

@@ -31,5 +31,5 @@ FN_LARGE patch_point evaluate_form(GLOBAL scalar* domain, control_data control, 
     return evaluate_table(domain, control, (int)(form >> 8), n, xi, eta);
 #endif
   if (IS_FORM(form, FORM_RIBBON)) return evaluate_valence(domain, control, FORM_RIBBON, n, xi, eta);
-  return evaluate_valence(domain, control, FORM_EXACT, n, xi, eta);
+  return evaluate_valence(domain, control, FORM_PAPER, n, xi, eta);
 }

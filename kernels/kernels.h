@@ -29,8 +29,8 @@
 #include "kernels/track.h"
 #include "kernels/hierarchy.h"
 #include "kernels/tile.h"
-#include "kernels/query.h"
-#include "kernels/method.h"
+#include "kernels/search.h"
+#include "kernels/contact.h"
 #include "kernels/union.h"
 #endif
 // clang-format on

@@ -4,9 +4,12 @@
 
 #define NONE 0xFFFFFFFFu
 
-// Forms of control data. Whatever their patches' forms, neighbours have one normal along their
-// edge, that of eq. 10; but for tables, which come near to it.
-#define FORM_EXACT 0u   // the paper's patch
+// The form of a patch: how its control data are kept. A level, which a user asks for, picks a form
+// for each patch: `bezier` FORM_BEZIER for 3 and 4 sides and FORM_RIBBON for more; `exact` of the
+// fair construction FORM_BEZIER and FORM_SEXTIC, and FORM_PAPER for 5 sides and more. Whatever
+// their forms, neighbours have one normal along their edge, that of eq. 10; but for tables, which
+// come near to it.
+#define FORM_PAPER 0u   // the paper's patch
 #define FORM_RIBBON 1u  // the same blend of sides whose cross tangents are polynomials (ribbon.h)
 #define FORM_BEZIER 2u  // a Gregory quad or triangle (bezier.h)
 #define FORM_TABLE 3u   // samples (table.h)

@@ -113,7 +113,7 @@ FN corner_tangents tangents_at(surface_view view, uint side) {
   const uint patch = view.side_patch[side], form = view.form[patch];
   const int n = valence_of(view, patch), k = (int)(side - view.side_begin[patch]);
   corner_tangents r;
-  if (IS_FORM(form, FORM_EXACT) || IS_FORM(form, FORM_RIBBON)) {
+  if (IS_FORM(form, FORM_PAPER) || IS_FORM(form, FORM_RIBBON)) {
     GLOBAL scalar* control = control_of(view, patch) + k * side_reals(form);
     r.p = load3(control, SIDE_C + 1);
     r.q = load3(control, SIDE_T_0);

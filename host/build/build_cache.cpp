@@ -41,7 +41,7 @@ struct FinishedPatch {
   PatchShape shape;
   const double *corner, *drafted;  // control data as drafted, in a form that another may replace
   const std::uint32_t* triangle;
-  std::uint32_t form = kFormExact;
+  std::uint32_t form = kFormPaper;
   std::vector<double> control{};  // in another form; empty: as drafted
   PatchTiles tiles{};
 
@@ -54,7 +54,7 @@ struct FinishedPatch {
 std::vector<std::uint32_t> forms_of(const Level& level, const FinishedPatch& patch) {
   if (level.kind == Level::kTable) return {kFormTable | level.cells << 8};
   // Bent patches do not have the cross tangents that the other forms are made from.
-  if (patch.form != kFormExact || patch.kind == PatchKind::kBent) return {};
+  if (patch.form != kFormPaper || patch.kind == PatchKind::kBent) return {};
   std::vector<std::uint32_t> forms;
   if (patch.valence <= 4 && level.kind == Level::kBezier) forms.push_back(kFormBezier);
   if (level.kind != Level::kExact) forms.push_back(kFormRibbon);
@@ -63,7 +63,7 @@ std::vector<std::uint32_t> forms_of(const Level& level, const FinishedPatch& pat
 
 PatchShape base_shape(const PatchBatch& b, std::size_t p) {
   double reals[kShapeReals];
-  kernels<double>().examine(nullptr, nullptr, 0, nullptr, kFormExact,
+  kernels<double>().examine(nullptr, nullptr, 0, nullptr, kFormPaper,
                             &b.corner[b.side_begin[p] * 6], &b.triangle[3 * b.first_triangle(p)],
                             &b.frame[p * kFrameReals], b.valence(p), reals);
   return shape_from(reals, b.valence(p));
@@ -309,7 +309,7 @@ class CacheBuilder {
     for (std::size_t i = 0; i < faces_.size(); ++i) {
       const std::vector<PatchDraft>& tamer = drafted_[i].tamer;
       const std::uint32_t n = cache_.face_valence[faces_[i]];
-      if (tamer.empty()) sum += k.control_reals(is_fair(faces_[i]) ? fair_form(n) : kFormExact, n);
+      if (tamer.empty()) sum += k.control_reals(is_fair(faces_[i]) ? fair_form(n) : kFormPaper, n);
       for (const PatchDraft& d : tamer) sum += d.control.size();
     }
     return sum;
@@ -377,7 +377,7 @@ class CacheBuilder {
     if (p != kNone) {
       const PatchBatch& b = c.batch;
       *out = {b.valence(p),
-              PatchKind::kExact,
+              PatchKind::kPlain,
               &c.frame[p],
               base_only_ ? base_shape(b, p) : drafted.shape,
               &b.corner[b.side_begin[p] * 6],
@@ -403,8 +403,8 @@ class CacheBuilder {
     const Kernels<double>& k = kernels<double>();
     for (const std::uint32_t form : forms_of(options_.level, d)) {
       d.control.resize(k.control_reals(form, d.valence));
-      k.bake(tables_.domain_of(d.valence), d.corner, d.drafted, d.form, form, d.valence,
-             d.control.data());
+      k.to_form(tables_.domain_of(d.valence), d.corner, d.drafted, d.form, form, d.valence,
+                d.control.data());
       const PatchShape shape =
           examine(*d.frame, d.corner, d.triangle, d.control.data(), form, d.valence, tables_);
       // A patch that folds whatever is done about it may as well fold in the form asked for.

@@ -61,7 +61,7 @@ void build_patches(PatchBatch& b, BatchStep step, const ParallelFor& parallel) {
     for (std::size_t p = begin; p < end; ++p) {
       const std::uint32_t n = b.valence(p);
       k.examine(b.tables->domain_of(n), b.tables->probes_of(n), b.tables->probe_count[n],
-                &b.control[b.side_begin[p] * kSideReals], kFormExact,
+                &b.control[b.side_begin[p] * kSideReals], kFormPaper,
                 &b.corner[b.side_begin[p] * 6], &b.triangle[3 * b.first_triangle(p)],
                 &b.frame[p * kFrameReals], n, &b.shape[p * kShapeReals]);
     }

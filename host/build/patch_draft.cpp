@@ -150,7 +150,7 @@ void draft_fair(const FaceCorners& face, PatchDraft& d) {
     d.soundness = std::min(d.soundness, side[kFairSound]);
   }
   d.control.resize(kernels<double>().control_reals(d.form, n));
-  d.turned = kernels<double>().bake_fair(d.side.data(), n, nullptr, 1, d.control.data());
+  d.turned = kernels<double>().fair_control(d.side.data(), n, nullptr, 1, d.control.data());
 }
 
 }  // namespace

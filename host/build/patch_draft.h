@@ -66,12 +66,12 @@ inline bool is_degenerate(double soundness) { return !(soundness > kDegenerate);
 
 // One patch by itself.
 struct PatchDraft {
-  PatchKind kind = PatchKind::kExact;
+  PatchKind kind = PatchKind::kPlain;
   std::vector<std::uint32_t> face_corner;  // [corner], which corner of the face it is
   PatchFrame frame;
   std::vector<double> corner;           // [corner][2][3], local frame
   std::vector<std::uint32_t> triangle;  // [n - 2][3]
-  std::uint32_t form = kFormExact;
+  std::uint32_t form = kFormPaper;
   std::vector<double> side;     // [corner][kFairReals], local frame; of the fair construction
   std::vector<double> control;  // in its form
   double soundness = 1;         // of its weakest ribbon

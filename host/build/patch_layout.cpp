@@ -70,7 +70,7 @@ PatchLayout lay_out(const Mesh& mesh, const Topology& topology,
       }
       l.side_begin.push_back(static_cast<std::uint32_t>(cache.corner_of_face.size()));
       cache.patch_face.push_back(face);
-      cache.kind.push_back(draft == nullptr ? PatchKind::kExact : draft->kind);
+      cache.kind.push_back(draft == nullptr ? PatchKind::kPlain : draft->kind);
       cache.folded.push_back(d.flagged());
     }
   }

@@ -65,10 +65,10 @@ bool keeps_normals(const PatchDraft& d, const PatchDraft& exact, const ValenceTa
 // Cross tangents stay as they were where they have no direction to speak of.
 std::optional<PatchDraft> ease(const PatchDraft& draft, const ValenceTables& tables) {
   if (draft.shape.turn > kSafeTurn) return draft;
-  if (draft.soundness < kTurnsAbout || draft.form != kFormExact) return std::nullopt;
+  if (draft.soundness < kTurnsAbout || draft.form != kFormPaper) return std::nullopt;
   for (const double amount : {0.25, 0.5, 0.75, 0.9}) {
     PatchDraft d = draft;
-    if (d.kind == PatchKind::kExact) d.kind = PatchKind::kEased;
+    if (d.kind == PatchKind::kPlain) d.kind = PatchKind::kEased;
     kernels<double>().ease_patch(d.control.data(), d.valence(), amount);
     if (!(turn_at_rim(d, tables) > kSafeTurn)) continue;
     d.shape = examine(d, tables);
@@ -85,8 +85,8 @@ std::vector<PatchDraft> relaxed(const PatchDraft& exact, const ValenceTables& ta
   d.kind = PatchKind::kEased;
   d.form = kFormRibbon;
   d.control.resize(kernels<double>().control_reals(d.form, n));
-  kernels<double>().bake(tables.domain_of(n), d.corner.data(), exact.control.data(), kFormExact,
-                         d.form, n, d.control.data());
+  kernels<double>().to_form(tables.domain_of(n), d.corner.data(), exact.control.data(), kFormPaper,
+                            d.form, n, d.control.data());
   d.shape = examine(d, tables);
   if (!(d.shape.turn > kSafeTurn) || !keeps_normals(d, exact, tables)) return {};
   return {std::move(d)};
@@ -103,8 +103,8 @@ std::optional<PatchDraft> bend(const PatchDraft& draft, double worst, const Vale
     d.soundness = 1;
     const std::uint32_t n = d.valence();
     if (!d.side.empty()) {
-      d.turned = kernels<double>().bake_fair(d.side.data(), n, d.frame.normal.data(), length,
-                                             d.control.data());
+      d.turned = kernels<double>().fair_control(d.side.data(), n, d.frame.normal.data(), length,
+                                                d.control.data());
     } else {
       for (std::size_t k = 0; k < n; ++k) {
         for (const std::size_t at : {kSideLength, kSideLength + 1})

@@ -29,7 +29,7 @@ inline constexpr std::size_t kGroup = 64;
 struct ProgramVariant {
   Precision precision;
   int lanes;
-  std::uint32_t forms = 1 << kFormExact;  // bits: those that its surface has
+  std::uint32_t forms = 1 << kFormPaper;  // bits: those that its surface has
 
   auto operator<=>(const ProgramVariant&) const = default;
 };

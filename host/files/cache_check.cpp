@@ -190,7 +190,7 @@ class Check {
   bool is_of_level(std::uint32_t form, std::uint32_t valence) const {
     const bool is_fair = c_.level.construction == Construction::kFair;
     switch (form) {
-      case kFormExact:
+      case kFormPaper:
         return true;
       case kFormBezier:
         return valence <= 4 && (is_fair || c_.level.kind >= Level::kBezier);

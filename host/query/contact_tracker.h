@@ -15,7 +15,7 @@ namespace gliss {
 //   and however thin the part, and the contact stays on that side.
 // - A contact ends where the HIP has crossed the surface from inside, and not before, whatever the
 //   normals of bent or folded faces say. Past an open border it fades: the rim is rounded off
-//   (kernels/method.h, past_border), so that it ends without force.
+//   (kernels/contact.h, past_border), so that it ends without force.
 // - An open mesh is the skin of a solid that lies behind it. It acts on what comes from outside; a
 //   HIP that went round the rim is behind it and feels nothing until it has come out and in again.
 // - Where the place that it follows ends, as over an edge or in a thin part, the nearest point

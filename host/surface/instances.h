@@ -36,8 +36,8 @@ struct TrackOptions {
 
 inline constexpr std::size_t kContactReals = 15, kContactUints = 5;
 
-// A contact as the kernels see it (kernels/method.h): local frame of its patch, offsets in the mesh
-// frame. Starts free.
+// A contact as the kernels see it (kernels/contact.h): local frame of its patch, offsets in the
+// mesh frame. Starts free.
 template <class Real>
 struct RawContact {
   Real reals[kContactReals] = {};
@@ -109,8 +109,8 @@ struct Kernels {
   // Numbers of a patch's control data in a form, and these from those of another one: ribbon and
   // bezier (of 3 and 4 sides) from the exact ones, tables from any.
   std::size_t (*control_reals)(std::uint32_t form, std::uint32_t n);
-  void (*bake)(const Real* domain, const Real* corners, const Real* control, std::uint32_t from,
-               std::uint32_t form, std::uint32_t n, Real* out);
+  void (*to_form)(const Real* domain, const Real* corners, const Real* control, std::uint32_t from,
+                  std::uint32_t form, std::uint32_t n, Real* out);
   // The fair construction, in any frame. The turn of an edge between two triangles, from its ends
   // [2][2][3] and the corners beyond it, left and right [2][2][3].
   void (*fair_turn)(const Real* ends, const Real* beyond, Real* turn);
@@ -128,8 +128,8 @@ struct Kernels {
   // least share of a cross tangent that points into the face: 0 or less where the patch doubles
   // back. `flat`: null, or a unit normal that the cross tangents shall lie across,
   // `length` times as long.
-  Real (*bake_fair)(const Real* sides, std::uint32_t n, const Real* flat, Real length,
-                    Real* control);
+  Real (*fair_control)(const Real* sides, std::uint32_t n, const Real* flat, Real length,
+                       Real* control);
   // G, G_xi, G_eta as nine rows of `stride` numbers, at `count` points of one patch.
   void (*evaluate)(const Real* domain, const Real* control, std::uint32_t form, std::uint32_t n,
                    const Real* xi, const Real* eta, std::size_t count, std::size_t stride,

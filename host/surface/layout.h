@@ -13,7 +13,7 @@ namespace gliss {
 
 inline constexpr std::size_t kSideReals = SIDE_REALS, kPatchReals = PATCH_REALS,
                              kNodeReals = NODE_REALS;
-inline constexpr std::uint32_t kFormExact = FORM_EXACT, kFormRibbon = FORM_RIBBON,
+inline constexpr std::uint32_t kFormPaper = FORM_PAPER, kFormRibbon = FORM_RIBBON,
                                kFormBezier = FORM_BEZIER, kFormTable = FORM_TABLE,
                                kFormSextic = FORM_SEXTIC;
 inline constexpr std::uint32_t kFormsUnited = 256;  // among bits of forms: parts overlap
@@ -67,7 +67,7 @@ static_assert(kNone == NONE);
 }  // namespace gliss
 
 #undef NONE
-#undef FORM_EXACT
+#undef FORM_PAPER
 #undef FORM_RIBBON
 #undef FORM_BEZIER
 #undef FORM_TABLE

@@ -41,7 +41,7 @@ inline constexpr std::uint32_t kTableCells = 4, kMostTableCells = 64;  // usual,
 
 // How the patch of a face was made.
 enum class PatchKind : std::uint8_t {
-  kExact,  // the construction's
+  kPlain,  // as the construction makes it
   kEased,  // folded: tamer cross tangents; boundary curves and normals as they were
   kSplit,  // folded: its face is cut into triangles, each a patch; boundary curves and normals as
            // they were

@@ -27,7 +27,7 @@ std::vector<std::uint32_t> first_faces(const Mesh& mesh) {
 
 // Normals of no length become z, for the corners that use them are given others.
 std::vector<bool> normalise(Mesh& mesh, Report& report) {
-  constexpr double kExact = 4 * std::numeric_limits<double>::epsilon();
+  constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();
   const std::vector<std::uint32_t> face = first_faces(mesh);
   std::vector<bool> zero(mesh.normals.size(), false);
   for (std::size_t i = 0; i < mesh.normals.size(); ++i) {
@@ -38,7 +38,7 @@ std::vector<bool> normalise(Mesh& mesh, Report& report) {
                  i);
       zero[i] = true;
       normal = Vec3::UnitZ();
-    } else if (std::abs(length - 1) > kExact) {
+    } else if (std::abs(length - 1) > kRounding) {
       if (std::abs(length - 1) > kUnitTolerance) {
         report.add(Severity::kRepaired, "non-unit-normal", {.face = face[i]},
                    "normal {} has length {:.6g}", i, length);

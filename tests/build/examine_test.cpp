@@ -83,7 +83,7 @@ TEST(Examine, finds_what_the_oracle_finds_at_the_probes) {
     const std::uint32_t count = tables().probe_count[valence];
     const double *xi = tables().probes_of(valence),
                  *eta = xi + kernels<double>().probe_reals(valence) / 2;
-    kernels<double>().examine(tables().domain_of(valence), xi, count, d.control.data(), kFormExact,
+    kernels<double>().examine(tables().domain_of(valence), xi, count, d.control.data(), kFormPaper,
                               d.corner.data(), d.triangle.data(), frame, valence, reals);
     const Polygon base = local(polygon, d.frame);
     Vec3 low = Vec3::Constant(kInfinity), high = -low, along_low = low, along_high = high;
@@ -167,7 +167,7 @@ TEST(Examine, no_probes_leave_the_base_polygon) {
   const PatchDraft d = examined(oracle::random_polygon(rng, 5, 0.3));
   double frame[kFrameReals], reals[kShapeReals];
   d.frame.store(frame);
-  kernels<double>().examine(nullptr, nullptr, 0, nullptr, kFormExact, d.corner.data(),
+  kernels<double>().examine(nullptr, nullptr, 0, nullptr, kFormPaper, d.corner.data(),
                             d.triangle.data(), frame, 5, reals);
   Vec3 low = Vec3::Constant(kInfinity), high = -low;
   for (std::size_t k = 0; k < 5; ++k) {

@@ -51,7 +51,7 @@ class Blend {
     blend(1);
     const auto xi = static_cast<Real>(X.x()), eta = static_cast<Real>(X.y());
     Real rows[9];
-    kernels<Real>().evaluate(&domain_[begin_[n_]], control_.data(), kFormExact, n_, &xi, &eta, 1, 1,
+    kernels<Real>().evaluate(&domain_[begin_[n_]], control_.data(), kFormPaper, n_, &xi, &eta, 1, 1,
                              rows);
     blend(0);
     return {static_cast<double>(rows[0]), static_cast<double>(rows[1]),

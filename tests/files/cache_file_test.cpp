@@ -452,7 +452,7 @@ TEST(CacheFile, ForgedContentIsRefused) {
   EXPECT_THAT(forged("control_begin", 2, 1u), section("control_begin"));
   EXPECT_THAT(forged("form", 0, kFormRibbon), section("form"));  // of an exact cache
   EXPECT_THAT(forged("form", 0, ~0u), section("form"));
-  EXPECT_THAT(forged("form", 0, kFormExact | 4u << 8), section("form"));
+  EXPECT_THAT(forged("form", 0, kFormPaper | 4u << 8), section("form"));
   EXPECT_THAT(forged("triangle", 7, 4u), section("triangle"));
   EXPECT_THAT(forged("patch_face", 2, patches), section("patch_face"));
   EXPECT_THAT(forged("patch_face", 2, 1u), section("side_begin"));  // parts are triangles

@@ -166,7 +166,7 @@ FairCrossing cross_fair_edges(const Mesh& mesh, const PatchCache& cache) {
     bool tamed = false, bent = false;
     std::uint32_t most = 0;
     for (const std::uint32_t f : faces) {
-      tamed = tamed || test::kind_of(cache, f) != PatchKind::kExact;
+      tamed = tamed || test::kind_of(cache, f) != PatchKind::kPlain;
       bent = bent || test::kind_of(cache, f) == PatchKind::kBent;
       most = std::max(most, mesh.valence(f));
     }

@@ -58,7 +58,7 @@ std::map<std::string, std::uint32_t> count_kinds(const PatchCache& cache) {
   std::map<std::string, std::uint32_t> kinds = {
       {"exact", 0}, {"eased", 0}, {"split", 0}, {"bent", 0}};
   for (const PatchKind kind : cache.kind) {
-    ++kinds[kind == PatchKind::kExact   ? "exact"
+    ++kinds[kind == PatchKind::kPlain   ? "exact"
             : kind == PatchKind::kEased ? "eased"
             : kind == PatchKind::kSplit ? "split"
                                         : "bent"];

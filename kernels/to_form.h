@@ -90,7 +90,7 @@ FN ribbon_end ribbon_end_of(GLOBAL scalar* side, side_lerp m, real t, real3 tang
   return r;
 }
 
-FN void bake_ribbon(GLOBAL scalar* corners, GLOBAL scalar* exact, int n, GLOBAL_OUT scalar* out) {
+FN void to_ribbon(GLOBAL scalar* corners, GLOBAL scalar* exact, int n, GLOBAL_OUT scalar* out) {
   for (int k = 0; k < n; ++k) {
     GLOBAL scalar* from = exact + k * SIDE_REALS;
     GLOBAL_OUT scalar* to = out + k * RIBBON_REALS;
@@ -186,7 +186,7 @@ FN void store_quad(const bezier_side* s, GLOBAL_OUT scalar* out) {
     store3(out + 3 * (QUAD_DIFFERENCE + k), 1, mul3(K(4.5f), sub3(a[k], b[k])));
 }
 
-FN void bake_quad(GLOBAL scalar* corners, GLOBAL scalar* exact, GLOBAL_OUT scalar* out) {
+FN void to_gregory_quad(GLOBAL scalar* corners, GLOBAL scalar* exact, GLOBAL_OUT scalar* out) {
   bezier_side s[4];
   for (int k = 0; k < 4; ++k) s[k] = bezier_side_of(corners, exact, 4, k);
   store_quad(s, out);
@@ -203,7 +203,7 @@ FN void add_power(real3 to[4][4], int i, int j, int k, real3 f) {
   }
 }
 
-FN void bake_triangle(GLOBAL scalar* corners, GLOBAL scalar* exact, GLOBAL_OUT scalar* out) {
+FN void to_gregory_triangle(GLOBAL scalar* corners, GLOBAL scalar* exact, GLOBAL_OUT scalar* out) {
   const real half = K(0.5f), quarter = K(0.25f);
   bezier_side s[3];
   for (int k = 0; k < 3; ++k) s[k] = bezier_side_of(corners, exact, 3, k);
@@ -276,8 +276,8 @@ FN_LARGE table_sample sample_corner(GLOBAL scalar* domain, GLOBAL scalar* exact,
 // The nodes of a table of r x r cells a corner. G_uv is a difference of G_u along v, inwards at the
 // corner's sides; at the corner itself, where it depends on the direction, the mean of those along
 // both sides.
-FN void bake_table(GLOBAL scalar* domain, GLOBAL scalar* exact, uint from, int n, int r,
-                   GLOBAL_OUT scalar* out) {
+FN void to_table(GLOBAL scalar* domain, GLOBAL scalar* exact, uint from, int n, int r,
+                 GLOBAL_OUT scalar* out) {
   const real h = K(1) / K(2 * r), step = K(0x1p-12f);
   for (int k = 0; k < n; ++k) {
     for (int j = 0; j <= r; ++j) {
@@ -311,7 +311,7 @@ FN void bake_table(GLOBAL scalar* domain, GLOBAL scalar* exact, uint from, int n
 // Numbers of a patch's control data in a form (with r << 8 for a table).
 FN ulong control_reals(uint form, uint n) {
   const uint kind = form & 255u, r = form >> 8;
-  return (ulong)n * (kind == FORM_EXACT    ? SIDE_REALS
+  return (ulong)n * (kind == FORM_PAPER    ? SIDE_REALS
                      : kind == FORM_RIBBON ? RIBBON_REALS
                      : kind == FORM_BEZIER ? BEZIER_REALS
                      : kind == FORM_SEXTIC ? SEXTIC_REALS
@@ -319,15 +319,15 @@ FN ulong control_reals(uint form, uint n) {
 }
 
 // `form`: ribbon, bezier (of 3 or 4 sides) or table; but for a table `from` is exact.
-FN void bake(GLOBAL scalar* domain, GLOBAL scalar* corners, GLOBAL scalar* exact, uint from,
-             uint form, int n, GLOBAL_OUT scalar* out) {
+FN void to_form(GLOBAL scalar* domain, GLOBAL scalar* corners, GLOBAL scalar* exact, uint from,
+                uint form, int n, GLOBAL_OUT scalar* out) {
   if ((form & 255u) == FORM_RIBBON) {
-    bake_ribbon(corners, exact, n, out);
+    to_ribbon(corners, exact, n, out);
   } else if ((form & 255u) == FORM_TABLE) {
-    bake_table(domain, exact, from, n, (int)(form >> 8), out);
+    to_table(domain, exact, from, n, (int)(form >> 8), out);
   } else if (n == 4) {
-    bake_quad(corners, exact, out);
+    to_gregory_quad(corners, exact, out);
   } else {
-    bake_triangle(corners, exact, out);
+    to_gregory_triangle(corners, exact, out);
   }
 }
