@@ -5,10 +5,9 @@ import {button, el, figure, select, swatch, table} from './dom.js';
 import {count, number, vector} from './format.js';
 import {histograms} from './histogram.js';
 import {inOrder, methodColor, methodTitle} from './methods.js';
-import {Orbit} from './orbit.js';
+import {Orbit, keysHint} from './orbit.js';
 import {hideTooltip, showTooltip} from './tooltip.js';
 
-const keysHint = 'Arrow keys turn, with shift they move, plus and minus zoom, 0 resets.';
 const depthText = depth => depth.name.replace('mm', ' mm');
 
 // Degrees between two forces; NaN where there is none.
