@@ -504,7 +504,8 @@ void run(const ComparingOptions& options) {
   for (const CompareRow& row : rows) {
     text += text_of(row);
     json["rows"].push_back(json_of(row));
-    if (options.with_picture) json["rows"].back()["jumps"] = jumps_json(row.jumps);
+    if (options.with_picture && !walks_json.is_null())
+      json["rows"].back()["jumps"] = jumps_json(row.jumps);
   }
   text += "* no other is better in error, tick and memory at once\n" + walks_text;
   for (const DenseRow& row : dense) {

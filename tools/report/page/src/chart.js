@@ -128,7 +128,7 @@ export class Chart {
         taken.every(([l, t, r, b]) => right < l || left > r || bottom < t || top > b);
     ctx.save();
     ctx.font = `${12 * dpr}px system-ui, sans-serif`;
-    ctx.fillStyle = color('ink-2');
+    [ctx.fillStyle, ctx.strokeStyle, ctx.lineWidth] = [color('ink-2'), color('paper'), 4 * dpr];
     [ctx.textAlign, ctx.textBaseline] = ['left', 'middle'];
     for (const [k, [, , text]] of this.labels.entries()) {
       const [x, y] = at[k], {width} = ctx.measureText(text);
@@ -137,6 +137,7 @@ export class Chart {
       const box = boxes.find(isFree);
       if (!box) continue;
       taken.push(box);
+      ctx.strokeText(text, box[0], box[1] + half);
       ctx.fillText(text, box[0], box[1] + half);
     }
     ctx.restore();

@@ -128,7 +128,7 @@ function rowTable(result) {
 // Says where jumps and lost contacts were counted; tables are too wide for it.
 function countedWhere({walks}) {
   const where = walks ? `in ${count(walks.walkers)} random walks of ${count(walks.ticks)} ticks, ${number(1e3 * walks.depth_m)} mm deep` : 'along the path';
-  return el('p.notice', {}, `Jumps are ticks whose force changes by more than 20 % of stiffness times depth; lost are contacts that end under more than that. Both are counted ${where}, per 100\u2009000 ticks in contact.`);
+  return el('p.notice', {}, `Jumps are ticks whose force changes by more than 20 % of stiffness times depth; lost are contacts that end under more than that. Both are counted ${where}, per 100\u202f000 ticks in contact.`);
 }
 
 function denseTable(result) {

@@ -57,7 +57,7 @@ function depthViews(depth, orbit, unit) {
     return el('.view', {},
         el('h4', {}, swatch(methodColor(method.method), methodTitle(method.method)),
             el('span.aside', {}, `${depthText(depth)} deep, largest step across edges ${number(method.statistics.edge_step.max)} N, jumps ${
-                number(method.statistics.jumps_per_100k)} and lost ${number(method.statistics.lost_per_100k)} per 100\u2009000 pairs`)),
+                number(method.statistics.jumps_per_100k)} and lost ${number(method.statistics.lost_per_100k)} per 100\u202f000 pairs`)),
         canvas);
   });
   return {views, element: el('.views', {}, boxes)};
