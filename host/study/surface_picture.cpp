@@ -39,13 +39,14 @@ std::vector<DomainPoint> grid_points(const PatchCache& cache, std::uint32_t ring
 }
 
 // The diameter of a spot where each stands for `thinning` points of the grid: about as wide as what
-// is stretched most there. A grid of few rings leaves more between its points and the corners.
+// is stretched most there. A whole grid of few rings leaves more between its points and the
+// corners.
 double spot_at(const SurfacePoint& p, std::uint32_t n, std::uint32_t rings, double thinning) {
   const double a = p.d_xi.squaredNorm(), b = p.d_xi.dot(p.d_eta), c = p.d_eta.squaredNorm();
   const double stretch = std::sqrt((a + c) / 2 + std::hypot((a - c) / 2, b));
   // The domain's area is n/2 sin(2 pi/n), and it has n/2 rings (rings + 1) points.
   const double area = std::sin(2 * std::numbers::pi / n) / (rings * (rings + 1.0));
-  return (1.3 + 1.0 / rings) * stretch * std::sqrt(area * thinning);
+  return (1.3 + 1.5 / (rings * std::sqrt(thinning))) * stretch * std::sqrt(area * thinning);
 }
 
 void add(std::vector<float>& to, const Vec3& vector) {

@@ -42,7 +42,7 @@ TEST(SurfacePicture, points_lie_on_the_surface_and_know_the_curvature_of_their_f
 TEST(SurfacePicture, spots_cover_the_surface) {
   for (const auto& [mesh, most] : {std::pair(torus(24, 12).mesh, 10000),
                                    {goldberg().mesh, 8000},
-                                   {irregular(torus(24, 12), 1).mesh, 1800}}) {
+                                   {irregular(torus(24, 12), 1).mesh, 1200}}) {
     const PatchCache cache = test::cache_of(mesh);
     const SurfacePicture picture = picture_of(cache, static_cast<std::size_t>(most));
     const auto places = spread_points(cache, 2000);
