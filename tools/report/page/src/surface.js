@@ -64,7 +64,7 @@ class SurfaceView {
   mark(row) {
     const {p50_curvature, p99_curvature, max_curvature} = this.picture;
     const jumps = this.jumps = row?.jumps;
-    const marked = jumps ? `; ${count(jumps.step.length)} jumps marked (${rowName(row)})` : '';
+    const marked = jumps ? `; ${count(jumps.step.length)} ${jumps.step.length === 1 ? 'jump' : 'jumps'} marked (${rowName(row)})` : '';
     this.about.textContent = `curvature ${perMm(p50_curvature)} in the median of the faces, ${perMm(p99_curvature)} at 99 %, ${perMm(max_curvature)} at most${marked}`;
     this.view.setMarks(jumps?.position ?? new Float32Array(), Float32Array.from(jumps?.step ?? [], step => 7 + 7 * Math.min(1, step)));
   }
