@@ -56,6 +56,8 @@ interval = "1ms"
   writeFileSync(join(folder, 'growth.json'), JSON.stringify(growth()));
   run(gliss, 'report', 'knot_forces.csv', 'knot.h5', 'compare.json', 'run.json', 'run.h5', 'growth.json', '-o', 'report.html', '--quiet');
   run(gliss, 'report', 'knot.h5', 'knot_forces.csv', '-o', 'knot.html', '--quiet');
+  writeFileSync(join(folder, 'pictured.json'), JSON.stringify(pictured()));
+  run(gliss, 'report', 'pictured.json', '-o', 'pictured.html', '--quiet');
 }
 
 // Results with little or nothing in them.
@@ -90,6 +92,34 @@ function comparison() {
       target_bytes: 2016000, target_tick_us: 3.1, memory_ratio: 29.3, time_ratio: null, reached: false}];
   return {mesh: 'knot.obj', faces: 1440, rows, dense, walks: {walkers: 8, walks: 8, ticks: 2500, depth_m: 0.0005, step: 0.01, seed: 1},
     recommended: {level: 'full', precision: 'float', solver: 'newton', backend: 'tbb'}};
+}
+
+const packed = array => ({[array instanceof Float32Array ? 'f32' : 'u32']: Buffer.from(array.buffer).toString('base64')});
+
+// `count` points spread over a ball of radius 10.
+const onBall = count => Array.from({length: count}, (_, i) => {
+  const [z, turn] = [1 - (2 * i + 1) / count, 2.399963 * i], r = Math.sqrt(1 - z * z);
+  return [10 * r * Math.cos(turn), 10 * r * Math.sin(turn), 10 * z];
+});
+
+// A ball as gliss compare --picture tells it: smooth, and with bumps.
+function picture(construction, bump) {
+  const points = 3000, position = Float32Array.from(onBall(points).flat());
+  const all = of => Float32Array.from({length: points}, (_, i) => of(i));
+  return {construction, points, p50_curvature: 100, p99_curvature: 100 * bump, max_curvature: null,
+    face: packed(Uint32Array.from({length: points}, (_, i) => i >> 2)), position: packed(position),
+    normal: packed(position.map(x => x / 10)), spot: packed(all(() => 1.2)), curvature: packed(all(i => i % 7 ? 100 : 100 * bump))};
+}
+
+// Jumps all over that ball.
+const jumpsOf = step => onBall(200).map((position, face) => ({position, face, step, lost: face % 2 === 0}));
+
+// The rows of comparison() with pictures, where a row has no jumps.
+function pictured() {
+  const made = comparison();
+  made.rows = made.rows.map((row, i) => ({...row, construction: ['fair', 'paper', null][i >> 1],
+    level: ['fair', 'exact', 'flat'][i >> 1], jumps: i < 2 ? [] : jumpsOf(i / 4)}));
+  return {...made, unit: 'mm', picture: [picture('fair', 1), picture('paper', 40)]};
 }
 
 // As bench/growth.py writes it, with a load too short to tell.
@@ -206,7 +236,7 @@ async function checkBars(page) {
 }
 
 async function checkCharts(page) {
-  for (const [label, told] of [['Distribution of the step across edges, 2mm', /to [^]* N[^]*%/], ['largest error of force over tick', /level \w+, \w+/],
+  for (const [label, told] of [['Distribution of the step across edges, 2mm', /to [^]* N[^]*%/], ['largest error of force, share of k d over tick', /level \w+, \w+/],
     ['Distribution: Computing', /µs[^]*%/], ['Time a sample over samples', /samples[^]*a sample\s+\d+ ns/],
     ['Memory a polygon over polygons', /polygons[^]*cache[^]*bytes a polygon/], ['Force over time', / s[^]*rendered[^]*sent/]]) {
     const chart = `[aria-label*="${label}"]`;
@@ -215,6 +245,49 @@ async function checkCharts(page) {
     await page.keyboard.press('ArrowRight');
     assert.match(await tooltip(page), told, label);
   }
+}
+
+// Surfaces, and dots where rows jump, which a choice brings and takes away.
+async function checkSurfaces(page) {
+  const views = await page.$$eval('canvas[data-view]', all => all.map(canvas => canvas.dataset.view));
+  assert.deepEqual(views, ['surface/fair', 'surface/paper']);
+  const about = () => page.$$eval('.view h4', all => all.map(h => h.innerText));
+  const [fair, paper] = await about();
+  assert.match(fair, /Fair patches[^]*0\.100 \/mm in the median[^]*0 jumps marked \(level fair/);
+  assert.match(paper, /Paper’s patches[^]*4\.00 \/mm at 99 %[^]*200 jumps marked \(level exact/);
+  const picture = () => page.$$eval('canvas[data-view]', all => all.map(canvas => canvas.toDataURL()));
+  for (const view of views) {
+    await center(page, `[data-view="${view}"]`);
+    assert(await colors(page, `[data-view="${view}"]`) > 100, `${view} is blank`);
+  }
+  const own = await picture();
+  const choice = await page.evaluateHandle(() => [...document.querySelectorAll('.choice')].find(c => c.innerText.startsWith('Jumps of')).querySelector('select'));
+  const choose = async value => {
+    await choice.evaluate((list, chosen) => ((list.value = chosen), list.dispatchEvent(new Event('change'))), value);
+    await settle(page);
+    return picture();
+  };
+  const none = await choose('');
+  assert(own[0] === none[0] && own[1] !== none[1], 'dots are marked where a construction jumps');
+  assert((await about()).every(text => !text.includes('jumps marked')));
+  const flat = await choose('4');
+  assert(flat.every((image, i) => image !== none[i]), 'a row is marked in all views');
+
+  // A dot and a face without one, somewhere on the ball.
+  const wanted = [/Jump on face \d[^]*step\s+100 % of k d[^]*contact\s+(lost|kept)[^]*mm/,
+    /Face \d+[^]*Fair patches\s+0\.100 \/mm, radius 10\.0 mm[^]*Paper’s patches\s+4\.00 \/mm/];
+  const [x, y] = await center(page, '[data-view="surface/paper"]');
+  for (let down = -120; down <= 120 && wanted.length; down += 8) {
+    for (let across = -120; across <= 120 && wanted.length; across += 8) {
+      await page.mouse.move(x + across, y + down);
+      const told = await page.$eval('.tooltip', box => box.hidden ? '' : box.innerText);
+      const found = wanted.findIndex(pattern => pattern.test(told));
+      if (found >= 0) wanted.splice(found, 1);
+    }
+  }
+  assert.deepEqual(wanted, [], 'dots tell their jumps, faces their curvatures');
+  const [heads] = await page.$$eval('.table table', all => all.map(t => [...t.tHead.rows[0].cells].map(c => c.innerText.trim())));
+  assert.deepEqual(heads, ['Figure', 'Fair patches', 'Paper’s patches', 'Flat polygons']);
 }
 
 const brightness = page => page.evaluate(() => {
@@ -241,6 +314,14 @@ try {
     await page.screenshot({path: join(folder, `${theme}.png`), fullPage: true});
     await page.click('.theme');
     assert.equal(await brightness(page) > 128, theme === 'dark', 'the button changes the theme');
+    assert.deepEqual(complaints, []);
+    await page.close();
+  }
+  for (const [name, width] of [['surfaces', 1400], ['narrow-surfaces', 420]]) {
+    const {page, complaints} = await open(browser, 'pictured.html', 'light', width);
+    assert(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), 'nothing is wider than the page');
+    await page.screenshot({path: join(folder, `${name}.png`), fullPage: true});
+    if (width > 1000) await checkSurfaces(page);
     assert.deepEqual(complaints, []);
     await page.close();
   }

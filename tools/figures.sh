@@ -21,7 +21,7 @@ page() {
   local name=$1 mesh=$2 depths=$3
   "$gliss" bake "$mesh" --unit mm -o "$name.gliss" --quiet
   "$gliss" sweep "$name.gliss" --depth "$depths" --samples 9e4 --method gregory,shaded,flat --unit mm -o "$name.h5" --quiet
-  "$gliss" compare "$mesh" --unit mm --depth "$depths" --json --quiet >"$name.json"
+  "$gliss" compare "$mesh" --unit mm --depth "$depths" --picture --json --quiet >"$name.json"
   "$gliss" report "${@:4}" "$name.h5" "$name.json" -o "$name.html" --quiet
   pages+=("$PWD/$name.html")
   echo "$name.html"

@@ -41,6 +41,9 @@ GLISS_EXPORT std::vector<Vec3> path_beneath(const Generated& knot, int along, in
 GLISS_EXPORT Generated torus(int along = 24, int around = 12, double R = 30, double r = 10);
 // Dual of an icosphere: 12 pentagons and 10 (frequency^2 - 1) hexagons, vertices on the sphere.
 GLISS_EXPORT Generated goldberg(int frequency = 4, double radius = 10);
+// goldberg(), stretched to an ellipsoid of this length, width and height (in x, y, z).
+GLISS_EXPORT Generated ellipsoid(int frequency = 4, double length = 40, double width = 24,
+                                 double height = 16);
 // Quads and two end caps.
 GLISS_EXPORT Generated banana(int along = 37, int around = 11);
 // n-gon caps, n up to 1000.
@@ -58,8 +61,10 @@ GLISS_EXPORT Generated fin(int along = 16, double height = 15, double base = 4, 
 
 // Triangles between random points of a shape's exact surface, as many as the shape has vertices, of
 // all valences: like those of a scanned mesh. They are Delaunay triangles where the surface lets
-// them be. With exact vertex normals. The same for a seed everywhere. Throws std::invalid_argument
-// for a shape without an exact surface.
+// them be. With exact vertex normals. Vertices of sharp edges, where the normals of faces differ,
+// stay, and so do faces that have no others, such as the caps of a cylinder. The same for a seed
+// everywhere. Throws std::invalid_argument for a shape without an exact surface or normals, with
+// sharp edges elsewhere than round such faces, or with no other face.
 GLISS_EXPORT Generated irregular(Generated shape, std::uint64_t seed);
 
 }  // namespace gliss

@@ -23,6 +23,45 @@ ExactSurface::Point Torus::nearest(const Vec3& point) const {
   return nearest_at_distance(point, ring_ * radial, tube_, radial);
 }
 
+Vec3 Ellipsoid::normal_at(const Vec3& on) const {
+  return on.cwiseQuotient(half_).cwiseQuotient(half_).normalized();
+}
+
+// The nearest point x of y has x_i = e_i^2 y_i / (s + e_i^2 - e^2), e the least half axis, where s
+// > 0 solves sum (e_i y_i / (s + e_i^2 - e^2))^2 = 1; the sum falls with s. Inside, where y has
+// nothing along the least axes, there may be no such s: then the point is at s = 0, up or down
+// those axes. Source: Eberly, Distance from a Point to an Ellipse, an Ellipsoid, or a
+// Hyperellipsoid.
+ExactSurface::Point Ellipsoid::nearest(const Vec3& point) const {
+  int least = 0;
+  const double e = half_.minCoeff(&least);
+  const Vec3 y = point.cwiseAbs();
+  Vec3 x = Vec3::Zero();
+  // Sets x, and returns the sum.
+  const auto sum_at = [&](double s) {
+    double sum = 0;
+    for (int i = 0; i < 3; ++i) {
+      if (y[i] == 0) continue;
+      const double ratio = half_[i] * y[i] / (s + (half_[i] - e) * (half_[i] + e));
+      x[i] = half_[i] * ratio;
+      sum += ratio * ratio;
+    }
+    return sum;
+  };
+  const double at_zero = sum_at(0);  // infinite where y has something along a least axis
+  if (at_zero < 1) {
+    x[least] = e * std::sqrt(1 - at_zero);
+  } else {
+    double low = 0, high = half_.cwiseProduct(y).norm();
+    for (double middle = high / 2; middle > low && middle < high; middle = (low + high) / 2)
+      (sum_at(middle) > 1 ? low : high) = middle;
+    sum_at(high);
+  }
+  for (int i = 0; i < 3; ++i) x[i] = std::copysign(x[i], point[i]);
+  const double outside = point.cwiseQuotient(half_).squaredNorm() - 1;
+  return {x, normal_at(x), std::copysign((point - x).norm(), outside)};
+}
+
 ExactSurface::Point ExactBox::nearest(const Vec3& point) const {
   const Vec3 inside = point.cwiseMax(-half_).cwiseMin(half_);
   const Vec3 offset = point - inside;

@@ -24,6 +24,17 @@ class Torus : public ExactSurface {
   double ring_, tube_;
 };
 
+// Its half axes lie along x, y and z.
+class Ellipsoid : public ExactSurface {
+ public:
+  explicit Ellipsoid(const Vec3& half) : half_(half) {}
+  Point nearest(const Vec3& point) const override;
+  Vec3 normal_at(const Vec3& on) const;  // outward, unit
+
+ private:
+  Vec3 half_;
+};
+
 class ExactBox : public ExactSurface {
  public:
   explicit ExactBox(const Vec3& half) : half_(half) {}

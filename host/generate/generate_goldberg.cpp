@@ -1,4 +1,5 @@
-// Goldberg sphere: the dual of an icosahedron whose faces are cut into frequency^2 triangles.
+// Goldberg sphere, and ellipsoids that it is stretched to: the dual of an icosahedron whose faces
+// are cut into frequency^2 triangles.
 #include <algorithm>
 #include <array>
 #include <map>
@@ -97,6 +98,19 @@ Generated goldberg(int frequency, double radius) {
   }
   share_normals(mesh);
   return {std::move(mesh), std::make_shared<Sphere>(radius)};
+}
+
+Generated ellipsoid(int frequency, double length, double width, double height) {
+  require(length > 0 && width > 0 && height > 0, "ellipsoid: needs a size");
+  const Vec3 half = Vec3(length, width, height) / 2;
+  const auto exact = std::make_shared<Ellipsoid>(half);
+  Mesh mesh = goldberg(frequency, 1).mesh;
+  mesh.source = detail::message("ellipsoid(", frequency, ")");
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    mesh.positions[v] = mesh.positions[v].cwiseProduct(half);
+    mesh.normals[v] = exact->normal_at(mesh.positions[v]);
+  }
+  return {std::move(mesh), exact};
 }
 
 }  // namespace gliss

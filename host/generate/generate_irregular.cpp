@@ -1,8 +1,10 @@
 // Random triangles on the surface of a generated solid.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <random>
 #include <unordered_map>
+#include <vector>
 
 #include "gliss/generate/generate.h"
 #include "gliss/generate/generate_parts.h"
@@ -14,14 +16,35 @@ namespace {
 constexpr int kRounds = 8;            // of moving all vertices
 constexpr double kLeastFacing = 0.2;  // cosine between a triangle and the surface at its corners
 
+// True for each vertex of which corners have different normals.
+std::vector<bool> sharp_vertices(const Mesh& mesh) {
+  std::vector<std::uint32_t> normal(mesh.positions.size(), kNone);
+  std::vector<bool> sharp(mesh.positions.size(), false);
+  for (std::size_t c = 0; c < mesh.corner_vertex.size(); ++c) {
+    const std::uint32_t v = mesh.corner_vertex[c];
+    if (normal[v] == kNone) normal[v] = mesh.corner_normal[c];
+    sharp[v] = sharp[v] || normal[v] != mesh.corner_normal[c];
+  }
+  return sharp;
+}
+
 // Triangles on an exact surface, whose edges can be flipped.
 class Irregular {
  public:
   Irregular(const Generated& from, std::uint64_t seed)
-      : exact_(*from.exact), random_(seed), position_(from.mesh.positions) {
+      : exact_(*from.exact),
+        random_(seed),
+        from_(from.mesh),
+        stays_(sharp_vertices(from.mesh)),
+        position_(from.mesh.positions),
+        normal_(position_.size(), Vec3::Zero()) {
     const Mesh& mesh = from.mesh;
     for (std::size_t f = 0; f < mesh.face_count(); ++f) {
       const std::uint32_t* corner = &mesh.corner_vertex[mesh.face_begin[f]];
+      if (std::all_of(corner, corner + mesh.valence(f), [&](auto v) { return stays_[v]; })) {
+        kept_.push_back(f);
+        continue;
+      }
       std::vector<Vec3> polygon;
       Vec3 normal = Vec3::Zero();
       for (std::uint32_t k = 0; k < mesh.valence(f); ++k) polygon.push_back(position_[corner[k]]);
@@ -32,8 +55,19 @@ class Irregular {
       for (std::size_t t = 0; t < cut.size(); t += 3)
         put(static_cast<std::uint32_t>(triangle_.size()),
             {corner[cut[t]], corner[cut[t + 1]], corner[cut[t + 2]]});
+      for (std::uint32_t c = mesh.face_begin[f]; c < mesh.face_begin[f + 1]; ++c) {
+        Vec3& normal = normal_[mesh.corner_vertex[c]];
+        const Vec3& of_corner = mesh.normals[mesh.corner_normal[c]];
+        require(normal == Vec3::Zero() || normal == of_corner,
+                "irregular: sharp edges round whole faces only");
+        normal = of_corner;
+      }
     }
-    for (const Vec3& p : position_) normal_.push_back(exact_.nearest(p).normal);
+    require(!triangle_.empty(), "irregular: needs vertices off its sharp edges");
+    for (std::size_t v = 0; v < position_.size(); ++v) {
+      if (!stays_[v]) normal_[v] = exact_.nearest(position_[v]).normal;
+      has_edges_ = has_edges_ || stays_[v];
+    }
   }
 
   void shuffle() {
@@ -49,6 +83,14 @@ class Irregular {
     mesh.normals = normal_;
     for (const Triangle& t : triangle_) add_face(mesh, {t[0], t[1], t[2]});
     share_normals(mesh);
+    for (const std::size_t f : kept_) {
+      for (std::uint32_t c = from_.face_begin[f]; c < from_.face_begin[f + 1]; ++c) {
+        mesh.corner_vertex.push_back(from_.corner_vertex[c]);
+        mesh.corner_normal.push_back(static_cast<std::uint32_t>(mesh.normals.size()));
+        mesh.normals.push_back(from_.normals[from_.corner_normal[c]]);
+      }
+      add_face(mesh, {});
+    }
     return mesh;
   }
 
@@ -75,6 +117,15 @@ class Irregular {
            n.dot(normal_[t[2]]) > kLeastFacing;
   }
 
+  // True if the surface from one place to the other has no edge in sight, and none at the other,
+  // where a point a little beneath would have another nearest one.
+  bool is_smooth_between(const Vec3& normal, const ExactSurface::Point& to, double length) const {
+    if (!has_edges_) return true;
+    const double beneath = 1e-4 * length;
+    const Vec3 back = exact_.nearest(to.position - beneath * to.normal).position;
+    return normal.dot(to.normal) > kLeastFacing && (back - to.position).norm() < 1e-3 * beneath;
+  }
+
   // Each by up to the mean length of its edges, if its triangles keep facing outwards.
   void move_vertices() {
     std::vector<std::vector<std::uint32_t>> around(position_.size());
@@ -82,6 +133,7 @@ class Irregular {
       for (const std::uint32_t v : triangle_[t]) around[v].push_back(t);
     }
     for (std::uint32_t v = 0; v < position_.size(); ++v) {
+      if (stays_[v]) continue;
       double length = 0;
       for (const std::uint32_t t : around[v]) {
         for (const std::uint32_t w : triangle_[t])
@@ -91,6 +143,7 @@ class Irregular {
       const Vec3 before = position_[v], normal = normal_[v];
       const auto moved =
           exact_.nearest(before + length * Vec3(symmetric(), symmetric(), symmetric()));
+      if (!is_smooth_between(normal, moved, length)) continue;
       position_[v] = moved.position;
       normal_[v] = moved.normal;
       for (const std::uint32_t t : around[v]) {
@@ -139,7 +192,11 @@ class Irregular {
 
   const ExactSurface& exact_;
   std::mt19937_64 random_;  // whose numbers the standard fixes
-  std::vector<Vec3> position_, normal_;
+  const Mesh& from_;
+  const std::vector<bool> stays_;        // [vertex]
+  bool has_edges_ = false;               // some vertex stays
+  std::vector<Vec3> position_, normal_;  // [vertex]; of its triangles, where it stays
+  std::vector<std::size_t> kept_;        // faces of from_
   std::vector<Triangle> triangle_;
   std::unordered_map<std::uint64_t, std::uint32_t> owner_;  // of a directed edge
 };
@@ -147,7 +204,8 @@ class Irregular {
 }  // namespace
 
 Generated irregular(Generated from, std::uint64_t seed) {
-  require(from.exact != nullptr, "irregular: a shape with an exact surface");
+  require(from.exact != nullptr && !from.mesh.normals.empty(),
+          "irregular: a shape with an exact surface and normals");
   Irregular made(from, seed);
   made.shuffle();
   from.mesh = made.mesh("irregular " + from.mesh.source);

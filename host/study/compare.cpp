@@ -105,6 +105,16 @@ const Comparison::Exact& Comparison::exact_of(const CompareCandidate& candidate)
   return own != nullptr ? *own : exact_.front();
 }
 
+std::vector<std::pair<Construction, SurfacePicture>> Comparison::pictures(
+    std::size_t most_points) const {
+  std::vector<std::pair<Construction, SurfacePicture>> made;
+  for (const Exact& exact : exact_) {
+    poll();
+    made.emplace_back(exact.construction, picture_of(exact.cache, most_points));
+  }
+  return made;
+}
+
 std::size_t Comparison::row_count() const {
   return options_.candidates.size() * options_.precisions.size() * options_.backends.size() *
          options_.solvers.size();
@@ -272,7 +282,11 @@ void Comparison::measure_walks(const PatchCache& cache, const QueryOptions& quer
   row.loop_gain = loop_gain(cache, query, walks_.loops);
   if (walks_.walks.empty()) return;
   const ForceStatistics felt =
-      feel_walks(cache, query, walks_.walks, walks_.depth / mesh_.unit, polled(engine));
+      feel_walks(cache, query, walks_.walks, walks_.depth / mesh_.unit, polled(engine),
+                 options_.most_jumps > 0 ? &row.jumps : nullptr);
+  std::stable_sort(row.jumps.begin(), row.jumps.end(),
+                   [](const WalkJump& a, const WalkJump& b) { return a.step > b.step; });
+  if (row.jumps.size() > options_.most_jumps) row.jumps.resize(options_.most_jumps);
   row.walk_max_force_step = options_.stiffness * mesh_.unit * felt.largest_step;
   row.jumps_per_100k = felt.jumps_per_100k();
   row.lost_per_100k = felt.lost_per_100k();

@@ -6,11 +6,13 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "gliss/base/export.h"
 #include "gliss/engine/engine.h"
 #include "gliss/study/fidelity.h"
+#include "gliss/study/surface_picture.h"
 #include "gliss/study/walk.h"
 #include "gliss/surface/names.h"
 
@@ -40,9 +42,10 @@ struct CompareOptions {
   std::vector<std::string> backends{"tbb"};
   // Makes the engine of a backend; null: those of "tbb" and "serial" are known.
   std::function<std::unique_ptr<Engine>(const std::string& backend)> make_engine = nullptr;
-  SolverOptions solving;   // but for the solver
-  double settle = 0;       // ticks, as in QueryOptions
-  double stiffness = 500;  // N/m
+  SolverOptions solving;       // but for the solver
+  double settle = 0;           // ticks, as in QueryOptions
+  double stiffness = 500;      // N/m
+  std::size_t most_jumps = 0;  // that a row tells the places of
   // Asked many times a second, also from an engine's threads; what it throws ends the measuring.
   std::function<void()> poll = nullptr;
 };
@@ -68,6 +71,7 @@ struct CompareRow {
   double max_force_error = 0, p99_force_error = 0;
   double tick = 0;  // s, median
   bool pareto = false;
+  std::vector<WalkJump> jumps{};  // in the walks, the largest first
 };
 
 // A triangle mesh so dense that it feels as smooth as `target`, or the densest that was tried.
@@ -114,6 +118,9 @@ class GLISS_EXPORT Comparison {
              CompareOptions) = delete;
   Comparison(const Mesh&, Topology&&, std::vector<ComparePath>, CompareWalks, TrueDistance,
              CompareOptions) = delete;
+
+  // The exact surface of each construction, as pictures of at most `most_points`.
+  std::vector<std::pair<Construction, SurfacePicture>> pictures(std::size_t most_points) const;
 
   std::size_t row_count() const;
   // Calls `measured` after each row.

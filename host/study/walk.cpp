@@ -192,20 +192,30 @@ std::vector<Walk> walk_paths(const Mesh& mesh, const Topology& topology, const W
 }
 
 ForceStatistics feel_walks(const PatchCache& cache, const QueryOptions& options,
-                           std::span<const Walk> walks, double depth, const ParallelFor& parallel) {
+                           std::span<const Walk> walks, double depth, const ParallelFor& parallel,
+                           std::vector<WalkJump>* jumps) {
   std::vector<ForceStatistics> felt(walks.size(), ForceStatistics(depth));
+  std::vector<std::vector<WalkJump>> jumps_of(jumps != nullptr ? walks.size() : 0);
   parallel(walks.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       ContactTracker tracker(cache, options);
+      Contact before;
       for (std::size_t tick = 0; tick < walks[i].hips.size(); ++tick) {
         const Contact contact = tracker.tick(walks[i].hips[tick]);
-        if (tick + 1 >= Walk::kEntry)
-          felt[i].add(contact.touching, contact.push, is_settling(contact.flags));
+        if (tick + 1 < Walk::kEntry) continue;
+        const double step =
+            felt[i].add(contact.touching, contact.push, is_settling(contact.flags)) / depth;
+        if (jumps != nullptr && step > ForceStatistics::kJump && std::isfinite(step)) {
+          const Contact& at = before.touching ? before : contact;
+          jumps_of[i].push_back({at.scp, at.at.face, step, !contact.touching});
+        }
+        before = contact;
       }
     }
   });
   ForceStatistics all(depth);
   for (const ForceStatistics& of_walk : felt) all.merge(of_walk);
+  for (const auto& of_walk : jumps_of) jumps->insert(jumps->end(), of_walk.begin(), of_walk.end());
   return all;
 }
 

@@ -42,11 +42,21 @@ GLISS_EXPORT std::vector<Walk> walk_paths(const Mesh& mesh, const Topology& topo
                                           const WalkOptions& options,
                                           const ParallelFor& parallel = serial_for);
 
+// A jump of force on a walk (ForceStatistics).
+struct WalkJump {
+  Vec3 scp;  // that the force leaves, or finds where it gains contact; mesh's unit
+  std::uint32_t face = 0;
+  double step = 0;    // of the full force
+  bool lost = false;  // the contact ends
+};
+
 // Counts what a tracker of its own feels on each walk; stiffness 1 N per unit of length, full
-// force `depth` (mesh's unit). Ticks of pressing in are not counted.
+// force `depth` (mesh's unit). Ticks of pressing in are not counted. Adds to `jumps`, unless it is
+// null, the jumps that are sound, walk by walk.
 GLISS_EXPORT ForceStatistics feel_walks(const PatchCache& cache, const QueryOptions& options,
                                         std::span<const Walk> walks, double depth,
-                                        const ParallelFor& parallel = serial_for);
+                                        const ParallelFor& parallel = serial_for,
+                                        std::vector<WalkJump>* jumps = nullptr);
 
 // Closed loops of HIPs beneath a mesh, to tell if a force makes energy: circles about as wide as a
 // face, every other one backwards, in planes `depth` beneath places chosen by area. Each goes on a

@@ -24,9 +24,9 @@ double volume(const Mesh& mesh) {
 }
 
 TEST_F(GenerateTest, every_mesh_is_sound_closed_and_outward) {
-  const std::vector<Generated> all{torus_knot(), torus(),         goldberg(),  goldberg(1),
-                                   banana(),     prism(),         prism(1000), thin_plate(),
-                                   fin(),        thin_plate(1, 1)};
+  const std::vector<Generated> all{torus_knot(), torus(),          goldberg(),  goldberg(1),
+                                   banana(),     prism(),          prism(1000), thin_plate(),
+                                   fin(),        thin_plate(1, 1), ellipsoid()};
   for (const Generated& made : all) {
     SCOPED_TRACE(made.mesh.source);
     Mesh mesh = made.mesh;
@@ -90,6 +90,7 @@ TEST_F(GenerateTest, meshes_have_the_faces_they_announce) {
   EXPECT_EQ(sides(torus(5, 3).mesh), (Sides{{4, 15}}));
   EXPECT_EQ(sides(goldberg(1).mesh), (Sides{{5, 12}}));
   EXPECT_EQ(sides(goldberg(4).mesh), (Sides{{5, 12}, {6, 150}}));
+  EXPECT_EQ(sides(ellipsoid(2).mesh), (Sides{{5, 12}, {6, 30}}));
   EXPECT_EQ(sides(banana().mesh), (Sides{{4, 407}, {11, 2}}));
   EXPECT_EQ(sides(prism(300).mesh), (Sides{{4, 300}, {300, 2}}));
   EXPECT_EQ(sides(thin_plate(3, 2).mesh), (Sides{{4, 22}}));
@@ -101,10 +102,11 @@ TEST_F(GenerateTest, volumes_are_those_of_the_solids) {
   EXPECT_NEAR(volume(fin().mesh), 30 * 15 * 4 / 2, 1e-9);
   EXPECT_NEAR(volume(torus(400, 200).mesh), 2 * M_PI * M_PI * 30 * 100, 60);
   EXPECT_NEAR(volume(goldberg(40).mesh), 4 * M_PI / 3 * 1000, 4);
+  EXPECT_NEAR(volume(ellipsoid(40).mesh), 4 * M_PI / 3 * 20 * 12 * 8, 8);
 }
 
 TEST_F(GenerateTest, vertices_and_normals_are_exact) {
-  for (const Generated& made : {torus_knot(), torus(), goldberg(), thin_plate()}) {
+  for (const Generated& made : {torus_knot(), torus(), goldberg(), thin_plate(), ellipsoid()}) {
     SCOPED_TRACE(made.mesh.source);
     for (std::size_t v = 0; v < made.mesh.positions.size(); ++v) {
       const ExactSurface::Point nearest = made.exact->nearest(made.mesh.positions[v]);
@@ -120,7 +122,8 @@ TEST_F(GenerateTest, no_sample_of_a_surface_is_nearer_than_the_nearest_point) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> anywhere(-70, 70);
   for (const Generated& made :
-       {torus_knot(600, 60), torus(300, 100), goldberg(20), thin_plate(60, 60)}) {
+       {torus_knot(600, 60), torus(300, 100), goldberg(20), thin_plate(60, 60), ellipsoid(40),
+        ellipsoid(40, 60, 30, 30), ellipsoid(40, 30, 60, 60), ellipsoid(20, 20, 20, 20)}) {
     SCOPED_TRACE(made.mesh.source);
     for (int i = 0; i < 200; ++i) {
       const Vec3 point(anywhere(random), anywhere(random), anywhere(random) / 2);
@@ -137,7 +140,8 @@ TEST_F(GenerateTest, no_sample_of_a_surface_is_nearer_than_the_nearest_point) {
 }
 
 TEST_F(GenerateTest, points_without_a_single_nearest_point_get_one) {
-  for (const Generated& made : {torus_knot(), torus(), goldberg(), thin_plate()}) {
+  for (const Generated& made :
+       {torus_knot(), torus(), goldberg(), thin_plate(), ellipsoid(), ellipsoid(4, 20, 20, 20)}) {
     const ExactSurface::Point nearest = made.exact->nearest(Vec3::Zero());
     EXPECT_TRUE(nearest.position.allFinite());
     EXPECT_NEAR(nearest.normal.norm(), 1, 1e-15);
@@ -145,6 +149,24 @@ TEST_F(GenerateTest, points_without_a_single_nearest_point_get_one) {
   }
   EXPECT_EQ(torus().exact->nearest(Vec3(30, 0, 0)).distance, -10);
   EXPECT_EQ(torus_knot().exact->nearest(Vec3(50, 0, 0)).distance, -12);
+  EXPECT_EQ(ellipsoid().exact->nearest(Vec3::Zero()).position, Vec3(0, 0, 8));
+}
+
+TEST_F(GenerateTest, nearest_points_of_an_ellipsoid_are_those_of_its_symmetry) {
+  const auto exact = ellipsoid(1, 40, 24, 16).exact;
+  // On the long axis the point of the section z, x is nearest while |x| < (20^2 - 8^2) / 20.
+  for (const double x : {0.5, 8.0, 16.0, 16.79}) {
+    const ExactSurface::Point near = exact->nearest(Vec3(x, 0, 0));
+    const double on = x * 400 / (400 - 64);
+    EXPECT_LE((near.position - Vec3(on, 0, 8 * std::sqrt(1 - on * on / 400))).norm(), 1e-13);
+    // Beside the plane on the one side or the other.
+    const ExactSurface::Point beside = exact->nearest(Vec3(x, 0, -1e-9));
+    EXPECT_LE((beside.position - near.position.cwiseProduct(Vec3(1, 1, -1))).norm(), 1e-6);
+  }
+  for (const double x : {16.81, 19.0, 20.0, 25.0}) {
+    EXPECT_LE((exact->nearest(Vec3(x, 0, 0)).position - Vec3(20, 0, 0)).norm(), 1e-13);
+    EXPECT_NEAR(exact->nearest(Vec3(x, 0, 0)).distance, x - 20, 1e-13);
+  }
 }
 
 TEST_F(GenerateTest, the_knot_is_that_of_the_paper) {
@@ -168,7 +190,7 @@ TEST_F(GenerateTest, the_knot_is_that_of_the_paper) {
 }
 
 TEST_F(GenerateTest, irregular_triangles_are_sound_and_lie_on_the_surface) {
-  for (const Generated& shape : {torus(), goldberg(), torus_knot()}) {
+  for (const Generated& shape : {torus(), goldberg(), torus_knot(), ellipsoid()}) {
     const Generated made = irregular(shape, 5);
     Mesh mesh = made.mesh;
     std::vector<Finding> findings;
@@ -177,7 +199,9 @@ TEST_F(GenerateTest, irregular_triangles_are_sound_and_lie_on_the_surface) {
     // As many triangles as vertices ask for, and no border.
     const Topology topology = build_topology(mesh);
     EXPECT_EQ(topology.border_side_count, 0u);
-    const int handles = shape.mesh.source.starts_with("goldberg") ? 0 : 1;
+    const bool is_ball =
+        shape.mesh.source.starts_with("goldberg") || shape.mesh.source.starts_with("ellipsoid");
+    const int handles = is_ball ? 0 : 1;
     EXPECT_EQ(mesh.face_count(), 2 * (mesh.positions.size() - 2 + 2 * handles));
     double longest = 0, shortest = 1e9;
     for (std::uint32_t s = 0; s < topology.side_twin.size(); ++s) {
@@ -197,6 +221,38 @@ TEST_F(GenerateTest, irregular_triangles_are_sound_and_lie_on_the_surface) {
     EXPECT_NE(irregular(shape, 6).mesh.corner_vertex, mesh.corner_vertex);
   }
   EXPECT_THROW(irregular(banana(), 1), std::invalid_argument);
+  EXPECT_THROW(irregular(thin_plate(), 1), std::invalid_argument);
+}
+
+TEST_F(GenerateTest, irregular_cylinders_keep_their_rims_and_caps) {
+  const Generated shape = cylinder(24, 12), made = irregular(shape, 3);
+  Mesh mesh = made.mesh;
+  findings_.clear();
+  validate(mesh, {}, &findings_);
+  EXPECT_THAT(codes(), testing::ElementsAre("sharp-normals"));
+  EXPECT_EQ(mesh.positions.size(), shape.mesh.positions.size());
+  EXPECT_EQ(sides(mesh), (std::map<std::uint32_t, int>{{3, 2 * 24 * 12}, {24, 2}}));
+  EXPECT_EQ(build_topology(mesh).border_side_count, 0u);
+  int moved = 0;
+  for (std::size_t face = 0; face < mesh.face_count(); ++face) {
+    for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c) {
+      const std::uint32_t v = mesh.corner_vertex[c];
+      const Vec3 &p = mesh.positions[v], &n = mesh.normals[mesh.corner_normal[c]];
+      EXPECT_NEAR(std::hypot(p.x(), p.y()), 10, 1e-13);
+      const bool is_rim = v < 24 || v >= 24 * 12;
+      if (is_rim) {
+        EXPECT_EQ(p, shape.mesh.positions[v]);
+      } else {
+        EXPECT_LT(std::abs(p.z()), 10);
+        moved += p != shape.mesh.positions[v];
+      }
+      const Vec3 mantle = Vec3(p.x(), p.y(), 0) / 10, cap(0, 0, p.z() > 0 ? 1 : -1);
+      EXPECT_LE((n - (mesh.valence(face) == 3 ? mantle : cap)).norm(), 1e-13);
+    }
+  }
+  EXPECT_GT(moved, 1000);  // corners
+  EXPECT_THROW(irregular(cylinder(24, 1), 1), std::invalid_argument);
+  EXPECT_THROW(irregular(cube(3), 1), std::invalid_argument);
 }
 
 TEST_F(GenerateTest, sizes_that_make_no_mesh_are_refused) {

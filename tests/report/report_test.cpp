@@ -219,6 +219,97 @@ TEST_F(Report, ComparisonsMayLackFigures) {
                "wrong.json: 'rows' 1: 'tick_us' is not what gliss compare writes");
 }
 
+TEST_F(Report, ComparisonsShowSurfacesAndJumps) {
+  save_obj(irregular(goldberg(), 1).mesh, folder_ / "triangles.obj");
+  const Outcome compared =
+      gliss("compare",
+            "triangles.obj --unit mm --walks 20 --levels fair,exact,flat --precisions double "
+            "--ticks 300 --dense-limit 0 --picture --json --quiet");
+  ASSERT_EQ(compared.code, 0) << compared.err;
+  folder_.write("compare.json", compared.out);
+  const auto result = result_of("compare.json");
+  ASSERT_EQ(result["picture"].size(), 2);
+  const auto positions = floats(result["picture"][0]["position"]),
+             curvatures = floats(result["picture"][0]["curvature"]);
+  ASSERT_EQ(curvatures.size(), result["picture"][0]["points"]);
+  for (std::size_t i = 0; i < curvatures.size(); ++i) {
+    EXPECT_NEAR(std::hypot(positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]), 10, 0.1);
+    EXPECT_GT(curvatures[i], 95);  // 1/m: the ball's radius is 10 mm
+  }
+  EXPECT_NEAR(result["picture"][0]["p50_curvature"].get<double>(), 100, 10);
+  const auto written = nlohmann::json::parse(compared.out);
+  const auto steps = floats(result["rows"][2]["jumps"]["step"]);
+  ASSERT_EQ(steps.size(), written["rows"][2]["jumps"].size());
+  ASSERT_FALSE(steps.empty());
+  EXPECT_FLOAT_EQ(steps[0], written["rows"][2]["jumps"][0]["step"].get<float>());
+
+  const auto expect_refused_without = [&](const std::string& what, auto spoil) {
+    nlohmann::json spoiled = written;
+    spoil(spoiled);
+    folder_.write("wrong.json", spoiled.dump());
+    expect_error(gliss("report", "wrong.json -o other.html"), 2,
+                 "wrong.json: " + what + " is not what gliss compare writes");
+  };
+  const auto text_of = [](nlohmann::json& json, const char* array) -> std::string& {
+    return json["picture"][1][array]["f32"].get_ref<std::string&>();
+  };
+  expect_refused_without("'picture' 1: 'points'",
+                         [](auto& json) { json["picture"][1].erase("points"); });
+  expect_refused_without("'picture' 1: 'face'",
+                         [](auto& json) { json["picture"][1]["points"] = 7; });
+  expect_refused_without("'picture' 1: 'face'",
+                         [](auto& json) { json["picture"][1]["points"] = 1e300; });
+  expect_refused_without("'picture' 1: 'normal'",
+                         [&](auto& json) { text_of(json, "normal").pop_back(); });
+  expect_refused_without("'picture' 1: 'spot'",
+                         [&](auto& json) { text_of(json, "spot")[5] = '<'; });
+  expect_refused_without("'rows' 2: 'jumps' 0",
+                         [](auto& json) { json["rows"][2]["jumps"][0]["step"] = "far"; });
+  expect_refused_without("'rows' 2: 'jumps' 0",
+                         [](auto& json) { json["rows"][2]["jumps"][0]["position"][1] = nullptr; });
+  expect_refused_without("'rows' 2: 'jumps' 0",
+                         [](auto& json) { json["rows"][2]["jumps"][0] = 3; });
+}
+
+// `points` a construction, all zero, and `jumps` a row.
+nlohmann::json large_comparison(std::size_t points, std::size_t rows, std::size_t jumps) {
+  const auto zeros = [&](const char* type, std::size_t numbers) {
+    const std::size_t bytes = 4 * numbers * points, padding = (3 - bytes % 3) % 3;
+    return nlohmann::json{
+        {type, std::string((bytes + padding) / 3 * 4 - padding, 'A') + std::string(padding, '=')}};
+  };
+  nlohmann::json json = {
+      {"mesh", "a.obj"}, {"rows", nlohmann::json::array()}, {"picture", nlohmann::json::array()}};
+  for (const char* construction : {"fair", "paper"})
+    json["picture"].push_back({{"construction", construction},
+                               {"points", points},
+                               {"face", zeros("u32", 1)},
+                               {"position", zeros("f32", 3)},
+                               {"normal", zeros("f32", 3)},
+                               {"spot", zeros("f32", 1)},
+                               {"curvature", zeros("f32", 1)}});
+  for (std::size_t i = 0; i < rows; ++i) {
+    nlohmann::json row = {
+        {"level", "table"}, {"tick_us", 1.2345678901234}, {"jumps", nlohmann::json::array()}};
+    for (std::size_t j = 0; j < jumps; ++j)
+      row["jumps"].push_back(
+          {{"position", {0.1, 0.2, 0.3}}, {"face", j}, {"step", 0.5}, {"lost", false}});
+    json["rows"].push_back(row);
+  }
+  return json;
+}
+
+TEST_F(Report, PagesOfComparisonsStaySmall) {
+  folder_.write("most.json", large_comparison(16000, 168, 200).dump());
+  EXPECT_EQ(result_of("most.json")["picture"].size(), 2);
+  EXPECT_LE(folder_.read("page.html").size(), 3'000'000u);
+  folder_.write("more.json", large_comparison(200000, 1, 30000).dump());
+  const auto more = result_of("more.json");
+  EXPECT_EQ(more["picture"], true) << "is told, where it has no place";
+  EXPECT_EQ(floats(more["rows"][0]["jumps"]["step"]).size(), 20000u);
+  EXPECT_LE(folder_.read("page.html").size(), 3'000'000u);
+}
+
 TEST_F(Report, GrowthIsOfPositiveFigures) {
   const auto growth = [&](const char* name, const std::string& sweep, const std::string& mesh) {
     folder_.write(name, fmt::format(R"({{"growth": {{"machine": "mine", "gliss": "1.2",

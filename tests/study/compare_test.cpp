@@ -109,6 +109,64 @@ TEST_F(Compare, walks_by_itself_over_the_mesh) {
   EXPECT_TRUE(none["rows"][0]["jumps_per_100k"].is_number());
 }
 
+// The length of n 4-byte numbers in base64.
+std::size_t packed_size(std::size_t n) { return (4 * n + 2) / 3 * 4; }
+
+TEST_F(Compare, tells_what_a_picture_needs_if_it_is_asked_for) {
+  const std::vector<std::string> words = {
+      "--dense-limit",   "0",       "--precisions", "double",       "--levels",
+      "fair,exact,flat", "--walks", "30",           "--walk-depth", "0.4mm"};
+  const Json plain = json_of(words);
+  EXPECT_FALSE(plain.contains("picture"));
+  EXPECT_FALSE(plain["rows"][2].contains("jumps"));
+  std::vector<std::string> more = words;
+  more.emplace_back("--picture");
+  const Json json = json_of(more);
+  ASSERT_EQ(json["picture"].size(), 2);
+  for (const std::size_t i : {0, 1}) {
+    const Json& picture = json["picture"][i];
+    EXPECT_EQ(picture["construction"], i == 0 ? "fair" : "paper");
+    EXPECT_EQ(picture["construction"], json["rows"][i]["construction"]);
+    const std::size_t points = picture["points"];
+    EXPECT_GT(points, 10000u);
+    EXPECT_LE(points, 16000u);
+    EXPECT_EQ(picture["face"]["u32"].get<std::string>().size(), packed_size(points));
+    for (const auto& [name, numbers] :
+         {std::pair("position", 3), {"normal", 3}, {"spot", 1}, {"curvature", 1}}) {
+      EXPECT_EQ(picture[name]["f32"].get<std::string>().size(),
+                packed_size(points * static_cast<std::size_t>(numbers)));
+    }
+    EXPECT_LE(picture["p99_curvature"], picture["max_curvature"]);
+  }
+  // The tube's radius is 10 mm; patches as coarse as these bend more, and the paper's most.
+  EXPECT_GT(json["picture"][0]["p50_curvature"], 80);  // 1/m
+  EXPECT_LT(json["picture"][0]["p50_curvature"], 200);
+  EXPECT_GT(json["picture"][1]["p50_curvature"], json["picture"][0]["p50_curvature"]);
+  EXPECT_TRUE(json["rows"][2]["construction"].is_null());
+  const Json& flat = json["rows"][2];
+  const std::size_t jumps = flat["jumps"].size();
+  ASSERT_GT(jumps, 5);
+  EXPECT_NEAR(flat["jumps_per_100k"].get<double>(), static_cast<double>(jumps) * 1e5 / 75000,
+              0.01 * flat["jumps_per_100k"].get<double>());
+  for (std::size_t i = 0; i < jumps; ++i) {
+    const Json& jump = flat["jumps"][i];
+    EXPECT_GT(jump["step"], 0.2);
+    EXPECT_LE(jump["step"], flat["jumps"][0]["step"]);
+    EXPECT_LT(jump["face"], 96);
+    const Vec3 at(jump["position"][0], jump["position"][1], jump["position"][2]);
+    // On polygons within the tube of radius 10 mm round a ring of 30 mm.
+    EXPECT_NEAR(std::hypot(std::hypot(at.x(), at.y()) - 30, at.z()), 9, 1.5);
+  }
+  std::vector<std::string> still = more;
+  *std::find(still.begin(), still.end(), "30") = "0";
+  const Json walkless = json_of(still);
+  EXPECT_FALSE(walkless["rows"][2].contains("jumps"));
+  EXPECT_EQ(walkless["picture"], json["picture"]);
+  const test::Outcome without = run({"--picture"});
+  EXPECT_EQ(without.code, 2);
+  EXPECT_THAT(without.err, HasSubstr("--picture: needs --json"));
+}
+
 TEST_F(Compare, a_row_is_marked_where_no_other_is_better_in_all) {
   const Json rows = json_of({"--dense-limit", "0", "--precisions", "float"})["rows"];
   for (const Json& row : rows) {

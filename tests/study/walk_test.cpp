@@ -98,6 +98,39 @@ TEST(Walk, tells_smooth_surfaces_from_those_that_jump) {
   EXPECT_GT(flat.jumps_per_100k(), 20);
 }
 
+TEST(Walk, tells_where_it_jumps) {
+  const Mesh mesh = test::with_normals(prism(5).mesh);
+  WalkOptions options = options_of(mesh, 40, 1000);
+  const double depth = options.depth = 0.5;  // so deep that contacts are lost at its edges
+  const std::vector<Walk> walks = walks_on(mesh, options);
+  const PatchCache cache = test::cache_of(mesh);
+  const auto engine = make_tbb_engine(3);
+  const ParallelFor parallel = [&](std::size_t count, std::size_t grain, const auto& body) {
+    engine->for_each(count, grain, body);
+  };
+  const QueryOptions flat{{}, Method::kFlat};
+  std::vector<WalkJump> jumps, shared;
+  const ForceStatistics felt = feel_walks(cache, flat, walks, depth, serial_for, &jumps);
+  feel_walks(cache, flat, walks, depth, parallel, &shared);
+  ASSERT_GT(jumps.size(), 5u);
+  EXPECT_EQ(jumps.size(), felt.jumps());
+  EXPECT_EQ(felt.jumps(), feel_walks(cache, flat, walks, depth).jumps());
+  ASSERT_EQ(shared.size(), jumps.size());
+  std::size_t lost = 0;
+  double largest = 0;
+  for (std::size_t i = 0; i < jumps.size(); ++i) {
+    EXPECT_GT(jumps[i].step, ForceStatistics::kJump);
+    EXPECT_LE(std::abs(nearest(cache, jumps[i].scp, flat).distance), 1e-9);
+    ASSERT_LT(jumps[i].face, mesh.face_count());
+    EXPECT_EQ(shared[i].scp, jumps[i].scp);
+    lost += jumps[i].lost;
+    largest = std::max(largest, jumps[i].step);
+  }
+  EXPECT_EQ(lost, felt.lost);
+  EXPECT_GT(lost, 0u);
+  EXPECT_EQ(largest, felt.largest_step / depth);
+}
+
 TEST(CrossingOracle, counts_ways_in_and_out_of_a_ball) {
   const Mesh ball = test::with_normals(goldberg().mesh);
   const Mesh fine = tessellate(ball, test::cache_of(ball), 6);

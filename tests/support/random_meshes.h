@@ -83,15 +83,25 @@ inline Mesh random_sphere(Rng& rng, int count, double radius, double tilt = 0) {
   return mesh;
 }
 
-/// Random points of a torus, joined by Delaunay's rule in its unrolled rectangle.
-inline Mesh random_torus(Rng& rng, int count, double R, double r, double tilt = 0) {
-  const double pi = std::numbers::pi, width = 2 * pi * R, height = 2 * pi * r;
-  Mesh mesh;
-  mesh.source = "random torus";
-  std::vector<Vec3> lifted;
-  std::vector<std::uint32_t> vertex;
-  using Flat = std::array<double, 2>;
-  const std::vector<Flat> flat = points_apart(
+/// The hull of random points of a sphere, stretched to an ellipsoid with these half axes.
+inline Mesh random_ellipsoid(Rng& rng, int count, const Vec3& half) {
+  Mesh mesh = random_sphere(rng, count, 1);
+  mesh.source = "random ellipsoid";
+  for (Vec3& p : mesh.positions) p = p.cwiseProduct(half);
+  mesh.normals.clear();
+  add_normals(mesh, rng, 0, [&](const Vec3& p) { return Vec3(p.cwiseQuotient(half.cwiseAbs2())); });
+  return mesh;
+}
+
+using Flat = std::array<double, 2>;
+/// Random points of a rectangle whose opposite sides are one, joined by Delaunay's rule.
+struct Unrolled {
+  std::vector<Flat> points;
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+};
+inline Unrolled random_unrolled(Rng& rng, int count, double width, double height) {
+  Unrolled made;
+  made.points = points_apart(
       count, kApart * std::sqrt(width * height / count),
       [&] {
         const double u = oracle::uniform(rng, 0, width);
@@ -101,19 +111,17 @@ inline Mesh random_torus(Rng& rng, int count, double R, double r, double tilt = 
         return std::hypot(std::remainder(a[0] - b[0], width), std::remainder(a[1] - b[1], height));
       });
   // The hull of a paraboloid, over the rectangle and as much again around it.
+  std::vector<Vec3> lifted;
+  std::vector<std::uint32_t> vertex;
   for (int x = -1; x <= 1; ++x) {
     for (int y = -1; y <= 1; ++y) {
-      for (std::uint32_t i = 0; i < flat.size(); ++i) {
-        const double u = flat[i][0] + x * width, v = flat[i][1] + y * height;
+      for (std::uint32_t i = 0; i < made.points.size(); ++i) {
+        const double u = made.points[i][0] + x * width, v = made.points[i][1] + y * height;
         if (std::abs(u / width - 0.5) > 1 || std::abs(v / height - 0.5) > 1) continue;
         lifted.push_back({u, v, u * u + v * v});
         vertex.push_back(i);
       }
     }
-  }
-  for (const auto& p : flat) {
-    const double u = p[0] / R, v = p[1] / r, from_axis = R + r * std::cos(v);
-    mesh.positions.push_back({from_axis * std::cos(u), from_axis * std::sin(u), r * std::sin(v)});
   }
   for (const auto& t : hull_of(lifted)) {
     const Vec3 a = lifted[t[0]], b = lifted[t[1]], c = lifted[t[2]], middle = (a + b + c) / 3;
@@ -121,10 +129,42 @@ inline Mesh random_torus(Rng& rng, int count, double R, double r, double tilt = 
     const bool here =
         middle.x() >= 0 && middle.x() < width && middle.y() >= 0 && middle.y() < height;
     // Seen from below, anticlockwise is clockwise.
-    if (below && here) add_face(mesh, {vertex[t[0]], vertex[t[2]], vertex[t[1]]});
+    if (below && here) made.triangles.push_back({vertex[t[0]], vertex[t[2]], vertex[t[1]]});
   }
+  return made;
+}
+
+/// Random points of a torus, joined in its unrolled rectangle.
+inline Mesh random_torus(Rng& rng, int count, double R, double r, double tilt = 0) {
+  const double pi = std::numbers::pi;
+  const Unrolled flat = random_unrolled(rng, count, 2 * pi * R, 2 * pi * r);
+  Mesh mesh;
+  mesh.source = "random torus";
+  for (const auto& p : flat.points) {
+    const double u = p[0] / R, v = p[1] / r, from_axis = R + r * std::cos(v);
+    mesh.positions.push_back({from_axis * std::cos(u), from_axis * std::sin(u), r * std::sin(v)});
+  }
+  for (const auto& t : flat.triangles) add_face(mesh, {t[0], t[1], t[2]});
   add_normals(mesh, rng, tilt,
               [&](const Vec3& p) { return Vec3(p - R * Vec3(p.x(), p.y(), 0).normalized()); });
+  return mesh;
+}
+
+/// Random points of a cylinder's mantle, joined in its unrolled rectangle; its borders are ragged.
+inline Mesh random_cylinder(Rng& rng, int count, double radius, double height) {
+  const Unrolled flat = random_unrolled(rng, count, 2 * std::numbers::pi * radius, height);
+  Mesh mesh;
+  mesh.source = "random cylinder";
+  for (const auto& p : flat.points) {
+    const double u = p[0] / radius;
+    mesh.positions.push_back({radius * std::cos(u), radius * std::sin(u), p[1]});
+  }
+  for (const auto& t : flat.triangles) {
+    const auto [low, high] =
+        std::minmax({mesh.positions[t[0]].z(), mesh.positions[t[1]].z(), mesh.positions[t[2]].z()});
+    if (high - low < height / 2) add_face(mesh, {t[0], t[1], t[2]});
+  }
+  add_normals(mesh, rng, 0, [](const Vec3& p) { return Vec3(p.x(), p.y(), 0); });
   return mesh;
 }
 

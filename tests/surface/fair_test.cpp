@@ -4,6 +4,7 @@
 
 #include <cstring>
 
+#include "gliss/generate/generate.h"
 #include "gliss/mesh/regions.h"
 #include "gliss/validate/validate.h"
 #include "tests/support/patch_errors.h"
@@ -311,8 +312,9 @@ Curvatures curvatures_of(const PatchCache& cache, double radius) {
   return {ratio[ratio.size() / 2], ratio[ratio.size() * 99 / 100], ratio.back()};
 }
 
-// The aim on tori is 2.2 at most; thin triangles reach 3.
-constexpr Curvatures kSphere{1.02, 1.05, 1.10}, kTorus{1.1, 2.2, 3.5};
+// The aim on tori is 2.2 at most; thin triangles reach 3, and slivers of irregular() far more.
+constexpr Curvatures kSphere{1.02, 1.05, 1.10}, kTorus{1.1, 2.2, 3.5}, kEllipsoid{1.1, 2.2, 3.5},
+    kCylinder{1.02, 1.05, 1.10}, kIrregular{1.05, 3.5, 120};
 
 void record(const std::string& name, const Curvatures& fair, const Curvatures& paper) {
   test::record(name, "{:.3g} / {:.3g} / {:.3g}; paper {:.3g} / {:.3g} / {:.3g}", fair.median,
@@ -344,6 +346,72 @@ TEST(Fair, random_tori_are_hardly_more_curved_than_tori) {
     EXPECT_LE(fair.largest, kTorus.largest);
     EXPECT_GE(paper.p99, 50 * fair.p99);
     record(fmt::format("torus {}", seed), fair, paper);
+  }
+}
+
+// Curvatures over the largest true one at points of the patch, for patches of triangles.
+template <class TrueCurvature>
+Curvatures curvatures_of(const Mesh& mesh, const PatchCache& cache, TrueCurvature true_curvature) {
+  Rng rng(5);
+  std::vector<double> ratio;
+  for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
+    if (mesh.valence(f) != 3) continue;
+    double there = 0;
+    for (const Vec2& X : points_of_triangle(rng))
+      there = std::max(there, true_curvature(at(cache, f, X).position));
+    for (std::uint32_t p = cache.face_patch[f]; p < cache.patch_count() && cache.patch_face[p] == f;
+         ++p)
+      ratio.push_back(1 / (cache.rho_min[p] * there));
+  }
+  std::sort(ratio.begin(), ratio.end());
+  return {ratio[ratio.size() / 2], ratio[ratio.size() * 99 / 100], ratio.back()};
+}
+
+// The largest of the ellipsoid with these half axes, near a point of it: that of the Hessian of its
+// function in the tangent plane, over the length of the gradient.
+double ellipsoid_curvature(const Vec3& half, const Vec3& on) {
+  const Vec3 weights = half.cwiseAbs2().cwiseInverse(), gradient = on.cwiseProduct(weights);
+  const Vec3 n = gradient.normalized(), a = n.unitOrthogonal(), b = n.cross(a);
+  const auto second = [&](const Vec3& u, const Vec3& v) { return u.dot(weights.cwiseProduct(v)); };
+  const double aa = second(a, a), ab = second(a, b), bb = second(b, b);
+  return ((aa + bb) / 2 + std::hypot((aa - bb) / 2, ab)) / gradient.norm();
+}
+
+const Vec3 kHalfAxes(20, 12, 8);
+double on_ellipsoid(const Vec3& x) { return ellipsoid_curvature(kHalfAxes, x); }
+double on_cylinder(const Vec3&) { return 0.1; }
+
+void expect_hardly_more_curved(const std::string& name, const Mesh& mesh,
+                               double (*true_curvature)(const Vec3&), const Curvatures& most) {
+  const Curvatures fair = curvatures_of(mesh, fair_cache(mesh), true_curvature);
+  const Curvatures paper = curvatures_of(mesh, test::paper_cache_of(mesh), true_curvature);
+  EXPECT_LE(fair.median, most.median);
+  EXPECT_LE(fair.p99, most.p99);
+  EXPECT_LE(fair.largest, most.largest);
+  EXPECT_GE(paper.p99, 50 * fair.p99);
+  record(name, fair, paper);
+}
+
+TEST(Fair, random_ellipsoids_and_cylinders_are_hardly_more_curved_than_these) {
+  for (const std::uint64_t seed : {1u, 2u, 3u, 4u}) {
+    Rng rng(seed);
+    expect_hardly_more_curved(fmt::format("ellipsoid {}", seed),
+                              test::random_ellipsoid(rng, 400, kHalfAxes), on_ellipsoid,
+                              kEllipsoid);
+    expect_hardly_more_curved(fmt::format("cylinder {}", seed),
+                              test::random_cylinder(rng, 400, 10, 40), on_cylinder, kCylinder);
+  }
+}
+
+// As gliss generate --irregular makes them: points fall as near to each other as they will.
+TEST(Fair, irregular_ellipsoids_and_cylinders_are_curved_as_these_but_for_slivers) {
+  for (const std::uint64_t seed : {1u, 2u, 3u, 4u}) {
+    expect_hardly_more_curved(fmt::format("irregular ellipsoid {}", seed),
+                              irregular(ellipsoid(6, 40, 24, 16), seed).mesh, on_ellipsoid,
+                              kIrregular);
+    expect_hardly_more_curved(fmt::format("irregular cylinder {}", seed),
+                              irregular(cylinder(24, 16, 10, 40), seed).mesh, on_cylinder,
+                              kIrregular);
   }
 }
 

@@ -10,6 +10,7 @@
 #include "gliss/build/build_cache.h"
 #include "gliss/generate/generate.h"
 #include "gliss/study/compare.h"
+#include "tools/cli/compare_picture.h"
 #include "tools/cli/curvature.h"
 #include "tools/cli/outputs.h"
 #include "tools/cli/surface_input.h"
@@ -27,6 +28,7 @@ struct ComparingOptions : SurfaceOptions {
   std::string walk_depth = "0.5%";
   CompareBudget budget;
   int dense_limit = 500000;
+  bool with_picture = false;
 };
 
 constexpr std::size_t kLoops = 40;  // closed ones
@@ -155,6 +157,9 @@ void describe(Command& command, ComparingOptions& options) {
       {"--dense-limit", "N",
        "triangles of the densest mesh tried for flat and shaded; 0: none; default 500000"},
       options.dense_limit, 0, 100000000);
+  command.flag("--picture", options.with_picture,
+               "with --json: the surface of each construction with its curvature, and the places "
+               "where walks jump, for gliss report");
   add_output_option(command, options.output, "rows as a table: .h5 or .csv");
 }
 
@@ -242,8 +247,15 @@ TrueDistance true_distance(const ComparingOptions& options, const Mesh& mesh) {
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
 
+// Null: flat and shaded have none.
+Json construction_of(const CompareRow& row) {
+  if (row.candidate.method != Method::kGregory) return {};
+  return name_of(kConstructionNames, row.candidate.level.construction);
+}
+
 Json json_of(const CompareRow& row) {
   return {{"level", row.candidate.name()},
+          {"construction", construction_of(row)},
           {"precision", precision_name(row.precision)},
           {"solver", name_of(kSolverNames, row.solver)},
           {"backend", row.backend},
@@ -412,6 +424,8 @@ const CompareRow* smoothest(const std::vector<CompareRow>& rows) {
 
 void run(const ComparingOptions& options) {
   check_outputs({options.output}, {options.surface, options.path, options.reference});
+  if (options.with_picture && !options.json)
+    throw InputError("--picture: needs --json, which it is a part of");
   const Stopwatch clock;
   const auto engine = make_engine(options);
   Mesh mesh = read_mesh(options);
@@ -435,6 +449,7 @@ void run(const ComparingOptions& options) {
   const Json walks_json = json_of(walks, options.walk);
   CompareOptions measuring = options.compare;
   measuring.normals_given = normals_given;
+  measuring.most_jumps = options.with_picture ? kMostRowJumps : 0;
   measuring.baseline = &baseline;
   measuring.poll = stop_if_interrupted;
   measuring.make_engine = [&](const std::string& backend) {
@@ -489,6 +504,8 @@ void run(const ComparingOptions& options) {
   for (const CompareRow& row : rows) {
     text += text_of(row);
     json["rows"].push_back(json_of(row));
+    if (options.with_picture && !walks_json.is_null())
+      json["rows"].back()["jumps"] = jumps_json(row.jumps);
   }
   text += "* no other is better in error, tick and memory at once\n" + walks_text;
   for (const DenseRow& row : dense) {
@@ -507,6 +524,8 @@ void run(const ComparingOptions& options) {
   } else {
     text += "nothing is within the budget\n";
   }
+  if (options.with_picture)
+    json["picture"] = picture_json(comparison.pictures(kMostPicturePoints), mesh.unit);
   json["seconds"] = clock.seconds();
   report(options, text, json, options.output == "-");
 }

@@ -26,7 +26,7 @@ struct Shape {
   const char *name, *description, *example;
   void (*describe)(Command&, GenerateOptions&);
   Generated (*make)(const GenerateOptions&);
-  bool is_smooth = false;  // its exact surface has no edges
+  bool has_surface = false;  // an exact one, which random triangles may lie on
 };
 
 template <class Number>
@@ -65,6 +65,15 @@ const Shape kShapes[] = {
        add(c, "--radius", o.radius, 10.0, "radius of the sphere");
      },
      [](const GenerateOptions& o) { return goldberg(o.frequency, o.radius); }, true},
+    {"ellipsoid", "Ellipsoid of 12 pentagons and hexagons.", "--length 40 --width 24 --height 16",
+     [](Command& c, GenerateOptions& o) {
+       add(c, "--frequency", o.frequency, 4, "10 (N^2 - 1) hexagons");
+       add(c, "--length", o.length, 40.0, "size in x");
+       add(c, "--width", o.width, 24.0, "size in y");
+       add(c, "--height", o.height, 16.0, "size in z");
+     },
+     [](const GenerateOptions& o) { return ellipsoid(o.frequency, o.length, o.width, o.height); },
+     true},
     {"banana", "Banana of quads with two end caps.", "--along 37 --around 11",
      [](Command& c, GenerateOptions& o) {
        add(c, "--along", o.along, 37, "faces from end to end");
@@ -85,7 +94,8 @@ const Shape kShapes[] = {
        add(c, "--radius", o.radius, 10.0, "radius of the caps");
        add(c, "--height", o.height, 20.0, "distance of the caps");
      },
-     [](const GenerateOptions& o) { return cylinder(o.around, o.along, o.radius, o.height); }},
+     [](const GenerateOptions& o) { return cylinder(o.around, o.along, o.radius, o.height); },
+     true},
     {"cube", "Cube of squares; normals differ across its edges.", "--along 4",
      [](Command& c, GenerateOptions& o) {
        add(c, "--along", o.along, 1, "faces along an edge");
@@ -133,9 +143,10 @@ void add_generate(Command& program) {
         fmt::format("gliss generate {0} {1} -o {0}.obj", shape.name, shape.example),
         [&shape](Command& command, GenerateOptions& options) {
           command.option({"-o,--output", "FILE", "OBJ file to write", true}, options.output);
-          if (shape.is_smooth) {
+          if (shape.has_surface) {
             command.option(
-                {"--irregular", "SEED", "random triangles instead, on the shape's exact surface"},
+                {"--irregular", "SEED",
+                 "random triangles instead, on the shape's exact surface; sharp edges stay"},
                 [&options](const std::string& text) {
                   options.irregular = parse_number<std::uint64_t>("--irregular", text);
                 });

@@ -58,10 +58,12 @@ export const steps = uPlot.paths.stepped({align: -1});
 
 export class Chart {
   // x, y: {label, log, range: [from, to]}. data: [xs, ys, ...]. series: [{color, fill, paths, width, points, spanGaps}].
+  // labels: [[index, y, text]], those first that are to be seen where there is no room for all.
   // tell(index) gives a tooltip [title, rows]. pick: 'point' takes the nearest point, else the nearest x. onRange: after
   // a zoom. sync: charts of the same name share their cursor.
-  constructor({label, height, x, y, series, data, tell, pick, onRange, sync}) {
+  constructor({label, height, x, y, series, data, labels, tell, pick, onRange, sync}) {
     this.tell = tell;
+    this.labels = labels ?? [];
     this.full = x.range;
     this.yRange = y.range;
     this.byPoint = pick === 'point';
@@ -90,6 +92,7 @@ export class Chart {
         sync: sync ? {key: sync, setSeries: false} : undefined,
       },
       hooks: {
+        draw: [u => this.drawLabels(u)],
         setCursor: [u => this.pointAt(u)],
         setScale: [(u, key) => key === 'x' && onRange && onRange(u.scales.x.min, u.scales.x.max)],
       },
@@ -113,6 +116,31 @@ export class Chart {
     } else if (width !== this.plot.width) {
       this.plot.setSize({width, height: this.options.height});
     }
+  }
+
+  // Beside their points, where they cover neither points nor each other.
+  drawLabels(u) {
+    const {ctx, bbox} = u, dpr = devicePixelRatio, half = 7 * dpr, gap = 10 * dpr;
+    const at = this.labels.map(([i, y]) => [u.valToPos(u.data[0][i], 'x', true), u.valToPos(y, 'y', true)]);
+    const taken = at.map(([x, y]) => [x - 5 * dpr, y - 5 * dpr, x + 5 * dpr, y + 5 * dpr]);
+    const isFree = ([left, top, right, bottom]) =>
+        left >= bbox.left && right <= bbox.left + bbox.width && top >= bbox.top && bottom <= bbox.top + bbox.height &&
+        taken.every(([l, t, r, b]) => right < l || left > r || bottom < t || top > b);
+    ctx.save();
+    ctx.font = `${12 * dpr}px system-ui, sans-serif`;
+    [ctx.fillStyle, ctx.strokeStyle, ctx.lineWidth] = [color('ink-2'), color('paper'), 4 * dpr];
+    [ctx.textAlign, ctx.textBaseline] = ['left', 'middle'];
+    for (const [k, [, , text]] of this.labels.entries()) {
+      const [x, y] = at[k], {width} = ctx.measureText(text);
+      const boxes = [[x + gap, y], [x - gap - width, y], [x - width / 2, y - 2 * half], [x - width / 2, y + 2 * half]]
+                        .map(([left, middle]) => [left, middle - half, left + width, middle + half]);
+      const box = boxes.find(isFree);
+      if (!box) continue;
+      taken.push(box);
+      ctx.strokeText(text, box[0], box[1] + half);
+      ctx.fillText(text, box[0], box[1] + half);
+    }
+    ctx.restore();
   }
 
   show(from, to) {

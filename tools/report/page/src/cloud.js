@@ -1,10 +1,12 @@
-// Points lit as if the directions of their forces were normals, on a canvas; the camera is shared.
+// Points lit as if the directions of their forces were normals, on a canvas; the camera is shared. They may have colours
+// by a number of theirs, and marks over them.
 import {BufferAttribute, BufferGeometry, GLSL3, Points, Scene, ShaderMaterial, Vector3, WebGLRenderer, Color} from 'three';
 import {color, onTheme} from './theme.js';
 
 // Browsers allow few contexts: one draws all views, one after the other, each is copied to its canvas.
 let renderer;
 export function startClouds() {
+  if (renderer) return true;
   try {
     renderer = new WebGLRenderer({alpha: true});
     renderer.setClearAlpha(0);
@@ -14,13 +16,17 @@ export function startClouds() {
   return renderer !== null;
 }
 
+// Colours from little to much, told apart by those who see few colours as well.
+export const ramp = ['#4575b4', '#91bfdb', '#fee090', '#fc8d59', '#b2182b'];
+
 const vertexShader = `
 in vec3 force;
-in float spacing;
+in float spacing, heat;
 uniform float pixels;  // of a unit of length at distance 1
 uniform bool direction;
 out vec3 normal_;
 out float depth;  // by how much the rim of a point lies behind its middle
+out float heat_;
 void main() {
   vec4 seen = modelViewMatrix * vec4(position, 1.0);
   gl_Position = projectionMatrix * seen;
@@ -30,13 +36,14 @@ void main() {
   float size = length(force);
   vec3 unit = size > 0.0 ? force / size : vec3(0.0);
   normal_ = direction ? unit : normalMatrix * unit;
+  heat_ = heat;
 }`;
 
 const fragmentShader = `
 in vec3 normal_;
-in float depth;
-uniform bool direction;
-uniform vec3 clay, free;
+in float depth, heat_;
+uniform bool direction, heated;
+uniform vec3 clay, free, ramp[5];
 out vec4 shade;
 void main() {
   vec2 place = 2.0 * gl_PointCoord - 1.0;
@@ -48,8 +55,36 @@ void main() {
   if (direction) { shade = vec4(0.5 + 0.45 * n, 1.0); return; }
   vec3 light = normalize(vec3(-0.5, 0.7, 0.75));
   float lit = 0.5 + 0.5 * dot(n, light);
+  if (heated) {
+    float at = 4.0 * heat_;
+    int below = min(int(at), 3);
+    shade = vec4(mix(ramp[below], ramp[below + 1], at - float(below)) * (0.5 + 0.55 * lit), 1.0);
+    return;
+  }
   float gleam = pow(max(dot(n, normalize(light + vec3(0.0, 0.0, 1.0))), 0.0), 48.0);
   shade = vec4(clay * (0.16 + 0.92 * lit * lit) + 0.30 * gleam, 1.0);
+}`;
+
+const markVertexShader = `
+in float size;
+uniform float fine, nearer;
+out float across;
+void main() {
+  vec4 seen = modelViewMatrix * vec4(position, 1.0);
+  seen.z += nearer;  // the surface does not cover what lies on it
+  gl_Position = projectionMatrix * seen;
+  across = size * fine;
+  gl_PointSize = across;
+}`;
+
+const markFragmentShader = `
+in float across;
+uniform vec3 core, ring;
+out vec4 shade;
+void main() {
+  float away = length(gl_PointCoord - 0.5) * 2.0;
+  if (away > 1.0) discard;
+  shade = vec4(away > 0.66 ? ring : core, 1.0);
 }`;
 
 // How far samples lie apart: all patches have equally many, whatever their size.
@@ -68,7 +103,7 @@ export function spacings(positions, patches) {
 }
 
 export class CloudView {
-  // canvas; points: {positions, spacing} as BufferAttributes; forces: Float32Array.
+  // canvas; points: {positions, spacing, heat} as BufferAttributes, heat from 0 to 1 or absent; forces: Float32Array.
   constructor(canvas, points, forces, orbit) {
     this.canvas = canvas;
     this.orbit = orbit;
@@ -77,17 +112,39 @@ export class CloudView {
     geometry.setAttribute('position', points.positions);
     geometry.setAttribute('spacing', points.spacing);
     geometry.setAttribute('force', new BufferAttribute(forces, 3));
+    if (points.heat) geometry.setAttribute('heat', points.heat);
     this.material = new ShaderMaterial({
       vertexShader,
       fragmentShader,
       glslVersion: GLSL3,
-      uniforms: {pixels: {value: 1}, direction: {value: false}, clay: {value: new Color()}, free: {value: new Color()}},
+      uniforms: {pixels: {value: 1}, direction: {value: false}, heated: {value: Boolean(points.heat)}, clay: {value: new Color()},
+        free: {value: new Color()}, ramp: {value: ramp.map(shade => new Color().setStyle(shade, ''))}},
     });
     this.scene = new Scene();
     this.scene.add(new Points(geometry, this.material));
     this.marked = null;
     onTheme(() => this.ask());
     new ResizeObserver(() => this.ask()).observe(canvas);
+  }
+
+  // Dots over the surface. positions: x y z ...; sizes in pixels.
+  setMarks(positions, sizes) {
+    if (!this.marks) {
+      const material = new ShaderMaterial({
+        vertexShader: markVertexShader,
+        fragmentShader: markFragmentShader,
+        glslVersion: GLSL3,
+        uniforms: {fine: {value: 1}, nearer: {value: 0.03 * this.orbit.radius}, core: {value: new Color(0, 0, 0)}, ring: {value: new Color(1, 1, 1)}},
+      });
+      this.marks = new Points(undefined, material);
+      this.marks.frustumCulled = false;
+      this.scene.add(this.marks);
+    }
+    this.marks.geometry.dispose();
+    this.marks.geometry = new BufferGeometry();
+    this.marks.geometry.setAttribute('position', new BufferAttribute(positions, 3));
+    this.marks.geometry.setAttribute('size', new BufferAttribute(sizes, 1));
+    this.ask();
   }
 
   // Drawn once before the next picture, however often it is asked for.
@@ -114,6 +171,7 @@ export class CloudView {
     // As they are: the shader's colours go to the screen without conversion.
     uniforms.clay.value.setStyle(color('clay'), '');
     uniforms.free.value.setStyle(color('free'), '');
+    if (this.marks) this.marks.material.uniforms.fine.value = fine * devicePixelRatio;
     renderer.render(this.scene, camera);
     const context = this.canvas.getContext('2d');
     context.clearRect(0, 0, width, height);
@@ -121,8 +179,8 @@ export class CloudView {
     if (this.marked !== null) this.mark(context);
   }
 
-  onScreen(index, out = new Vector3()) {
-    out.fromArray(this.positions, 3 * index).project(this.orbit.camera);
+  onScreen(index, out = new Vector3(), positions = this.positions) {
+    out.fromArray(positions, 3 * index).project(this.orbit.camera);
     out.x = (out.x + 1) / 2 * this.canvas.clientWidth;
     out.y = (1 - out.y) / 2 * this.canvas.clientHeight;
     return out;
@@ -140,17 +198,28 @@ export class CloudView {
   }
 
   // The foremost point at a place of the canvas, or null.
-  pick(x, y) {
+  pick(x, y) { return this.foremost(x, y, this.positions)[0]; }
+
+  // {mark} or {point}: the mark there, if the surface does not hide it; {}: neither.
+  pickAny(x, y) {
+    const [point, far] = this.foremost(x, y, this.positions);
+    const [mark, markFar] = this.marks ? this.foremost(x, y, this.marks.geometry.attributes.position.array) : [null, 0];
+    if (mark !== null && markFar < far + 0.05 * this.orbit.radius) return {mark};
+    return point === null ? {} : {point};
+  }
+
+  // Its index and how far it is.
+  foremost(x, y, positions) {
     const reach = 7, at = new Vector3(), {camera, radius} = this.orbit;
     let best = null, least = Infinity;
-    for (let i = 0; i < this.positions.length / 3; i++) {
-      this.onScreen(i, at);
+    for (let i = 0; i < positions.length / 3; i++) {
+      this.onScreen(i, at, positions);
       const away = Math.hypot(at.x - x, at.y - y);
       if (away > reach) continue;
       // Of points about as near to the eye, the one under the cursor.
-      const far = at.fromArray(this.positions, 3 * i).distanceTo(camera.position) + 0.003 * radius * away;
+      const far = at.fromArray(positions, 3 * i).distanceTo(camera.position) + 0.003 * radius * away;
       if (far < least) [best, least] = [i, far];
     }
-    return best;
+    return [best, least];
   }
 }

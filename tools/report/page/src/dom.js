@@ -25,11 +25,11 @@ export function table(header, rows, caption) {
     const attributes = tag === 'th' ? {scope: 'col', title: header[i].title} : at === 'th' ? {scope: 'row'} : {};
     return el(header[i].number ? `${at}.number` : at, attributes, content);
   };
-  return el('.table', {tabindex: '0', role: 'region', 'aria-label': caption},
-      el('table', {}, caption ? el('caption', {}, caption) : null,
+  return el('.tabled', {}, el('p.caption', {}, caption), el('.table', {tabindex: '0', role: 'region', 'aria-label': caption},
+      el('table', {},
           el('thead', {}, el('tr', {}, header.map((h, i) => cell(h.text, i, 'th')))),
           el('tbody', {}, rows.map(row => el(row.mark ? `tr.${row.mark}` : 'tr', {},
-              row.map((content, i) => cell(content, i, 'td')))))));
+              row.map((content, i) => cell(content, i, 'td'))))))));
 }
 
 export function figure(caption, ...children) {

@@ -19,7 +19,7 @@ export function superscript(exponent) {
 
 export function count(value) {
   if (value === null || value === undefined) return '–';
-  return Math.round(value).toLocaleString('en-US').replaceAll(',', '\u2009');
+  return Math.round(value).toLocaleString('en-US').replaceAll(',', '\u202f');
 }
 
 export function bytes(value) {

@@ -1,6 +1,8 @@
 // Turning, moving and zooming a camera that several views share.
 import {PerspectiveCamera, Quaternion, Vector3} from 'three';
 
+export const keysHint = 'Arrow keys turn, with shift they move, plus and minus zoom, 0 resets.';
+
 export class Orbit {
   // box: {min, max}. The widest side faces the camera, the longest lies across.
   constructor(box, changed) {

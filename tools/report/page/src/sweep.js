@@ -5,10 +5,9 @@ import {button, el, figure, select, swatch, table} from './dom.js';
 import {count, number, vector} from './format.js';
 import {histograms} from './histogram.js';
 import {inOrder, methodColor, methodTitle} from './methods.js';
-import {Orbit} from './orbit.js';
+import {Orbit, keysHint} from './orbit.js';
 import {hideTooltip, showTooltip} from './tooltip.js';
 
-const keysHint = 'Arrow keys turn, with shift they move, plus and minus zoom, 0 resets.';
 const depthText = depth => depth.name.replace('mm', ' mm');
 
 // Degrees between two forces; NaN where there is none.
@@ -58,7 +57,7 @@ function depthViews(depth, orbit, unit) {
     return el('.view', {},
         el('h4', {}, swatch(methodColor(method.method), methodTitle(method.method)),
             el('span.aside', {}, `${depthText(depth)} deep, largest step across edges ${number(method.statistics.edge_step.max)} N, jumps ${
-                number(method.statistics.jumps_per_100k)} and lost ${number(method.statistics.lost_per_100k)} per 100\u2009000 pairs`)),
+                number(method.statistics.jumps_per_100k)} and lost ${number(method.statistics.lost_per_100k)} per 100\u202f000 pairs`)),
         canvas);
   });
   return {views, element: el('.views', {}, boxes)};

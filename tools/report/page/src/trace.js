@@ -44,7 +44,7 @@ class PathCharts {
         el('h4', {}, swatch(methodColor(method.method), methodTitle(method.method)),
             el('span.aside', {}, `mean ${number(method.mean_change)} N, largest `,
                 `${number(method.largest[0]?.change ?? 0)} N, jumps ${number(method.jumps_per_100k)} and lost ${
-                number(method.lost_per_100k)} per 100\u2009000 ticks in contact`)),
+                number(method.lost_per_100k)} per 100\u202f000 ticks in contact`)),
         this.charts[i].element)));
   }
 

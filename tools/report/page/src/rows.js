@@ -1,0 +1,34 @@
+// Rows of a comparison: what they are called, and which of them belong together.
+
+const keys = ['level', 'precision', 'solver', 'backend'];
+
+export const rowName = row => [`level ${row.level ?? '?'}`, row.precision, row.solver, row.backend].filter(Boolean).join(', ');
+
+export const sameRow = (row, other) => keys.every(key => row[key] === other?.[key]);
+
+// What tells a row from the others.
+export function shortName(row, rows) {
+  const varied = keys.filter(key => rows.some(other => other[key] !== row[key]));
+  return (varied.length ? varied : keys.slice(0, 1)).map(key => row[key] ?? '–').join(', ');
+}
+
+// Constructions and baselines, in the order in which figures show them; each has a colour in page.css.
+const groups = {
+  fair: ['Fair patches', 'gregory'],
+  paper: ['Paper’s patches', 'papers'],
+  patches: ['Gregory patches', 'gregory'],
+  shaded: ['Force shading', 'shaded'],
+  flat: ['Flat polygons', 'flat'],
+};
+
+export const groupOf = row => [row.construction, row.level].find(name => name in groups) ?? 'patches';
+export const groupTitle = group => groups[group]?.[0] ?? group;
+export const groupColor = group => groups[group]?.[1] ?? 'neutral';
+
+// [[group, its rows]], those without rows left out.
+export function grouped(rows) {
+  return Object.keys(groups).map(group => [group, rows.filter(row => groupOf(row) === group)]).filter(([, of]) => of.length);
+}
+
+// A group's own surface, where it was measured, or the first of it.
+export const chiefRow = rows => rows.find(({level}) => level === 'fair' || level === 'exact') ?? rows[0];
