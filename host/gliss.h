@@ -34,6 +34,7 @@
 #include "gliss/mesh/creases.h"
 #include "gliss/mesh/mesh.h"
 #include "gliss/mesh/regions.h"
+#include "gliss/mesh/rounding.h"
 #include "gliss/mesh/topology.h"
 #include "gliss/query/contact_tracker.h"
 #include "gliss/query/force_statistics.h"

@@ -77,6 +77,8 @@ void FairSides::find_shape(std::size_t i) {
   std::vector<FairEdge<double>> edges;
   for (std::uint32_t side = first; side != kNone;) {
     if (normal(side) != normal(first)) return;
+    // The arc of a rounded crease, which bends where the faces beside it do not.
+    if (!mesh_.strips.empty() && frame_.has_tangents(side)) return;
     edges.push_back(edge(side));
     const std::uint32_t last = prev_side(mesh_, topology_, side);
     side = next_around(mesh_, topology_, side);

@@ -6,72 +6,29 @@
 
 #include "gliss/base/message.h"
 #include "gliss/base/units.h"
+#include "gliss/mesh/sectors.h"
 
 namespace gliss {
 namespace {
 
-constexpr double kSameNormal = 1e-3;  // rad, what a file of few digits may leave between them
-constexpr double kPasses = -0.5;      // cosine between two creases that go on as one curve
-constexpr double kCollinear = 1e-6;   // sine between tangents that leave a normal undetermined
 // A sector whose creases are less apart than this (their sine) has its normal from them only if it
 // is that near to its faces' (cosine); and no corner's own normal may be farther from it than
 // kLeastSeen (cosine). Else its inner edges are cut as well.
 constexpr double kNarrow = 0.25, kTrusted = 0.8, kLeastSeen = 0.2;
 
-double angle_between(const Vec3& a, const Vec3& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
-}
-
-const Vec3& start_of(const Mesh& mesh, std::uint32_t side) {
-  return mesh.positions[mesh.corner_vertex[side]];
-}
-
-// The edge of a side, from its start.
-Vec3 edge_of(const Mesh& mesh, const Topology& topology, std::uint32_t side) {
-  return start_of(mesh, next_side(mesh, topology, side)) - start_of(mesh, side);
-}
-
-// The unit normal of a corner: on the side of its face's where it is reflex, its face's where it is
-// straight.
-Vec3 corner_normal(const Mesh& mesh, const Topology& topology, std::uint32_t corner,
-                   const Vec3& face_normal) {
-  const Vec3 m = edge_of(mesh, topology, prev_side(mesh, topology, corner))
-                     .stableNormalized()
-                     .cross(edge_of(mesh, topology, corner).stableNormalized());
-  if (!(m.norm() > kCollinear)) return face_normal.stableNormalized();
-  return (m.dot(face_normal) < 0 ? Vec3(-m) : m).normalized();
-}
-
-// The normal of a face beside one of its sides: that of the two corners there.
-Vec3 normal_beside(const Mesh& mesh, const Topology& topology, std::uint32_t side) {
-  const Vec3 face = newell_normal(mesh, topology.side_face[side]);
-  const Vec3 sum = corner_normal(mesh, topology, side, face) +
-                   corner_normal(mesh, topology, next_side(mesh, topology, side), face);
-  return sum.norm() > kCollinear ? sum : face;
-}
-
-bool normals_differ(const Mesh& mesh, std::uint32_t corner, std::uint32_t other) {
-  const std::uint32_t a = mesh.corner_normal[corner], b = mesh.corner_normal[other];
-  return a != b && angle_between(mesh.normals[a], mesh.normals[b]) > kSameNormal;
-}
-
 // Finds normals and tangents, vertex by vertex and then edge by edge.
 class Sharpener {
  public:
   Sharpener(const Mesh& mesh, const Topology& topology, NormalWeights weights)
-      : mesh_(mesh),
-        topology_(topology),
-        weights_(weights),
-        tau_(mesh.corner_vertex.size(), Vec3::Zero()),
-        group_(mesh.corner_vertex) {}
+      : mesh_(mesh), topology_(topology) {
+    Sectors sectors = cut_sectors(mesh, topology, mesh.sharp, weights);
+    sectors_ = std::move(sectors.cut);
+    tau_ = std::move(sectors.tau);
+    group_ = std::move(sectors.group);
+    normals_ = std::move(sectors.normals);
+  }
 
   SharpCorners find() {
-    group_count_ = mesh_.positions.size();
-    for (const std::uint32_t first : topology_.vertex_side) {
-      if (first != kNone) cut_vertex(first);
-    }
-    normals_ = group_normals(mesh_, group_, group_count_, weights_);
-    take_given_normals();
     // Sectors that are cut on append to the normals, and to no sector before.
     for (const Sector& sector : sectors_) turn_normal(sector);
     std::vector<Vec3> tangents = find_tangents();
@@ -79,86 +36,8 @@ class Sharpener {
   }
 
  private:
-  // The corners of a vertex between two cuts, anticlockwise: sides that start there. Its tangents
-  // leave the vertex; (0, 0, 0) where a border bounds it.
-  struct Sector {
-    std::vector<std::uint32_t> corners;
-    Vec3 first, last;
-  };
-
-  bool is_sharp(std::uint32_t side) const {
-    return mesh_.sharp[side] != 0 && topology_.side_twin[side] != kNone;
-  }
   Vec3 direction(std::uint32_t side) const {
     return edge_of(mesh_, topology_, side).stableNormalized();
-  }
-
-  // Sectors of the vertex where `first` starts, and tangents of its creases.
-  void cut_vertex(std::uint32_t first) {
-    std::vector<std::uint32_t> fan, creases;  // sides; places in the fan
-    bool is_closed = false;
-    for (std::uint32_t side = first; side != kNone && !is_closed;) {
-      if (is_sharp(side)) creases.push_back(static_cast<std::uint32_t>(fan.size()));
-      fan.push_back(side);
-      side = next_around(mesh_, topology_, side);
-      is_closed = side == first;
-    }
-    if (creases.size() < (is_closed ? 2 : 1)) return;
-    for (const std::uint32_t i : creases) tau_[fan[i]] = direction(fan[i]);
-    if (creases.size() == 2) pass(fan[creases[0]], fan[creases[1]]);
-    const auto add = [&](std::uint32_t begin, std::uint32_t end, const Vec3& to, const Vec3& from) {
-      Sector sector{{}, to, from};
-      for (std::uint32_t i = begin; i != end; ++i) sector.corners.push_back(fan[i % fan.size()]);
-      begin_group(sector.corners);
-      sectors_.push_back(std::move(sector));
-    };
-    const auto count = static_cast<std::uint32_t>(fan.size());
-    const auto tau = [&](std::uint32_t i) { return tau_[fan[i]]; };
-    if (!is_closed) add(0, creases.front(), Vec3::Zero(), tau(creases.front()));
-    for (std::size_t i = 0; i + 1 < creases.size(); ++i)
-      add(creases[i], creases[i + 1], tau(creases[i]), tau(creases[i + 1]));
-    if (is_closed) {
-      add(creases.back(), creases.front() + count, tau(creases.back()), tau(creases.front()));
-    } else {
-      add(creases.back(), count, tau(creases.back()), Vec3::Zero());
-    }
-  }
-
-  // Two creases that go on as one curve: their tangent is that of the circle through the vertex and
-  // their other ends.
-  void pass(std::uint32_t a, std::uint32_t b) {
-    if (!(tau_[a].dot(tau_[b]) < kPasses)) return;
-    const Vec3 along = tau_[a] / edge_of(mesh_, topology_, a).norm() -
-                       tau_[b] / edge_of(mesh_, topology_, b).norm();
-    tau_[a] = along.stableNormalized();
-    tau_[b] = -tau_[a];
-  }
-
-  void begin_group(const std::vector<std::uint32_t>& corners) {
-    for (const std::uint32_t c : corners) group_[c] = static_cast<std::uint32_t>(group_count_);
-    ++group_count_;
-  }
-
-  // The normals of the mesh, for vertices that no crease cuts, and for sectors of a vertex that has
-  // several. Corners of one sector share the mean of theirs.
-  void take_given_normals() {
-    if (mesh_.normals.empty()) return;
-    std::vector<Vec3> sum(group_count_, Vec3::Zero());
-    std::vector<char> differs(mesh_.positions.size(), 0);
-    std::vector<std::uint32_t> vertex(group_count_, kNone);
-    for (std::uint32_t c = 0; c < group_.size(); ++c) {
-      const std::uint32_t v = mesh_.corner_vertex[c];
-      const Vec3& normal = mesh_.normals[mesh_.corner_normal[c]];
-      if (normals_differ(mesh_, c, topology_.vertex_side[v])) differs[v] = 1;
-      sum[group_[c]] += normal;
-      vertex[group_[c]] = v;
-    }
-    for (std::size_t g = 0; g < group_count_; ++g) {
-      const std::uint32_t v = vertex[g];
-      const bool is_cut = g >= mesh_.positions.size();
-      if (v == kNone || (is_cut && differs[v] == 0)) continue;
-      if (sum[g].norm() > kSameNormal) normals_[g] = sum[g].normalized();
-    }
   }
 
   // Turns the normal of a sector until it is at right angles to the tangents of its creases.
@@ -209,13 +88,6 @@ class Sharpener {
     return found;
   }
 
-  // Finds the tangent of eq. 7 and 8, with a normal of each face at the other end.
-  Vec3 uncut_tangent(std::uint32_t corner, const Vec3& mean, const Vec3& edge) const {
-    const Vec3& n = normals_[group_[corner]];
-    const Vec3 t = n.cross(edge.cross(mean));
-    return t.norm() > kCollinear * edge.norm() ? t.normalized() : edge.normalized();
-  }
-
   // Gives tangents the lengths that a circle with their directions has.
   std::vector<Vec3> find_tangents() const {
     std::vector<Vec3> tangents(2 * mesh_.corner_vertex.size(), Vec3::Zero());
@@ -228,10 +100,11 @@ class Sharpener {
       const Vec3 mean = (normals_[group_[side]] + normals_[group_[next]] + normals_[group_[twin]] +
                          normals_[group_[beyond]])
                             .stableNormalized();
-      const Vec3 start = tau_[side].isZero(0) ? uncut_tangent(side, mean, edge) : tau_[side];
-      const Vec3 end = tau_[twin].isZero(0) ? uncut_tangent(twin, mean, edge) : Vec3(-tau_[twin]);
-      const double half = std::sqrt(std::max(0.0, 0.5 * (1 + start.dot(end))));
-      const double length = edge.norm() * 2 / (1 + half);
+      const Vec3 start =
+          tau_[side].isZero(0) ? tangent_along(edge, normals_[group_[side]], mean) : tau_[side];
+      const Vec3 end = tau_[twin].isZero(0) ? tangent_along(edge, normals_[group_[twin]], mean)
+                                            : Vec3(-tau_[twin]);
+      const double length = arc_length(edge.norm(), start, end);
       tangents[2 * side] = length * start;
       tangents[2 * side + 1] = length * end;
       tangents[2 * twin] = -tangents[2 * side + 1];
@@ -242,12 +115,10 @@ class Sharpener {
 
   const Mesh& mesh_;
   const Topology& topology_;
-  const NormalWeights weights_;
+  std::vector<Sector> sectors_;
   std::vector<Vec3> tau_;             // [side], where it is cut at its start: unit tangent there
   std::vector<std::uint32_t> group_;  // [corner], its normal
-  std::size_t group_count_ = 0;
   std::vector<Vec3> normals_;
-  std::vector<Sector> sectors_;
 };
 
 // The angles by which the faces beside each inner edge turn, rad, by side; negative elsewhere.

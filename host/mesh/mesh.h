@@ -1,6 +1,7 @@
 // A polygon mesh as flat arrays.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <stdexcept>
@@ -30,9 +31,15 @@ struct Mesh {
   std::vector<std::uint32_t> face_group;
   // Creases (creases.h). [side], 1: its edge is one; empty: there are none. Made after `validate`.
   std::vector<std::uint8_t> sharp;
-  // [side][2], what add_vertex_normals leaves besides normals where there are creases: C'(0) and
-  // C'(1) of the curve that both faces at an edge share; (0, 0, 0): as the normals ask.
+  // [side][2], what add_vertex_normals leaves besides normals where there are creases, and
+  // round_creases where there were: C'(0) and C'(1) of the curve that both faces at an edge share;
+  // (0, 0, 0): as the normals ask.
   std::vector<Vec3> tangents;
+  // Faces that round_creases (rounding.h) added behind all others, in this order: the strips, two
+  // for each crease, with the vertices of its edge, and the corners, with the vertex that they took
+  // the place of.
+  std::vector<std::array<std::uint32_t, 2>> strips;
+  std::vector<std::uint32_t> rounded_corners;
   double unit = 1.0;   // metres per unit of length
   std::string source;  // file name for messages
 

@@ -6,6 +6,7 @@
 
 #include "gliss/files/cache_file.h"
 #include "gliss/files/mesh_file.h"
+#include "gliss/mesh/rounding.h"
 #include "gliss/surface/names.h"
 
 namespace gliss {
@@ -13,8 +14,11 @@ namespace {
 
 Mesh read_mesh(const ObjectDescription& described, const SceneOpening& opening) {
   if (opening.read_mesh) return opening.read_mesh(described);
-  return load_mesh(described.surface,
-                   {.unit = described.unit, .creases = described.creases, .poll = opening.poll});
+  Mesh mesh =
+      load_mesh(described.surface,
+                {.unit = described.unit, .creases = described.creases, .poll = opening.poll});
+  if (described.crease_radius > 0) round_creases(mesh, described.crease_radius);
+  return mesh;
 }
 
 PatchCache open_surface(const ObjectDescription& described, const SceneOpening& opening) {

@@ -80,6 +80,11 @@ ObjectDescription read_object(TomlTable table, const std::string& scene, std::si
   if (get_parsed(table, "crease", object.creases, parse_creases) && mesh.empty())
     table.fail("crease", "a cache has the creases that it was baked with");
   if (std::string& edges = object.creases.edges; !edges.empty()) edges = beside(scene, edges);
+  table.get_positive("radius", object.crease_radius, parse_length);
+  if (object.crease_radius > 0 && mesh.empty())
+    table.fail("radius", "a cache has the creases that it was baked with");
+  if (object.crease_radius > 0 && !object.creases.any())
+    table.fail("radius", "rounds the edges that crease names, and there is no crease");
   table.get("method", object.method, kMethodNames);
   table.get("solver", object.solver, kSolverNames);
   table.get("iterations", object.max_iterations, 1, 10000);

@@ -38,6 +38,7 @@ struct ObjectDescription : SolverOptions {
   std::optional<Level> level;                // as the cache has it, or exact
   std::optional<Construction> construction;  // as the cache has it, or fair
   CreaseRules creases{};                     // of a mesh; paths from the scene's folder
+  double crease_radius = 0;                  // m, that they are rounded by; 0: they stay sharp
   double stiffness = 500;                    // N/m
   double settle = 0;                         // s; 0: contacts leap (QueryOptions::settle)
   Method method = Method::kGregory;

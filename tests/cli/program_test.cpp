@@ -328,6 +328,12 @@ TEST_F(Program, SaysInOneLineWhatIsWrong) {
       {"bake knot.obj -o x.gliss --crease groups", "names no smoothing groups", 2},
       {"bake knot.obj -o x.gliss --crease edges:points.csv", "points.csv:1: an edge is two", 2},
       {"info knot.gliss --crease 40deg", "--crease is for meshes", 2},
+      {"info knot.gliss --crease-radius 1mm", "--crease-radius is for meshes", 2},
+      {"bake knot.obj -o x.gliss --crease-radius 1mm", "as '--crease auto'", 2},
+      {"check knot.obj --crease-radius 1mm", "as '--crease auto'", 2},
+      {"bake knot.obj -o x.gliss --crease 9deg --crease-radius 0mm", "must be positive", 2},
+      {"bake knot.obj -o x.gliss --crease 9deg --crease-radius 1deg", "'1deg'", 2},
+      {"bake knot.obj -o x.gliss --unit mm --crease 9deg --crease-radius 1m", "no room", 2},
       {"bake knot.obj -o none/x.gliss", "none/x.gliss", 1},
       {"sweep knot.obj", "--depth is required", 2},
       {"sweep knot.obj --depth 2mm,2e-3", "twice", 2},
@@ -422,6 +428,43 @@ TEST_F(Program, CreasesAreListedAndKept) {
       "--ticks 100 --dense-limit 0")["rows"];
   ASSERT_FALSE(rows.empty());
   for (const auto& row : rows) EXPECT_LT(row["max_distance"], 1e-8) << row["level"];
+}
+
+TEST_F(Program, CreasesAreRounded) {
+  output_of("generate cube -o cube.obj");
+  const std::string rounded = "cube.obj --unit mm --crease normals --crease-radius 1mm";
+  const auto found = json_of("check " + rounded);
+  EXPECT_EQ(found["state"], "accepted") << found;
+  EXPECT_EQ(found["faces"], 6 + 24 + 24);
+  EXPECT_EQ(found["creases"].size(), 12u);
+  EXPECT_EQ(found["strips"].size(), 24u);
+  EXPECT_EQ(found["strips"][1], (std::vector<int>{0, 1}));
+  EXPECT_EQ(found["rounded_corners"].size(), 24u);
+  EXPECT_THAT(output_of("check " + rounded),
+              HasSubstr("12 creases are rounded: faces 6 to 29 are their strips, 30 to 53 their "
+                        "corners"));
+  const auto baked = json_of("bake " + rounded + " -o round.gliss");
+  EXPECT_EQ(baked["creases"], 0);
+  EXPECT_EQ(baked["strips"], 24);
+  EXPECT_EQ(baked["rounded_corners"], 24);
+  // Of a radius of 1 mm, less what patches of 45 degrees miss.
+  EXPECT_GT(baked["rho_min"], 0.65);
+  EXPECT_EQ(json_of("info round.gliss")["mesh_faces"], 54);
+  EXPECT_EQ(output_of("trace round.gliss --path hips.csv --unit mm"),
+            output_of("trace " + rounded + " --path hips.csv"));
+  const test::Outcome refused =
+      run("bake cube.obj --unit mm --crease 40deg --crease-radius 6mm -o x.gliss");
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("face 0: no room for creases of radius 6 mm beside it; the "
+                                     "largest that fits is 4.95 mm"));
+  // Rules that find no crease leave nothing to round.
+  output_of("bake cube.obj --unit mm --crease 120deg --crease-radius 1mm -o none.gliss");
+  output_of("bake cube.obj --unit mm -o plain.gliss");
+  EXPECT_EQ(folder_.read("none.gliss"), folder_.read("plain.gliss"));
+  const auto rows =
+      json_of("compare " + rounded +
+              " --levels exact,fair,shaded --walks 2 --ticks 100 --dense-limit 0")["rows"];
+  EXPECT_FALSE(rows.empty());
 }
 
 TEST_F(Program, AnyNumberOfThreadsSweepsTheSame) {

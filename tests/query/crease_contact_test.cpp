@@ -2,6 +2,7 @@
 // continuous; a convex one is an edge, over which the force steps by no more than the angle asks.
 #include <gtest/gtest.h>
 
+#include "gliss/mesh/rounding.h"
 #include "gliss/query/contact_tracker.h"
 #include "gliss/surface/names.h"
 #include "tests/support/sharp_meshes.h"
@@ -129,6 +130,104 @@ TEST(CreaseContact, a_convex_crease_steps_by_no_more_than_its_angle_asks) {
       EXPECT_LE(tracked_step.value, most);
       EXPECT_LE(found_step.value, most);
       EXPECT_GT(found_step.value, 0.9 * most);  // of two faces the nearer one: there the law is met
+    }
+  }
+}
+
+// The largest step of a tracked contact's push, and how far pushes are off a depth.
+struct Slide {
+  Worst step, off;
+};
+Slide slide(const PatchCache& cache, const std::vector<Vec3>& hips, double depth) {
+  Slide found;
+  ContactTracker tracker = arrived(cache, {0, 2, 11}, hips.front());
+  Vec3 last = depth * Vec3::UnitZ();
+  for (const Vec3& hip : hips) {
+    const Contact contact = tracker.tick(hip);
+    const Vec3 push = contact.touching ? contact.push : Vec3::Zero();
+    found.step.add((push - last).norm() / depth);
+    found.off.add(std::abs(push.norm() - depth) / depth);
+    last = push;
+  }
+  return found;
+}
+
+// A finger slides 0.5 deep over an edge of a cube of side 20 and off it, where the force steps if
+// the edge is sharp; and round the edge that a ball of 2 left, as deep all the way.
+TEST(CreaseContact, a_rounded_edge_turns_the_force_without_a_step) {
+  constexpr double kDepth = 0.5, kRadius = 2, kCentre = 10 - kRadius, kOut = kRadius - kDepth;
+  const std::vector<Vec3> off = way({0, 2, 10 - kDepth}, {12, 2, 10 - kDepth}, 2400);
+  std::vector<Vec3> round = way({0, 2, 10 - kDepth}, {kCentre, 2, 10 - kDepth}, 400);
+  for (int i = 1; i <= 100; ++i) {
+    const double angle = 90 * kDegree * i / 100;
+    round.emplace_back(kCentre + kOut * std::sin(angle), 2, kCentre + kOut * std::cos(angle));
+  }
+  for (const Vec3& hip : way({10 - kDepth, 2, kCentre}, {10 - kDepth, 2, 0}, 400))
+    round.push_back(hip);
+  for (const Surface& s : surfaces_of(gliss::cube(1, 20).mesh)) {
+    Mesh mesh = s.mesh;
+    round_creases(mesh, kRadius * mesh.unit);
+    BuildOptions options;
+    options.level = s.cache.level;
+    const PatchCache rounded = build_cache(mesh, options);
+    const Slide sharp = slide(s.cache, off, kDepth), over = slide(rounded, off, kDepth),
+                along = slide(rounded, round, kDepth);
+    record(s.mesh.source + " " + surface_name(s.cache.level),
+           "largest step of k d: sharp {:.3f}, rounded {:.4f}; round the edge {:.4f}, force {:.1e} "
+           "off",
+           sharp.step.value, over.step.value, along.step.value, along.off.value);
+    EXPECT_GT(sharp.step.value, 0.9);
+    EXPECT_LT(over.step.value, 0.2);
+    EXPECT_LT(along.step.value, 0.03);  // 0.9 degrees a tick are 0.016
+    EXPECT_LT(along.off.value, 0.02);
+  }
+}
+
+// Whatever is near: the distance to a rounded cube, and to a rounded cylinder, is that to the
+// middle of the ball less its radius, and what is within is touched.
+TEST(CreaseContact, a_rounded_solid_is_where_the_ball_left_it) {
+  using Distance = double (*)(const Vec3&);
+  const auto outside = [](double x, double y, double z) {
+    const Vec3 q(x, y, z);
+    return q.cwiseMax(0).norm() + std::min(0.0, q.maxCoeff()) - 2;
+  };
+  static const auto box = outside;
+  const Distance cube = [](const Vec3& p) {
+    return box(std::abs(p.x()) - 8, std::abs(p.y()) - 8, std::abs(p.z()) - 8);
+  };
+  const Distance cylinder = [](const Vec3& p) {
+    return box(std::hypot(p.x(), p.y()) - 8, std::abs(p.z()) - 3, -1e9);
+  };
+  for (const auto& [shape, exact] :
+       {std::pair(gliss::cube(2, 20).mesh, cube), std::pair(prism(32).mesh, cylinder)}) {
+    for (const Surface& s : surfaces_of(shape)) {
+      Mesh mesh = s.mesh;
+      round_creases(mesh, 2 * mesh.unit);
+      BuildOptions options;
+      options.level = s.cache.level;
+      const PatchCache cache = build_cache(mesh, options);
+      oracle::Rng rng(3);
+      Worst off, tracked;
+      Vec3 at(0, 0, 9);
+      ContactTracker tracker(cache, {});
+      for (int leg = 0; leg < 300; ++leg) {
+        Vec3 to;
+        for (int i = 0; i < 3; ++i) to[i] = oracle::uniform(rng, -11, 11);
+        if (leg % 3 == 0) to.y() = 0;  // through vertices of the rim
+        const Contact found = nearest(cache, to);
+        off.add(std::abs(found.distance - exact(to)));
+        if (std::abs(exact(to)) > 0.05) EXPECT_EQ(found.touching, exact(to) < 0) << to.transpose();
+        for (const Vec3& hip : way(at, to, 20)) {
+          const Contact contact = tracker.tick(hip);
+          // Within, a contact stays with its face; it is never nearer than the surface.
+          if (contact.touching) tracked.add(-exact(hip) - contact.push.norm());
+        }
+        at = to;
+      }
+      record(s.mesh.source + " " + surface_name(s.cache.level),
+             "nearest {:.1e}, pushes {:.1e} less than the depth", off.value, tracked.value);
+      EXPECT_LT(off.value, 0.02 * 2);
+      EXPECT_LT(tracked.value, 0.02 * 2);
     }
   }
 }

@@ -3,6 +3,7 @@
 
 #include "gliss/build/build_cache.h"
 #include "gliss/files/mesh_file.h"
+#include "gliss/mesh/rounding.h"
 #include "gliss/query/lazy_mesh.h"
 #include "gliss/scene/open_scene.h"
 #include "tests/support/scene_files.h"
@@ -28,28 +29,45 @@ TEST(CreaseScene, objects_have_the_creases_that_the_scene_says) {
   EXPECT_EQ(objects[2].cache->crease_count, 0u);
 }
 
+TEST(CreaseScene, objects_have_the_radius_that_the_scene_says) {
+  const SceneFiles files;
+  save_obj(prism(12).mesh, files.folder / "prism.obj");
+  const Scene scene = files.read(
+      "[[object]]\nmesh = 'prism.obj'\nunit = 'mm'\ncrease = '40deg'\nradius = '1mm'\n"
+      "[[object]]\nmesh = 'prism.obj'\nunit = 'mm'\ncrease = '40deg'\nradius = '1mm'\n"
+      "patches = 'lazy'\n");
+  const std::vector<SceneObject> objects = open_objects(scene);
+  EXPECT_EQ(objects[0].cache->crease_count, 0u);
+  EXPECT_EQ(objects[0].cache->mesh_face_count, 14 + 2 * 24u);
+  EXPECT_EQ(objects[1].lazy->base().mesh_hash, objects[0].cache->mesh_hash);
+}
+
 // What is built near the hand has the bytes that it has in the cache of all.
 TEST(CreaseScene, lazy_patches_beside_creases_are_those_of_the_whole) {
   for (const Construction construction : {Construction::kPaper, Construction::kFair}) {
-    const Mesh mesh = with_creases(in_triangles(cylinder(16, 6).mesh));
-    BuildOptions options;
-    options.level.construction = construction;
-    const PatchCache all = build_cache(mesh, options);
-    const LazyMesh lazy(mesh, {.level = options.level});
-    EXPECT_EQ(lazy.base().crease_count, all.crease_count);
-    const auto& whole = std::get<1>(all.surface);
-    for (const std::uint32_t face : {0u, 40u, 100u, 191u, 200u}) {
-      const LazyRegion region = lazy.build(std::vector<std::uint32_t>{face});
-      const auto& part = std::get<1>(region.cache.surface);
-      for (std::uint32_t p = 0; p < region.cache.patch_count(); ++p) {
-        if (!region.used[p]) continue;
-        const std::uint32_t q = all.face_patch[region.cache.patch_face[p]] + p -
-                                region.cache.face_patch[region.cache.patch_face[p]];
-        const std::size_t reals = kernels<double>().control_reals(whole.form[q], whole.valence(q));
-        ASSERT_EQ(part.form[p], whole.form[q]);
-        EXPECT_TRUE(std::equal(&part.control[3 * std::size_t{part.control_begin[p]}],
-                               &part.control[3 * std::size_t{part.control_begin[p]}] + reals,
-                               &whole.control[3 * std::size_t{whole.control_begin[q]}]));
+    for (const bool rounds : {false, true}) {
+      Mesh mesh = with_creases(in_triangles(cylinder(16, 6).mesh));
+      if (rounds) round_creases(mesh, 0.3e-3);
+      BuildOptions options;
+      options.level.construction = construction;
+      const PatchCache all = build_cache(mesh, options);
+      const LazyMesh lazy(mesh, {.level = options.level});
+      EXPECT_EQ(lazy.base().crease_count, all.crease_count);
+      const auto& whole = std::get<1>(all.surface);
+      for (const std::uint32_t face : {0u, 40u, 100u, 191u, 200u}) {
+        const LazyRegion region = lazy.build(std::vector<std::uint32_t>{face});
+        const auto& part = std::get<1>(region.cache.surface);
+        for (std::uint32_t p = 0; p < region.cache.patch_count(); ++p) {
+          if (!region.used[p]) continue;
+          const std::uint32_t q = all.face_patch[region.cache.patch_face[p]] + p -
+                                  region.cache.face_patch[region.cache.patch_face[p]];
+          const std::size_t reals =
+              kernels<double>().control_reals(whole.form[q], whole.valence(q));
+          ASSERT_EQ(part.form[p], whole.form[q]);
+          EXPECT_TRUE(std::equal(&part.control[3 * std::size_t{part.control_begin[p]}],
+                                 &part.control[3 * std::size_t{part.control_begin[p]}] + reals,
+                                 &whole.control[3 * std::size_t{whole.control_begin[q]}]));
+        }
       }
     }
   }

@@ -72,8 +72,7 @@ void run(const BakeOptions& options) {
   check_outputs({options.output}, {options.surface});
   const Stopwatch clock;
   const auto engine = make_engine(options);
-  const Mesh mesh = read_mesh(options);
-  tell_plain_creases(options, mesh);
+  const Mesh mesh = read_mesh(options, true);
   BuildOptions build_options;
   build_options.tame = !options.no_tame;
   if (!options.region.empty()) build_options.faces = parse_region(mesh, options.region);
@@ -94,7 +93,8 @@ void run(const BakeOptions& options) {
                      options.output, faces, mesh.face_count(), cache.patch_count(),
                      level_name(cache.level), construction_name(cache.level.construction),
                      precision_name(cache.precision()), unit, found.folded, found.degenerate,
-                     found.eased, found.split, found.bent, creases_text(cache.crease_count),
+                     found.eased, found.split, found.bent,
+                     creases_text(cache.crease_count) + rounded_text(mesh),
                      radius_text(cache.smallest_rho()), unit, cache.bytes(), seconds),
          {{"output", options.output},
           {"mesh_faces", mesh.face_count()},
@@ -110,6 +110,8 @@ void run(const BakeOptions& options) {
           {"split", found.split},
           {"bent", found.bent},
           {"creases", cache.crease_count},
+          {"strips", mesh.strips.size()},
+          {"rounded_corners", mesh.rounded_corners.size()},
           {"flagged_faces", found.flagged_faces},
           {"rho_min", radius_json(cache.smallest_rho())},
           {"bytes", cache.bytes()},

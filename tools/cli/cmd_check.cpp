@@ -50,19 +50,14 @@ void describe(Command& command, SurfaceOptions& options) {
 void run(const SurfaceOptions& options) {
   std::vector<Finding> findings;
   BuildReport built;
-  std::size_t faces = 0;
+  Mesh mesh;
   std::vector<VertexPair> creases;
   std::exception_ptr refusal;
   try {
-    const Mesh mesh = load_mesh(options.surface,
-                                {.unit = options.unit,
-                                 .split_non_manifold = options.split_non_manifold,
-                                 .creases = options.creases,
-                                 .poll = stop_if_interrupted},
-                                &findings);
-    faces = mesh.face_count();
+    mesh = load_mesh(options, findings);
     tell_plain_creases(options, mesh);
     if (!mesh.sharp.empty()) creases = crease_edges(mesh, build_topology(mesh));
+    round_creases(options, mesh);
     const PatchCache cache = build(mesh, options, *make_engine(options), {}, &built);
     tell_tight_curvature(options, cache, usual_depth(cache), "0.5 % of the diagonal");
   } catch (const MeshError&) {
@@ -83,8 +78,9 @@ void run(const SurfaceOptions& options) {
   text += fmt::format("{}: {}\n", options.surface, state_of(findings, refusal != nullptr));
   if (!refusal) {
     text += fmt::format("{} faces; folded {}, degenerate {}; eased {}, split {}, bent {}{}\n",
-                        faces, built.folded, built.degenerate, built.eased, built.split, built.bent,
-                        creases_text(creases.size()));
+                        mesh.face_count(), built.folded, built.degenerate, built.eased, built.split,
+                        built.bent,
+                        mesh.strips.empty() ? creases_text(creases.size()) : rounded_text(mesh));
   }
   if (!flagged.empty()) {
     const auto shown = std::span(flagged).first(std::min(flagged.size(), kListed));
@@ -95,7 +91,7 @@ void run(const SurfaceOptions& options) {
          {{"mesh", options.surface},
           {"accepted", !refusal},
           {"state", state_of(findings, refusal != nullptr)},
-          {"faces", faces},
+          {"faces", mesh.face_count()},
           {"findings", list},
           {"folded", built.folded},
           {"degenerate", built.degenerate},
@@ -103,7 +99,9 @@ void run(const SurfaceOptions& options) {
           {"split", built.split},
           {"bent", built.bent},
           {"flagged_faces", flagged},
-          {"creases", creases}});
+          {"creases", creases},
+          {"strips", mesh.strips},
+          {"rounded_corners", mesh.rounded_corners}});
   if (refusal) std::rethrow_exception(refusal);
 }
 

@@ -234,6 +234,7 @@ TrueDistance true_distance(const ComparingOptions& options, const Mesh& mesh) {
   SurfaceOptions surface = options;
   surface.surface = options.reference;
   surface.creases = {};
+  surface.crease_radius = 0;
   Mesh reference = read_mesh(surface);
   add_vertex_normals(reference);
   const auto base = std::make_shared<PatchCache>(

@@ -71,6 +71,7 @@ std::vector<SceneObject> open_objects(const Scene& scene, const RunOptions& opti
     surface.surface = described.surface;
     surface.unit = described.unit;
     surface.creases = described.creases;
+    surface.crease_radius = described.crease_radius;
     return read_mesh(surface);
   };
   opening.build = [&](const Mesh& mesh, const BuildOptions& wanted) {

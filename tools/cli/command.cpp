@@ -61,6 +61,13 @@ void add_mesh_options(Command& command, SurfaceOptions& options, const std::stri
        "found in the mesh), normals that differ in the file, groups (smoothing), "
        "edges:FILE"},
       [&options](const std::string& text) { options.creases = parse_creases(text); });
+  command.option(
+      {"--crease-radius", "LENGTH",
+       "round the edges of --crease by this radius, as 1mm, instead of keeping them sharp"},
+      [&options](const std::string& text) {
+        options.crease_radius = parse_length(text);
+        if (!(options.crease_radius > 0)) throw InputError("--crease-radius must be positive");
+      });
 }
 
 void add_surface_options(Command& command, SurfaceOptions& options, const std::string& name) {
@@ -226,6 +233,17 @@ std::string unsound_text(std::uint64_t count, const std::string& what) {
 
 std::string creases_text(std::size_t count) {
   return count == 0 ? "" : fmt::format("; {} edges are creases", count);
+}
+
+std::string rounded_text(const Mesh& mesh) {
+  const std::size_t strips = mesh.strips.size(), corners = mesh.rounded_corners.size(),
+                    first = mesh.face_count() - strips - corners;
+  if (strips == 0) return "";
+  std::string text = fmt::format("; {} creases are rounded: faces {} to {} are their strips",
+                                 strips / 2, first, first + strips - 1);
+  if (corners > 0)
+    text += fmt::format(", {} to {} their corners", first + strips, mesh.face_count() - 1);
+  return text;
 }
 
 std::string radius_text(double radius) {

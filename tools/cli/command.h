@@ -50,7 +50,8 @@ struct SurfaceOptions : CommonOptions {
   std::optional<Level> level;                // as the cache has it, or exact
   std::optional<Construction> construction;  // as the cache has it, or the paper's
   bool split_non_manifold = false;
-  CreaseRules creases{};  // of a mesh
+  CreaseRules creases{};     // of a mesh
+  double crease_radius = 0;  // m, that they are rounded by; 0: they stay sharp
 };
 
 // Options of the commands that outsiders script against: one table out.
@@ -143,7 +144,9 @@ std::string printed(const Json& json);
 std::string unsound_text(std::uint64_t count, const std::string& what);
 
 std::string creases_text(std::size_t count);  // "; 12 edges are creases", or "" where none is
-std::string radius_text(double radius);       // "4.67", or "none" where all is flat
+// "; 12 creases are rounded: faces 6 to 29 are their strips", or "" where none is.
+std::string rounded_text(const Mesh& mesh);
+std::string radius_text(double radius);  // "4.67", or "none" where all is flat
 Json radius_json(double radius);
 std::string unit_name(double unit);  // "mm"; "0.5 m" where it has no name
 std::string hash_name(std::uint64_t hash);

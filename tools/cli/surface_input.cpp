@@ -7,24 +7,39 @@
 #include "gliss/build/build_cache.h"
 #include "gliss/files/cache_file.h"
 #include "gliss/files/mesh_file.h"
+#include "gliss/mesh/rounding.h"
 #include "gliss/surface/names.h"
 #include "tools/cli/terminal.h"
 #include "tools/cli/watch.h"
 
 namespace gliss::tools {
 
-Mesh read_mesh(const SurfaceOptions& options) {
+Mesh load_mesh(const SurfaceOptions& options, std::vector<Finding>& findings) {
+  if (options.crease_radius > 0 && !options.creases.any())
+    throw InputError(
+        "--crease-radius: add which edges it rounds, as '--crease auto' or '--crease "
+        "40deg'");
+  return gliss::load_mesh(options.surface,
+                          {.unit = options.unit,
+                           .split_non_manifold = options.split_non_manifold,
+                           .creases = options.creases,
+                           .poll = stop_if_interrupted},
+                          &findings);
+}
+
+void round_creases(const SurfaceOptions& options, Mesh& mesh) {
+  if (options.crease_radius > 0) gliss::round_creases(mesh, options.crease_radius);
+}
+
+Mesh read_mesh(const SurfaceOptions& options, bool tells_of_creases) {
   std::vector<Finding> findings;
-  Mesh mesh = load_mesh(options.surface,
-                        {.unit = options.unit,
-                         .split_non_manifold = options.split_non_manifold,
-                         .creases = options.creases,
-                         .poll = stop_if_interrupted},
-                        &findings);
+  Mesh mesh = load_mesh(options, findings);
   for (const Finding& finding : findings) {
     if (finding.severity != Severity::kRepaired || options.quiet) continue;
     tell(fmt::format("gliss: repaired: {} ({} in all)\n", finding.message, finding.count));
   }
+  if (tells_of_creases) tell_plain_creases(options, mesh);
+  round_creases(options, mesh);
   return mesh;
 }
 
@@ -60,9 +75,11 @@ PatchCache build(const Mesh& mesh, const SurfaceOptions& options, const Engine& 
 PatchCache open_surface(const SurfaceOptions& options, const Engine& engine) {
   if (!options.from_cache && !is_cache_file(options.surface))
     return build(read_mesh(options), options, engine);
-  if (options.creases.any())
-    throw InputError(options.surface +
-                     ": a cache has the creases that it was baked with; --crease is for meshes");
+  const bool marks = options.creases.any();
+  if (marks || options.crease_radius > 0)
+    throw InputError(
+        fmt::format("{}: a cache has the creases that it was baked with; {} is for meshes",
+                    options.surface, marks ? "--crease" : "--crease-radius"));
   return load_cache_of(options.surface, {options.precision, options.level, options.construction},
                        stop_if_interrupted);
 }
@@ -80,6 +97,7 @@ std::unique_ptr<ResultFile> create_described_file(const std::string& path, const
   file->set_attribute({"level", level_name(cache.level)});
   file->set_attribute({"construction", construction_name(cache.level.construction)});
   file->set_attribute({"precision", precision_name(cache.precision())});
+  if (options.crease_radius > 0) file->set_attribute({"crease_radius_m", options.crease_radius});
   if (cache.crease_count > 0) file->set_attribute({"creases", std::int64_t{cache.crease_count}});
   return file;
 }

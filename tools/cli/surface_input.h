@@ -8,12 +8,21 @@
 #include "gliss/build/build_cache.h"
 #include "gliss/tables/point_table.h"
 #include "gliss/tables/result_table.h"
+#include "gliss/validate/validate.h"
 #include "tools/cli/command.h"
 
 namespace gliss::tools {
 
-// Reads and repairs; what was repaired is said on stderr.
-Mesh read_mesh(const SurfaceOptions& options);
+// Reads, repairs and rounds creases; what was repaired is said on stderr. `tells_of_creases`: says
+// as well what tell_plain_creases does. Throws InputError where there are no creases to round.
+Mesh read_mesh(const SurfaceOptions& options, bool tells_of_creases = false);
+
+// The mesh of the options, repaired, with its creases marked, not rounded; appends what was found.
+// Throws InputError where creases are to be rounded, and the options do not say which.
+Mesh load_mesh(const SurfaceOptions& options, std::vector<Finding>& findings);
+
+// Rounds the marked creases where the options say so.
+void round_creases(const SurfaceOptions& options, Mesh& mesh);
 
 // Says by which angle `--crease auto` marks creases, or that it would mark some where none are
 // asked for.
