@@ -97,6 +97,16 @@ TEST_F(HostileProgram, writes_no_output_over_an_input) {
   EXPECT_FALSE(fs::exists(folder_ / "ball.csv"));
 }
 
+TEST_F(HostileProgram, writes_no_cache_under_the_name_of_a_mesh) {
+  folder_.write("other.obj", "v 0 0 0\n");
+  for (const std::string name : {"other.obj", "none.OFF", "none.ply"}) {
+    expect_error(gliss("bake ball.obj -o " + name), 2,
+                 "'" + name + "' has the ending of a mesh, and bake writes a cache");
+  }
+  EXPECT_EQ(folder_.read("other.obj"), "v 0 0 0\n");
+  EXPECT_FALSE(fs::exists(folder_ / "none.OFF") || fs::exists(folder_ / "none.ply"));
+}
+
 TEST_F(HostileProgram, takes_names_as_long_as_they_may_be) {
   const std::string name(252, 'n');
   const auto quiet = [&](const std::string& words) {
