@@ -42,11 +42,14 @@ GLISS_EXPORT std::vector<Walk> walk_paths(const Mesh& mesh, const Topology& topo
                                           const WalkOptions& options,
                                           const ParallelFor& parallel = serial_for);
 
+struct FeltWalks : ForceStatistics {
+  double p99_step = 0;  // of the steps
+};
 // Counts what a tracker of its own feels on each walk; stiffness 1 N per unit of length, full
 // force `depth` (mesh's unit). Ticks of pressing in are not counted.
-GLISS_EXPORT ForceStatistics feel_walks(const PatchCache& cache, const QueryOptions& options,
-                                        std::span<const Walk> walks, double depth,
-                                        const ParallelFor& parallel = serial_for);
+GLISS_EXPORT FeltWalks feel_walks(const PatchCache& cache, const QueryOptions& options,
+                                  std::span<const Walk> walks, double depth,
+                                  const ParallelFor& parallel = serial_for);
 
 // Closed loops of HIPs beneath a mesh, to tell if a force makes energy: circles about as wide as a
 // face, every other one backwards, in planes `depth` beneath places chosen by area. Each goes on a

@@ -68,10 +68,11 @@ TEST(Walk, is_the_same_on_any_number_of_threads_and_with_more_walkers) {
   EXPECT_NE(walks_on(mesh, other)[0].hips, few[0].hips);
   const PatchCache cache = test::cache_of(mesh);
   const double depth = walk_depth(mesh);
-  const ForceStatistics serial = feel_walks(cache, {}, many, depth),
-                        shared = feel_walks(cache, {}, many, depth, parallel);
+  const FeltWalks serial = feel_walks(cache, {}, many, depth),
+                  shared = feel_walks(cache, {}, many, depth, parallel);
   EXPECT_EQ(serial.ticks, shared.ticks);
   EXPECT_EQ(serial.mean_step, shared.mean_step);
+  EXPECT_EQ(serial.p99_step, shared.p99_step);
   EXPECT_EQ(serial.jumps(), shared.jumps());
 }
 
