@@ -23,7 +23,7 @@ std::vector<std::string> tests_here() {
   return names;
 }
 
-// What a line of the page names, as "Suite.test" or a pattern of such.
+// The tests that a line of the page names, as "Suite.test" or a pattern of such.
 std::vector<std::string> tests_of(const std::string& line) {
   const std::regex pattern("`([*A-Z][A-Za-z]*\\*?\\.?[a-z0-9A-Z_*]*)`");
   std::vector<std::string> names;

@@ -82,8 +82,8 @@ class UnionOracle {
     }
   }
 
-  // How deep a point lies in the parts but one, at most; negative outside, where it may be nearer
-  // to them than this says.
+  // The depth of a point in the parts but one, at most; negative outside, where it may be nearer to
+  // them than this says.
   double depth(const Vec3& x, std::size_t but = ~std::size_t{0}) const {
     double most = -std::numeric_limits<double>::infinity();
     for (std::size_t part = 0; part < parts_.size(); ++part) {
@@ -94,7 +94,7 @@ class UnionOracle {
     return most;
   }
 
-  // How far a point is from the nearest surface of any part.
+  // The distance of a point from the nearest surface of any part.
   double off_surface(const Vec3& x) const {
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t part = 0; part < parts_.size(); ++part) {
@@ -168,9 +168,9 @@ class BoxUnion {
   std::vector<Box> full_, empty_;
 };
 
-// How often the parts go round a point, by the solid angles of triangles (van Oosterom and Strackee
-// 1983), which are cut until they are as near to the surface as the point's distance asks for. One
-// thread's at a time.
+// Counts how often the parts go round a point, by the solid angles of triangles (van Oosterom and
+// Strackee 1983), which are cut until they are as near to the surface as the point's distance asks
+// for. One thread's at a time.
 class Winding {
  public:
   // Right for points that are farther than `least` from all surfaces.

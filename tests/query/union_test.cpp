@@ -114,7 +114,7 @@ double size_of(const PatchCache& cache) {
   return (box.high - box.low).maxCoeff();
 }
 
-// How far the patches are from what the parts are meant to be, at most, by samples.
+// The distance of the patches from what the parts are meant to be, at most, by samples.
 double off_formula(const Scene& scene) {
   double most = 0;
   for (const Part& part : scene.parts) {

@@ -1,4 +1,5 @@
-// How long work goes on without a word: Ctrl-C is answered where work asks whether it is to stop.
+// Measures how long work goes on without a word: Ctrl-C is answered where work asks whether it is
+// to stop.
 #pragma once
 
 #include <gtest/gtest.h>
