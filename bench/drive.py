@@ -2,8 +2,9 @@
 """Drives the simulated device over the knot, and over the teeth where ../shared has them: with and without
 stress-ng on all cores, sliding at 0.15 m/s and entering at 0.5 m/s.
 
-Prints a table: success rate, missed periods, the largest step of the force sent and of the force as rendered, the kick:
-what the force on touching has beyond stiffness times that tick's way, at worst, and the lateness of the wakes.
+Prints a table: success rate, missed periods, the largest step of the force sent and of the force as rendered, jumps
+and lost contacts of the latter per 100,000 ticks in contact, the kick: what the force on touching has beyond stiffness
+times that tick's way, at worst, and the lateness of the wakes.
 Usage: bench/drive.py build/gliss [--seconds 60]
 """
 
@@ -115,8 +116,8 @@ def main():
             surfaces.append(("teeth", TEETH, along_teeth()))
         else:
             print("teeth: skipped, ../shared is not here")
-        print(f"{'':24} {'success':>9} {'missed':>7} {'trips':>6} {'step sent, N':>13} {'rendered':>9} {'kick, N':>8} "
-              f"{'wake p99':>9} {'p99.9, us':>10} {'compute p99, us':>16}  scheduling")
+        print(f"{'':24} {'success':>9} {'missed':>7} {'trips':>6} {'step sent, N':>13} {'rendered':>9} {'jumps/':>7} {'lost/':>6} "
+              f"{'kick, N':>8} {'wake p99':>9} {'p99.9, us':>10} {'compute p99, us':>16}  scheduling")
         for surface, mesh, points in surfaces:
             paths_over(gliss, mesh, points, folder)
             for way in ("slide", "enter"):
@@ -133,7 +134,8 @@ def main():
                             load.wait()
                     label = f"{surface}, {way}{', stress-ng' if stress else ''}"
                     print(f"{label:24} {100 * seen['success_rate']:8.3f}% {seen['missed']:7} {seen['guard_trips']:6} "
-                          f"{seen['largest_sent_step']:13.4f} {seen['largest_force_step']:9.4f} {kick:8.4f} "
+                          f"{seen['largest_sent_step']:13.4f} {seen['largest_force_step']:9.4f} "
+                          f"{seen['jumps_per_100k']:7.1f} {seen['lost_per_100k']:6.1f} {kick:8.4f} "
                           f"{seen['wake']['p99_us']:9.0f} {seen['wake']['p999_us']:10.0f} "
                           f"{seen['compute']['p99_us']:16.1f}  {seen['scheduling']}", flush=True)
     print(f"a tick's way at 0.15 m/s is {STEP * 1e-3 * STIFFNESS:.3f} N, at 0.5 m/s {0.5e-3 * STIFFNESS:.3f} N")

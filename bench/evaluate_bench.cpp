@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kGrain = 32;
 
-// Which surface, and how.
+// A surface, and how it is evaluated.
 struct Case {
   std::string path;
   Shape shape;

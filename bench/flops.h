@@ -1,4 +1,4 @@
-// How many operations the formulas need, counted as the kernels' own text runs.
+// The number of operations that the formulas need, counted as the kernels' own text runs.
 #pragma once
 
 #include <cstdint>

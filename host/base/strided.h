@@ -21,7 +21,7 @@ struct Strided {
     return *reinterpret_cast<T*>(reinterpret_cast<Byte*>(first) +
                                  static_cast<std::ptrdiff_t>(i) * stride);
   }
-  // What is left from the i-th on.
+  // The elements from the i-th on.
   Strided from(std::size_t i) const {
     return first == nullptr ? *this : Strided{&(*this)[i], stride};
   }

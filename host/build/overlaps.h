@@ -1,5 +1,5 @@
-// Which boxes of a hierarchy (host/build/hierarchy.h) overlap each other or hold a point. Private
-// to host/.
+// Finds the boxes of a hierarchy (host/build/hierarchy.h) that overlap each other or hold a point.
+// Private to host/.
 #pragma once
 
 #include <cstdint>

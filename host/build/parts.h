@@ -1,5 +1,5 @@
-// Which patches make up the parts of a surface, and which parts overlap others: what the kernels
-// need to take overlapping parts as a union of solids (kernels/union.h).
+// Finds the patches that make up each part of a surface, and the parts that overlap others: the
+// kernels need both to take overlapping parts as a union of solids (kernels/union.h).
 #pragma once
 
 #include <functional>

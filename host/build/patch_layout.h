@@ -1,4 +1,4 @@
-// Which patch of a cache is where, and which sides meet.
+// Lays out the patches of a cache: which is where, and which sides meet.
 #pragma once
 
 #include <vector>

@@ -25,7 +25,7 @@ extern const char* const kQueryProgram;
 // Work-items of a group: fixed, because PoCL compiles for each size anew and wants whole groups.
 inline constexpr std::size_t kGroup = 64;
 
-// How a program is compiled.
+// The options that a program is compiled with.
 struct ProgramVariant {
   Precision precision;
   int lanes;

@@ -17,13 +17,19 @@ namespace {
 
 using Reader = void (*)(std::string_view, Mesh&, Report&);
 
-Reader reader_of(const std::string& path, Report& report) {
+// Null for another ending.
+Reader find_reader(const std::string& path) {
   const std::size_t dot = path.find_last_of("./");
   std::string ending = dot == std::string::npos ? "" : path.substr(dot);
   for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   if (ending == ".obj") return detail::read_obj;
   if (ending == ".off") return detail::read_off;
   if (ending == ".ply") return detail::read_ply;
+  return nullptr;
+}
+
+Reader reader_of(const std::string& path, Report& report) {
+  if (const Reader reader = find_reader(path)) return reader;
   report.fail("unsupported", {}, "the file must end in .obj, .off or .ply");
 }
 
@@ -80,6 +86,8 @@ Mesh load_mesh(const std::string& path, const LoadOptions& options,
   }
   return mesh;
 }
+
+bool has_mesh_ending(const std::string& path) { return find_reader(path) != nullptr; }
 
 std::vector<std::uint32_t> read_edges(const std::string& path, const Mesh& mesh,
                                       const Topology& topology) {

@@ -16,6 +16,9 @@ namespace gliss {
 GLISS_EXPORT Mesh load_mesh(const std::string& path, const LoadOptions& options = {},
                             std::vector<Finding>* findings = nullptr);
 
+// True if load_mesh() has a reader for files of this name.
+GLISS_EXPORT bool has_mesh_ending(const std::string& path);
+
 // Sides of the edges that a text file lists: the numbers of two vertices a line, from 0; # begins a
 // comment. Throws MeshError, which names file and line, for other lines and for edges that the mesh
 // has not between two faces.

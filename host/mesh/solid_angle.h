@@ -1,5 +1,5 @@
-// How much of the view a triangle fills: summed over a closed mesh, 4 pi for each time that it goes
-// round a point.
+// The part of the view that a triangle fills: summed over a closed mesh, 4 pi for each time that it
+// goes round a point.
 #pragma once
 
 #include <cmath>

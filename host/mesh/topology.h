@@ -1,4 +1,5 @@
-// How the sides of a validated mesh meet: twins, fans, borders, parts; and its vertex normals.
+// Finds how the sides of a validated mesh meet: twins, fans, borders, parts; and its vertex
+// normals.
 #pragma once
 
 #include <cstdint>

@@ -69,7 +69,7 @@ class ContactTracker::Tick {
     return arrive(end);
   }
 
-  // How far the contact point may go in a tick beside the HIP's own way where the push would leap
+  // The way that the contact point may go in a tick beside the HIP's own where the push would leap
   // from a to b, mesh's unit: a share of the lesser one, or of their mean where one is none.
   double stride(const Vec3& a, const Vec3& b) const {
     const double least = std::min(a.norm(), b.norm());

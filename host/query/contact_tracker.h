@@ -19,8 +19,7 @@ namespace gliss {
 // - An open mesh is the skin of a solid that lies behind it. It acts on what comes from outside; a
 //   HIP that went round the rim is behind it and feels nothing until it has come out and in again.
 // - Where the place that it follows ends, as over an edge or in a thin part, the nearest point
-// leaps
-//   elsewhere, and the force with it. With `settle` the contact point slides there instead,
+//   leaps elsewhere, and the force with it. With `settle` the contact point slides there instead,
 //   downhill over the surface: k |SCP - HIP|^2 / 2 falls in each tick, so that no energy comes of
 //   it. Where no way leads downhill, as to no contact at all or from none, the push goes straight
 //   to what it becomes. Either way it changes a tick by at most 20 % of itself / settle, and twice
@@ -29,8 +28,8 @@ namespace gliss {
 class GLISS_EXPORT ContactTracker {
  public:
   // Evaluations of patches that a tick spends at most, with the default iterations of a solver; and
-  // searches. What they do not suffice for, after a leap, the next
-  // ticks do: until then there is no contact.
+  // searches. What they do not suffice for, after a leap, the next ticks do: until then there is no
+  // contact.
   static constexpr int kTickEvaluations = 1000, kTickSearches = 128;
 
   // Throws std::invalid_argument for a cache without patches.

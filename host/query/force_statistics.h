@@ -1,4 +1,5 @@
-// How a series of forces, one a tick, feels: its steps, its jumps and the contacts that it loses.
+// Counts how a series of forces, one a tick, feels: its steps, its jumps and the contacts that it
+// loses.
 #pragma once
 
 #include <algorithm>

@@ -149,7 +149,7 @@ TrackOptions<Real> track_options(const QueryOptions& options) {
 
 namespace {
 
-// What a contact is made of. The scale is a power of two: to multiply by 1 / scale is to divide.
+// The parts of a contact. The scale is a power of two: to multiply by 1 / scale is to divide.
 bool is_touching(const auto& raw) { return raw.uints[kContactState] != 0; }
 Vec3 offset_of(const PatchCache& cache, const auto& raw) {
   return vec(raw.reals + kContactOffset) * (1 / cache.scale);

@@ -58,8 +58,8 @@ GLISS_EXPORT void evaluate_grid(const PatchCache& cache, std::span<const std::ui
                                 std::span<const float> xi, std::span<const float> eta,
                                 const SurfaceArrays<float>& out);
 
-// How far a solver goes on: until its step is shorter than `tolerance`, relative to the size of the
-// patch, or as often as is allowed.
+// Says when a solver ends: where its step is shorter than `tolerance`, relative to the size of the
+// patch, or after as many steps as are allowed.
 struct SolverOptions {
   Solver solver = Solver::kNewton;
   int max_iterations = 64;

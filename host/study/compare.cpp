@@ -278,16 +278,16 @@ void Comparison::measure_feel(const PatchCache& cache, const QueryOptions& query
 
 void Comparison::measure_walks(const PatchCache& cache, const QueryOptions& query,
                                const Engine& engine, CompareRow& row) const {
-  row.walk_max_force_step = kUnknown;
+  row.walk_max_force_step = row.walk_p99_force_step = kUnknown;
   row.loop_gain = loop_gain(cache, query, walks_.loops);
   if (walks_.walks.empty()) return;
-  const ForceStatistics felt =
-      feel_walks(cache, query, walks_.walks, walks_.depth / mesh_.unit, polled(engine),
-                 options_.most_jumps > 0 ? &row.jumps : nullptr);
+  const FeltWalks felt = feel_walks(cache, query, walks_.walks, walks_.depth / mesh_.unit,
+                                    polled(engine), options_.most_jumps > 0 ? &row.jumps : nullptr);
   std::stable_sort(row.jumps.begin(), row.jumps.end(),
                    [](const WalkJump& a, const WalkJump& b) { return a.step > b.step; });
   if (row.jumps.size() > options_.most_jumps) row.jumps.resize(options_.most_jumps);
   row.walk_max_force_step = options_.stiffness * mesh_.unit * felt.largest_step;
+  row.walk_p99_force_step = options_.stiffness * mesh_.unit * felt.p99_step;
   row.jumps_per_100k = felt.jumps_per_100k();
   row.lost_per_100k = felt.lost_per_100k();
   row.settling_share = felt.settling_share();

@@ -58,15 +58,15 @@ struct CompareRow {
   std::string backend;
   double bytes = 0, bytes_per_patch = 0;
   double build_per_s = 0, eval_per_s = 0, track_per_s = 0;
-  double max_distance = 0, p99_distance = 0;            // to its construction's exact surface
-  double true_max_distance = 0, true_p99_distance = 0;  // to the reference
-  double max_normal_gap = 0, p99_normal_gap = 0;        // rad
-  double max_force_step = 0, p99_force_step = 0;        // N, along the path
-  double walk_max_force_step = 0;                       // N, in the walks
-  double jumps_per_100k = 0, lost_per_100k = 0;         // in the walks; without, along the path
-  double settling_share = 0;                            // of the ticks in contact; as the jumps
-  double loop_gain = 0;                                 // of CompareWalks::loops
-  std::uint64_t unsound = 0;                            // steps that are not finite
+  double max_distance = 0, p99_distance = 0;                // to its construction's exact surface
+  double true_max_distance = 0, true_p99_distance = 0;      // to the reference
+  double max_normal_gap = 0, p99_normal_gap = 0;            // rad
+  double max_force_step = 0, p99_force_step = 0;            // N, along the path
+  double walk_max_force_step = 0, walk_p99_force_step = 0;  // N, in the walks
+  double jumps_per_100k = 0, lost_per_100k = 0;             // in the walks; without, along the path
+  double settling_share = 0;                                // of the ticks in contact; as the jumps
+  double loop_gain = 0;                                     // of CompareWalks::loops
+  std::uint64_t unsound = 0;                                // steps that are not finite
   // The error is to the force of that surface, as a share of stiffness x depth.
   double max_force_error = 0, p99_force_error = 0;
   double tick = 0;  // s, median

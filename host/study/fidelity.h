@@ -1,5 +1,5 @@
-// How far one surface is from another, how smooth it is across edges, and how it feels along a
-// path: what levels are compared by. Lengths in the mesh's unit.
+// Measures what levels are compared by: how far one surface is from another, how smooth it is
+// across edges, and how it feels along a path. Lengths in the mesh's unit.
 #pragma once
 
 #include <functional>

@@ -9,6 +9,7 @@
 #include "gliss/build/build_cache.h"
 #include "gliss/mesh/triangulate.h"
 #include "gliss/query/contact_tracker.h"
+#include "gliss/study/fidelity.h"
 
 namespace gliss {
 namespace {
@@ -191,10 +192,11 @@ std::vector<Walk> walk_paths(const Mesh& mesh, const Topology& topology, const W
   return walks;
 }
 
-ForceStatistics feel_walks(const PatchCache& cache, const QueryOptions& options,
-                           std::span<const Walk> walks, double depth, const ParallelFor& parallel,
-                           std::vector<WalkJump>* jumps) {
+FeltWalks feel_walks(const PatchCache& cache, const QueryOptions& options,
+                     std::span<const Walk> walks, double depth, const ParallelFor& parallel,
+                     std::vector<WalkJump>* jumps) {
   std::vector<ForceStatistics> felt(walks.size(), ForceStatistics(depth));
+  std::vector<std::vector<double>> steps(walks.size());
   std::vector<std::vector<WalkJump>> jumps_of(jumps != nullptr ? walks.size() : 0);
   parallel(walks.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -203,19 +205,23 @@ ForceStatistics feel_walks(const PatchCache& cache, const QueryOptions& options,
       for (std::size_t tick = 0; tick < walks[i].hips.size(); ++tick) {
         const Contact contact = tracker.tick(walks[i].hips[tick]);
         if (tick + 1 < Walk::kEntry) continue;
-        const double step =
-            felt[i].add(contact.touching, contact.push, is_settling(contact.flags)) / depth;
-        if (jumps != nullptr && step > ForceStatistics::kJump && std::isfinite(step)) {
+        const double step = felt[i].add(contact.touching, contact.push, is_settling(contact.flags));
+        if (!std::isnan(step)) steps[i].push_back(step);
+        if (jumps != nullptr && step > ForceStatistics::kJump * depth && std::isfinite(step)) {
           const Contact& at = before.touching ? before : contact;
-          jumps_of[i].push_back({at.scp, at.at.face, step, !contact.touching});
+          jumps_of[i].push_back({at.scp, at.at.face, step / depth, !contact.touching});
         }
         before = contact;
       }
     }
   });
-  ForceStatistics all(depth);
+  FeltWalks all{ForceStatistics(depth)};
   for (const ForceStatistics& of_walk : felt) all.merge(of_walk);
   for (const auto& of_walk : jumps_of) jumps->insert(jumps->end(), of_walk.begin(), of_walk.end());
+  std::vector<double> every;
+  for (const std::vector<double>& of_walk : steps)
+    every.insert(every.end(), of_walk.begin(), of_walk.end());
+  all.p99_step = distances_of(std::move(every)).p99;
   return all;
 }
 

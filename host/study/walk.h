@@ -50,13 +50,16 @@ struct WalkJump {
   bool lost = false;  // the contact ends
 };
 
+struct FeltWalks : ForceStatistics {
+  double p99_step = 0;  // of the steps
+};
 // Counts what a tracker of its own feels on each walk; stiffness 1 N per unit of length, full
 // force `depth` (mesh's unit). Ticks of pressing in are not counted. Adds to `jumps`, unless it is
 // null, the jumps that are sound, walk by walk.
-GLISS_EXPORT ForceStatistics feel_walks(const PatchCache& cache, const QueryOptions& options,
-                                        std::span<const Walk> walks, double depth,
-                                        const ParallelFor& parallel = serial_for,
-                                        std::vector<WalkJump>* jumps = nullptr);
+GLISS_EXPORT FeltWalks feel_walks(const PatchCache& cache, const QueryOptions& options,
+                                  std::span<const Walk> walks, double depth,
+                                  const ParallelFor& parallel = serial_for,
+                                  std::vector<WalkJump>* jumps = nullptr);
 
 // Closed loops of HIPs beneath a mesh, to tell if a force makes energy: circles about as wide as a
 // face, every other one backwards, in planes `depth` beneath places chosen by area. Each goes on a

@@ -14,14 +14,14 @@ namespace gliss {
 
 enum class Precision { kFloat, kDouble };
 
-// How patches are made from polygons and vertex normals.
+// The rules by which patches are made from polygons and vertex normals.
 enum class Construction : std::uint32_t {
   kPaper,  // Wu et al., eq. 2 to 14
   kFair,   // triangles and quads as Gregory patches that bend little, on irregular meshes too
            // (kernels/fair.h); the paper's patch for faces of more sides
 };
 
-// Which surface stands for the construction's: a trade of accuracy for speed and memory. All but
+// The surface that stands for the construction's: a trade of accuracy for speed and memory. All but
 // tables keep G1, with the boundary curves and boundary normals of the exact patch. Triangles and
 // quads of the fair construction are polynomials at every level but that of tables.
 struct Level {
@@ -39,7 +39,7 @@ struct Level {
 };
 inline constexpr std::uint32_t kTableCells = 4, kMostTableCells = 64;  // usual, at most
 
-// How the patch of a face was made.
+// Tells how the patch of a face was made.
 enum class PatchKind : std::uint8_t {
   kPlain,  // as the construction makes it
   kEased,  // folded: tamer cross tangents; boundary curves and normals as they were
@@ -82,7 +82,7 @@ struct GLISS_EXPORT PatchCache {
   // inside.
   bool is_closed_at(std::uint32_t patch) const { return open.empty() || !open[patch_face[patch]]; }
   double smallest_rho() const;
-  // Largest |coordinate| extent, mesh's unit: what "relative to the size" means for a whole mesh.
+  // The box of the surface, mesh's unit.
   Box bounds() const;
   std::size_t bytes() const;
 };

@@ -26,7 +26,7 @@ herr_t keep_elsewhere(const char*, const char*, const char* file, const char*, u
   return -1;
 }
 
-// How links are followed: not into other files. `elsewhere` must outlive it.
+// Access that follows no link into another file. `elsewhere` must outlive it.
 Handle within_file(hid_t kind, std::string& elsewhere) {
   Handle access = hdf5::properties(kind);
   hdf5::check(H5Pset_elink_cb(access, keep_elsewhere, &elsewhere), "cannot set up HDF5");

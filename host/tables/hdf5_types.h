@@ -1,4 +1,4 @@
-// How columns and attributes of results look in HDF5.
+// The types that columns and attributes of results have in HDF5.
 #pragma once
 
 #include "gliss/tables/hdf5_handle.h"

@@ -13,7 +13,7 @@
 
 namespace gliss {
 
-// Of HDF5; what() names the file.
+// An error of an HDF5 file; what() names it.
 struct GLISS_EXPORT RecordingError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };

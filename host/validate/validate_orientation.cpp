@@ -1,4 +1,5 @@
-// Which way round: neighbours agree, most faces win, and closed parts enclose a positive volume.
+// Turns faces one way round: neighbours agree, most faces win, and closed parts enclose a positive
+// volume.
 #include <algorithm>
 #include <cmath>
 #include <utility>

@@ -96,7 +96,7 @@ class GLISS_EXPORT Guard {
   // engage_below and no fault.
   bool engage() noexcept;
 
-  // How often a guard began to act for this reason: a series of steps counts once.
+  // The number of times that a guard began to act for this reason: a series of steps counts once.
   std::uint64_t count(GuardReason reason) const noexcept {
     return counts_[static_cast<std::size_t>(reason)];
   }

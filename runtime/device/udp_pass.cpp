@@ -69,14 +69,14 @@ std::optional<FoundPass> find_pass(std::uint16_t port) {
   if (descriptor < 0 && errno == ENOENT) return std::nullopt;
   FoundPass found;
   struct stat status {};
-  const bool whole = descriptor >= 0 && fstat(descriptor, &status) == 0 &&
-                     S_ISREG(status.st_mode) && is_own(status) && (status.st_mode & 077) == 0 &&
-                     read(descriptor, found.pass.data(), found.pass.size()) ==
-                         static_cast<ssize_t>(found.pass.size());
+  const bool own = descriptor >= 0 && fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode) &&
+                   is_own(status) && (status.st_mode & 077) == 0;
+  const bool whole = own && read(descriptor, found.pass.data(), found.pass.size()) ==
+                                static_cast<ssize_t>(found.pass.size());
   found.served = descriptor >= 0 && flock(descriptor, LOCK_SH | LOCK_NB) != 0;
   if (descriptor >= 0) close(descriptor);
   // A server that has made its file and not written it yet is asked again.
-  if (!whole && found.served) return std::nullopt;
+  if (own && !whole && found.served) return std::nullopt;
   if (!whole) refuse(port, path, "cannot be read as this user's own; cure: remove it");
   return found;
 }

@@ -24,7 +24,8 @@ struct GLISS_EXPORT SceneError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// Which patches of an object are built: all before the loop begins, or in it those near the hand.
+// The patches of an object that are built: all before the loop begins, or in it those near the
+// hand.
 enum class Patches { kAll, kLazy };
 
 // An [[object]]. Numbers without a unit are SI.

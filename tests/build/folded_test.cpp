@@ -1,4 +1,4 @@
-// What a hand feels where faces fold: paths across every flagged face.
+// Feels as a hand does where faces fold: paths across every flagged face.
 #include "gliss/build/build_cache.h"
 #include "gliss/query/contact_tracker.h"
 #include "tests/support/surfaces.h"

@@ -1,7 +1,9 @@
 // Nothing ends without a word and a zero: broken and full outputs, limits and signals at any moment
 // give a documented exit code, files that are whole or not there, and a force that fades.
+#include <sys/ioctl.h>
 #include <sys/resource.h>
 
+#include <array>
 #include <random>
 
 #include "tests/support/run_files.h"
@@ -13,6 +15,7 @@ using test::Outcome, test::Process;
 using ::testing::HasSubstr;
 
 constexpr int kInterrupted = 130;
+constexpr std::array kSignals{SIGHUP, SIGQUIT, SIGXCPU, SIGINT, SIGTERM, SIGALRM};
 
 class HostileEnds : public test::RunTest {
  protected:
@@ -140,6 +143,61 @@ TEST_F(HostileEnds, say_that_the_stack_is_too_small) {
   EXPECT_THAT(outcome.err, HasSubstr("ulimit -s"));
 }
 
+// A program that writes into a pipe which nobody reads comes to no end by itself.
+TEST_F(HostileEnds, come_two_seconds_after_a_second_signal_and_at_once_after_a_third) {
+  std::string hips = "x_mm,y_mm,z_mm\n";
+  for (int i = 0; i < 2000; ++i) hips += "0,0,9\n";
+  folder_.write("hips.csv", hips);
+  for (const bool third : {false, true}) {
+    int ends[2];
+    ASSERT_EQ(pipe2(ends, O_CLOEXEC), 0);
+    const int room = fcntl(ends[0], F_SETPIPE_SZ, 1);  // the least there is
+    const auto in_child = [&] {
+      sigset_t alarms;  // where they do not come, a third signal alone ends it
+      sigemptyset(&alarms);
+      sigaddset(&alarms, SIGALRM);
+      return dup2(ends[1], 1) == 1 && (!third || sigprocmask(SIG_BLOCK, &alarms, nullptr) == 0);
+    };
+    Process process(folder_ / "", test::kProgram, words_of("project ball.gliss --hip hips.csv"),
+                    in_child);
+    const auto is_stuck = [&] {
+      int bytes = 0;
+      return ioctl(ends[0], FIONREAD, &bytes) == 0 && bytes == room;
+    };
+    ASSERT_TRUE(test::await(is_stuck));
+    const auto goes_on = [&] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(300));
+      return !process.over();
+    };
+    process.kill(SIGINT);
+    EXPECT_TRUE(goes_on());
+    const auto second = std::chrono::steady_clock::now();
+    process.kill(SIGTERM);
+    EXPECT_TRUE(goes_on());
+    if (third) process.kill(SIGHUP);
+    EXPECT_EQ(process.wait().code, kInterrupted);
+    if (!third) {
+      EXPECT_GE(std::chrono::steady_clock::now() - second, std::chrono::seconds(2));
+    }
+    close(ends[0]), close(ends[1]);
+  }
+}
+
+TEST_F(HostileEnds, ignore_signals_that_were_ignored_before) {
+  constexpr std::array kIgnored{SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGXCPU};
+  Process process(folder_ / "", test::kProgram, words_of("judge --seconds 0.3"), [&] {
+    return std::all_of(kIgnored.begin(), kIgnored.end(),
+                       [](int number) { return signal(number, SIG_IGN) != SIG_ERR; });
+  });
+  ASSERT_TRUE(test::await([&] { return process.catches(SIGALRM); }));
+  for (const int number : kIgnored) {
+    EXPECT_FALSE(process.catches(number)) << number;
+    process.kill(number);
+  }
+  const Outcome outcome = process.wait();
+  EXPECT_TRUE(outcome.code == 0 || outcome.code == 4) << outcome.err;
+}
+
 // Long work that a signal ends at a random moment.
 TEST_F(HostileEnds, leave_whole_files_whenever_a_signal_comes) {
   std::mt19937 random(5);
@@ -148,7 +206,7 @@ TEST_F(HostileEnds, leave_whole_files_whenever_a_signal_comes) {
        {"sweep ball.gliss --depth 1mm --samples 1e8 -o made.h5", "judge --seconds 60",
         "compare ball.obj --unit mm --walks 1000", "serve scene.toml --port 0",
         "run scene.toml --record made.csv --report made.json"}) {
-    for (const int signal : {SIGHUP, SIGQUIT, SIGXCPU, SIGINT, SIGTERM}) {
+    for (const int signal : kSignals) {
       for (int i = 0; i < tries; ++i) {
         Process process(folder_ / "", test::kProgram, words_of(command));
         ASSERT_TRUE(test::await([&] { return process.catches(signal); }));
@@ -164,43 +222,58 @@ TEST_F(HostileEnds, leave_whole_files_whenever_a_signal_comes) {
   }
 }
 
-// Every other command, where it reads, builds, computes and writes.
+// Every other command, where it reads, builds, computes and writes: at two moments, or at many and
+// with each signal.
 TEST_F(HostileEnds, leave_whole_files_wherever_a_command_is) {
   ASSERT_EQ(go("generate knot --along 300 --around 100 -o big.obj --quiet").code, 0);
-  std::string hips = "x_mm,y_mm,z_mm\n", points = "patch,xi,eta\n";
+  std::string hips = "x_mm,y_mm,z_mm\n", points = "patch,xi,eta\n",
+              forces = folder_.read("forces.csv");
+  const std::string tick = forces.substr(forces.find('\n') + 1);
   for (int i = 0; i < 200'000; ++i) {
     hips += fmt::format("60,{},0\n", 1e-5 * i);
     points += "0,0,0\n";
+    if (i % 4 == 0) forces += tick;
   }
   folder_.write("hips.csv", hips);
   folder_.write("points.csv", points);
+  folder_.write("forces.csv", forces);
   std::mt19937 random(7);
-  const int tries = std::getenv("GLISS_LONG_TESTS") ? 20 : 2;
-  for (const std::string command :
-       {"generate knot --along 3000 --around 1000 -o made.obj", "check big.obj --unit mm",
-        "info big.obj --unit mm", "bake big.obj --unit mm -o made.gliss",
-        "eval big.obj --at points.csv -o made.csv",
-        "project big.obj --unit mm --hip hips.csv -o made.csv",
-        "trace big.obj --unit mm --path hips.csv -o made.h5",
-        "compare big.obj --unit mm -o made.csv",
-        "sweep big.obj --unit mm --depth 1mm --samples 1e8 -o made.csv"}) {
-    for (int i = 0; i < tries; ++i) {
-      const int signal = std::array{SIGHUP, SIGQUIT, SIGXCPU, SIGINT, SIGTERM}[random() % 5];
+  const bool all = std::getenv("GLISS_LONG_TESTS") != nullptr;
+  const std::size_t tries = all ? 4 * kSignals.size() : 2;
+  struct Work {
+    std::string command;
+    unsigned milliseconds = 1000;  // about as long as it takes, or some part of it
+  };
+  for (const Work& work : {Work{"generate knot --along 3000 --around 1000 -o made.obj"},
+                           Work{"check big.obj --unit mm"}, Work{"info big.obj --unit mm"},
+                           Work{"bake big.obj --unit mm -o made.gliss"},
+                           Work{"eval big.obj --at points.csv -o made.csv"},
+                           Work{"project big.obj --unit mm --hip hips.csv -o made.csv"},
+                           Work{"trace big.obj --unit mm --path hips.csv -o made.h5"},
+                           Work{"compare big.obj --unit mm -o made.csv"},
+                           Work{"sweep big.obj --unit mm --depth 1mm --samples 1e8 -o made.csv"},
+#ifdef GLISS_WITH_REPORT
+                           Work{"report forces.csv -o made.html", 500},
+#endif
+                           Work{"devices", 5}}) {
+    const std::string& command = work.command;
+    for (std::size_t i = 0; i < tries; ++i) {
+      const int signal = kSignals[all ? i % kSignals.size() : random() % kSignals.size()];
       Process process(folder_ / "", test::kProgram, words_of(command));
-      ASSERT_TRUE(test::await([&] { return process.catches(signal); })) << command;
-      std::this_thread::sleep_for(std::chrono::milliseconds(random() % 1000));
+      ASSERT_TRUE(test::await([&] { return process.over() || process.catches(signal); }));
+      std::this_thread::sleep_for(std::chrono::microseconds(random() % (1000 * work.milliseconds)));
       process.kill(signal);
       const Outcome outcome = process.wait();
+      EXPECT_EQ(leftovers(), "") << command;
       if (outcome.code == 0) continue;  // it was quick
       EXPECT_EQ(outcome.code, kInterrupted) << command << ": " << signal << outcome.err;
       EXPECT_THAT(outcome.err, HasSubstr("interrupted")) << command;
-      EXPECT_EQ(leftovers(), "") << command;
     }
   }
 }
 
 TEST_F(HostileEnds, let_the_hand_go_and_keep_the_recording_whoever_is_impatient) {
-  for (const int signal : {SIGHUP, SIGQUIT, SIGXCPU, SIGINT}) {
+  for (const int signal : {SIGHUP, SIGQUIT, SIGXCPU, SIGALRM}) {
     const auto loop = start_recording("scene.toml --device sim", "run.csv");
     loop->kill(signal);
     loop->kill(signal == SIGHUP ? SIGTERM : signal);

@@ -1,4 +1,4 @@
-// How gliss run ends: by a signal, by what it may not do, by what is wrong before it begins or
+// gliss run ends: by a signal, by what it may not do, by what is wrong before it begins or
 // while it runs.
 #include <sys/resource.h>
 
@@ -167,8 +167,8 @@ TEST_F(RunEnd, goes_on_where_the_disk_is_full) {
   }
 }
 
-// Which it does after a second: whatever the machine, a run is soon made that takes longer. The
-// hand's path must not end before.
+// It does so after a second: whatever the machine, a run is soon made that takes longer. The hand's
+// path must not end before.
 TEST_F(RunEnd, shows_how_far_it_is_where_there_is_no_clock) {
   const std::string scene = folder_.read("scene.toml");
   folder_.write("long.toml",

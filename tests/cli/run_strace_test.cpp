@@ -1,4 +1,4 @@
-// What the loop's thread asks of the system in a tick: its sleep, and the device.
+// The loop's thread asks two things of the system in a tick: its sleep, and the device.
 #include "tests/support/places.h"
 #include "tests/support/require.h"
 #include "tests/support/run_files.h"

@@ -265,7 +265,7 @@ TEST_F(UdpKill, a_killed_device_is_a_fault_and_ends_the_force) {
   loop.expect_guarded();
   loop.report_end("kill -9 of the device");
   EXPECT_FALSE(loop.ticks.back().state.fault);
-  // Which of them depends on whether the loop itself was late.
+  // It is the one or the other, as the loop itself was late or not.
   EXPECT_TRUE(loop.guarded.reason == GuardReason::kDeviceFault ||
               loop.guarded.reason == GuardReason::kLateInput);
   // For good: nobody is there.

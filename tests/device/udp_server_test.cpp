@@ -1,8 +1,14 @@
 // Whose force a served device has, and until when. Ticks at times that the tests choose.
 #include "gliss/device/udp_server.h"
 
+#include <arpa/inet.h>
 #include <gmock/gmock.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <stdexcept>
 
 #include "gliss/thread/realtime.h"
@@ -222,20 +228,67 @@ TEST(UdpServer, refuses_who_has_not_its_pass_and_says_so) {
   EXPECT_EQ(served.server.counts().peers, 0u);
 }
 
+// The file of a port's pass, in one of the two places that docs/safety.md names.
+std::string pass_file(std::uint16_t port) {
+  const auto user = std::to_string(geteuid()), name = "udp-" + std::to_string(port);
+  const std::string session = "/run/user/" + user + "/gliss-" + name;
+  return access(session.c_str(), F_OK) == 0 ? session : "/tmp/gliss-" + user + "/" + name;
+}
+
 TEST(UdpServer, has_a_pass_that_its_owner_alone_can_read) {
   std::uint16_t port = 0;
-  udp::Pass first{};
   {
+    const mode_t mask = umask(0);  // files are for everybody, unless they say otherwise
     Served served;
+    umask(mask);
     port = served.server.port();
-    first = served.server.pass();
+    const udp::Pass pass = served.server.pass();
     const auto found = udp::find_pass(port);
     ASSERT_TRUE(found);
-    EXPECT_EQ(found->pass, first);
+    EXPECT_EQ(found->pass, pass);
     EXPECT_TRUE(found->served);
-    EXPECT_NE(udp::OwnPass(1).value(), first);
+    EXPECT_NE(udp::OwnPass(1).value(), pass);
+    const std::string path = pass_file(port);
+    for (const std::string& name : {path, path.substr(0, path.rfind('/'))}) {
+      struct stat status {};
+      ASSERT_EQ(lstat(name.c_str(), &status), 0) << name;
+      EXPECT_EQ(status.st_uid, geteuid()) << name;
+      EXPECT_EQ(status.st_mode & 077, 0u) << name;
+    }
+    // Nor is one believed that others could have read, or that lies elsewhere.
+    const auto refusal = [&] { return test::message_of<LoopError>([&] { udp::find_pass(port); }); };
+    ASSERT_EQ(chmod(path.c_str(), 0644), 0);
+    EXPECT_THAT(refusal(), HasSubstr("cannot be read as this user's own"));
+    const test::ScratchFolder folder;
+    const std::string elsewhere = folder.write("pass", std::string(pass.size(), 'x'));
+    ASSERT_EQ(chmod(elsewhere.c_str(), 0600), 0);
+    ASSERT_EQ(unlink(path.c_str()), 0);
+    ASSERT_EQ(symlink(elsewhere.c_str(), path.c_str()), 0);
+    EXPECT_THAT(refusal(), HasSubstr("cannot be read as this user's own"));
   }
   EXPECT_FALSE(udp::find_pass(port));
+}
+
+// Whoever listens everywhere is found at this machine's other addresses too.
+TEST(UdpServer, listens_on_127_0_0_1_alone) {
+  Served served;
+  for (const std::uint32_t host : {INADDR_LOOPBACK + 1, INADDR_LOOPBACK}) {
+    const int other = socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(host);
+    address.sin_port = htons(served.server.port());
+    ASSERT_EQ(connect(other, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    const auto rejected = [&] { return served.server.counts().rejected; };
+    const std::uint64_t before = rejected();
+    const bool ours = host == INADDR_LOOPBACK;
+    EXPECT_EQ(send(other, "?", 1, 0), 1);
+    served.step();
+    EXPECT_EQ(rejected() - before, ours ? 1u : 0u);
+    EXPECT_EQ(send(other, "?", 1, 0), ours ? 1 : -1);
+    EXPECT_TRUE(ours || errno == ECONNREFUSED);
+    close(other);
+  }
 }
 
 // Without a word from the loop's own guards: the device's are enough.

@@ -8,7 +8,7 @@
 
 namespace gliss::test {
 
-// How often what may not be, and where first.
+// Counts what may not be, and keeps where it was first.
 struct Times {
   std::uint64_t count = 0;
   std::string first;

@@ -22,8 +22,8 @@ Mesh crumpled(double tilt = 1.25);
 // The first faces of a mesh, as a mesh of their own.
 Mesh first_faces(Mesh mesh, std::uint32_t count);
 
-// What `gliss bake --region` makes: patches of the first faces of a mesh, the others known but not
-// built.
+// Makes what `gliss bake --region` does: patches of the first faces of a mesh, the others known but
+// not built.
 PatchCache region_of(const Mesh& whole, std::uint32_t count, Precision precision,
                      BuildReport* report = nullptr);
 

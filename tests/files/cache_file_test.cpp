@@ -486,7 +486,7 @@ TEST(CacheFile, ForgedContentIsRefused) {
   const auto at = static_cast<std::size_t>(leaf - surface.child.begin());
   EXPECT_THAT(forged("child", at, *leaf ^ 1u), section("child"));  // twice
 
-  // Of a cut face.
+  // The patches of a cut face.
   ASSERT_GT(dart.patch_count(), 1u);
   EXPECT_THAT(Forgery(dart).set("corner_of_face", 0, 6u).what(), section("corner_of_face"));
   EXPECT_THAT(Forgery(dart).set("corner_of_face", 0, dart.corner_of_face[1]).what(),

@@ -21,6 +21,7 @@
 #include "gliss/tables/hdf5_types.h"
 #include "gliss/tables/point_table.h"
 #include "gliss/tables/result_table.h"
+#include "tests/support/poll_gap.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/surfaces.h"
 
@@ -142,11 +143,14 @@ TEST_F(HostileFiles, of_scenes_are_bounded) {
               AllOf(HasSubstr("hole.toml"), HasSubstr("put long paths into a CSV file")));
 }
 
-// Calls read(poll) with one that throws at its first call, its second and so on; expects some.
+// Calls read(poll) with one that throws at its first call, in the middle and at the last; expects
+// some, none later than is promised.
 template <class Read>
 void expect_to_stop(const Read& read, int least) {
   int calls = 0;
-  read([&] { ++calls; });
+  test::PollGap gap;
+  read([&] { ++calls, gap.poll(); });
+  gap.expect_promised();
   EXPECT_GE(calls, least);
   for (const int last : {1, (1 + calls) / 2, calls}) {
     int left = last;

@@ -26,7 +26,7 @@ int main(int count, char** words) {
   std::sort(files.begin(), files.end());
   for (const fs::path& path : files) {
     std::ifstream file(path, std::ios::binary);
-    // Of exactly their size, so that the sanitizer sees a step beyond.
+    // Bytes of exactly their size, so that the sanitizer sees a step beyond.
     const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(file), {}};
     gliss::fuzz::require(!file.bad(), path.string() + " can be read");
     std::fprintf(stderr, "%s\n", path.c_str());  // the last one is the one that fails

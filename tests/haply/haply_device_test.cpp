@@ -180,7 +180,7 @@ std::vector<Nanoseconds> times_to_zero(HaplyDevice& device, const HaplyMock& moc
   return times;
 }
 
-// How late this machine wakes a thread that does nothing else.
+// Measures how late this machine wakes a thread that does nothing else.
 class Lateness {
  public:
   Nanoseconds worst() const { return worst_; }

@@ -312,7 +312,6 @@ TEST(Loop, tells_what_is_touched) {
   EXPECT_GT(felt.ticks[2].iterations, 0);
 }
 
-// Of several that are touched, that which pushes hardest.
 TEST(Loop, tells_of_the_object_that_pushes_hardest) {
   for (const std::uint32_t hardest : {0u, 1u, 2u}) {
     std::vector<SceneObject> objects(3, SceneObject{.cache = ball(), .stiffness = 100});

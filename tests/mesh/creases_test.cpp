@@ -39,7 +39,7 @@ struct Sharpened {
   }
 };
 
-// What every crease and every other edge must have, whatever the marks.
+// Expects what every crease and every other edge must have, whatever the marks.
 void expect_sound(const Sharpened& s) {
   const Mesh& mesh = s.mesh;
   for (std::uint32_t side = 0; side < s.topology.side_twin.size(); ++side) {

@@ -1,4 +1,4 @@
-// How often a HIP has crossed a surface, told by its way through fine triangles alone: no tracker
+// Counts how often a HIP has crossed a surface, by its way through fine triangles alone: no tracker
 // and no nearest point has a say.
 #pragma once
 

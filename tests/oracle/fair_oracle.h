@@ -22,7 +22,7 @@
 
 namespace gliss::oracle {
 
-/// How often a clamp of the construction acted, by side end or face of a side.
+/// Counts how often a clamp of the construction acted, by side end or face of a side.
 struct FairClamps {
   int foot = 0, turn = 0, fade = 0, curvature = 0, twist = 0;
 

@@ -131,8 +131,8 @@ Side<S> side(const Polygon<S>& polygon, int k, std::type_identity_t<S> t) {
           (L_next - L_prev) * direction.value + length * direction.dot};
 }
 
-/// How well (8), (9) and (10) are defined at the ends of edge k: 0 where it is parallel to a normal
-/// or the normals are opposed, 1 at best.
+/// Tells how well (8), (9) and (10) are defined at the ends of edge k: 0 where it is parallel to a
+/// normal or the normals are opposed, 1 at best.
 template <class S>
 S soundness(const Polygon<S>& polygon, int k) {
   const Vec<S>&n_s = polygon.normal(k), &n_e = polygon.normal(k + 1);

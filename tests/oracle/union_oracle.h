@@ -1,13 +1,15 @@
 // Overlapping parts and what their union is, by means that share nothing with the kernels' own
-// union: a cache for each part by itself, winding numbers of a fine tessellation, dense samples.
+// union: a cache for each part by itself, winding numbers of triangles, dense samples, formulas.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <functional>
+#include <limits>
 #include <numbers>
 #include <vector>
 
 #include "gliss/generate/generate.h"
-#include "gliss/study/tessellate.h"
 #include "tests/support/surfaces.h"
 
 namespace gliss::test {
@@ -80,8 +82,8 @@ class UnionOracle {
     }
   }
 
-  // How deep a point lies in the parts but one, at most; negative outside, where it may be nearer
-  // to them than this says.
+  // The depth of a point in the parts but one, at most; negative outside, where it may be nearer to
+  // them than this says.
   double depth(const Vec3& x, std::size_t but = ~std::size_t{0}) const {
     double most = -std::numeric_limits<double>::infinity();
     for (std::size_t part = 0; part < parts_.size(); ++part) {
@@ -92,7 +94,7 @@ class UnionOracle {
     return most;
   }
 
-  // How far a point is from the nearest surface of any part.
+  // The distance of a point from the nearest surface of any part.
   double off_surface(const Vec3& x) const {
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t part = 0; part < parts_.size(); ++part) {
@@ -121,44 +123,154 @@ class UnionOracle {
   std::vector<Vec3> exposed_;
 };
 
-// How often fine triangulations of the parts go round a point, by solid angles (van Oosterom and
-// Strackee 1983).
+// A union of boxes along the axes, by formula: the planes of their sides cut space into cells, each
+// of which is full or empty.
+class BoxUnion {
+ public:
+  explicit BoxUnion(const std::vector<Box>& boxes) {
+    const double infinity = std::numeric_limits<double>::infinity();
+    for (int axis = 0; axis < 3; ++axis) {
+      std::vector<double>& planes = planes_[static_cast<std::size_t>(axis)];
+      planes = {-infinity, infinity};
+      for (const Box& box : boxes) planes.insert(planes.end(), {box.low[axis], box.high[axis]});
+      std::sort(planes.begin(), planes.end());
+      planes.erase(std::unique(planes.begin(), planes.end()), planes.end());
+    }
+    const auto& [x, y, z] = planes_;
+    for (std::size_t i = 0; i + 1 < x.size(); ++i) {
+      for (std::size_t j = 0; j + 1 < y.size(); ++j) {
+        for (std::size_t k = 0; k + 1 < z.size(); ++k) {
+          const Box cell{{x[i], y[j], z[k]}, {x[i + 1], y[j + 1], z[k + 1]}};
+          const bool full = std::any_of(boxes.begin(), boxes.end(), [&](const Box& box) {
+            return (cell.low - box.low).minCoeff() >= 0 && (box.high - cell.high).minCoeff() >= 0;
+          });
+          (full ? full_ : empty_).push_back(cell);
+        }
+      }
+    }
+  }
+
+  // To the surface of the union; negative inside.
+  double distance(const Vec3& x) const {
+    const double out = to(full_, x);
+    return out > 0 ? out : -to(empty_, x);
+  }
+
+ private:
+  static double to(const std::vector<Box>& cells, const Vec3& x) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const Box& cell : cells)
+      least = std::min(least, (cell.low - x).cwiseMax(x - cell.high).cwiseMax(0.0).norm());
+    return least;
+  }
+
+  std::array<std::vector<double>, 3> planes_;
+  std::vector<Box> full_, empty_;
+};
+
+// Counts how often the parts go round a point, by the solid angles of triangles (van Oosterom and
+// Strackee 1983), which are cut until they are as near to the surface as the point's distance asks
+// for. One thread's at a time.
 class Winding {
  public:
-  Winding(const std::vector<Mesh>& parts, std::uint32_t cells) {
+  // Right for points that are farther than `least` from all surfaces.
+  Winding(const std::vector<Mesh>& parts, double least) : least_(least) {
     for (const Mesh& part : parts) {
-      const Mesh mesh = with_normals(part);
-      const Mesh fine = tessellate(mesh, cache_of(mesh), cells);
-      Part p{{}, fine.positions.front(), fine.positions.front()};
-      for (const std::uint32_t v : fine.corner_vertex) {
-        p.corner.push_back(fine.positions[v]);
-        p.low = p.low.cwiseMin(p.corner.back());
-        p.high = p.high.cwiseMax(p.corner.back());
+      PatchCache cache = cache_of(with_normals(part));
+      const Box box = cache.bounds();
+      const Vec3 margin = 0.1 * (box.high - box.low);  // patches bulge beyond their corners
+      parts_.push_back({std::move(cache), {box.low - margin, box.high + margin}, {}});
+      Part& p = parts_.back();
+      for (std::uint32_t face = 0; face < p.cache.mesh_face_count; ++face) {
+        const int n = static_cast<int>(p.cache.face_valence[face]);
+        for (int k = 0; k < n; ++k) {
+          std::array<Corner, 3> corner;
+          corner[0].X.setZero();
+          corner[1].X = oracle::domain_corner<double>(n, k);
+          corner[2].X = oracle::domain_corner<double>(n, k + 1);
+          place(p.cache, face, corner);
+          p.triangles.push_back(triangle(p.cache, face, corner));
+        }
       }
-      parts_.push_back(std::move(p));
     }
   }
 
   double at(const Vec3& x) const {
     double angle = 0;
     for (const Part& part : parts_) {
-      if ((part.low - x).cwiseMax(x - part.high).maxCoeff() > 0) continue;
-      for (std::size_t t = 0; t < part.corner.size(); t += 3) {
-        const Vec3 p = part.corner[t] - x, q = part.corner[t + 1] - x, r = part.corner[t + 2] - x;
-        const double a = p.norm(), b = q.norm(), c = r.norm();
-        angle += 2 * std::atan2(p.dot(q.cross(r)),
-                                a * b * c + p.dot(q) * c + q.dot(r) * a + r.dot(p) * b);
-      }
+      if ((part.box.low - x).cwiseMax(x - part.box.high).maxCoeff() > 0) continue;
+      for (const Triangle& t : part.triangles) angle += seen(part.cache, t, x, 0);
     }
     return angle / (4 * std::numbers::pi);
   }
 
  private:
-  struct Part {
-    std::vector<Vec3> corner;  // of triangles
-    Vec3 low, high;
+  static constexpr int kDeepest = 24, kKept = 3;  // times that a triangle is cut; that stay in
+                                                  // memory
+
+  struct Corner {
+    Vec2 X;
+    Vec3 x;
   };
+  struct Triangle {
+    std::uint32_t face;
+    std::array<Corner, 3> corner, middle;  // middle[k]: of the side that begins at corner k
+    Vec3 centre;
+    double radius, off;  // off: the middles from the straight sides, at most
+    mutable std::vector<Triangle> parts = {};
+  };
+  struct Part {
+    PatchCache cache;
+    Box box;
+    std::vector<Triangle> triangles;
+  };
+
+  static void place(const PatchCache& cache, std::uint32_t face, std::array<Corner, 3>& corners) {
+    std::array<DomainPoint, 3> points;
+    std::array<SurfacePoint, 3> there;
+    for (std::size_t k = 0; k < 3; ++k) points[k] = {face, corners[k].X.x(), corners[k].X.y()};
+    evaluate(cache, points, there);
+    for (std::size_t k = 0; k < 3; ++k) corners[k].x = there[k].position;
+  }
+  static Triangle triangle(const PatchCache& cache, std::uint32_t face,
+                           const std::array<Corner, 3>& corner) {
+    Triangle t{face, corner, {}, (corner[0].x + corner[1].x + corner[2].x) / 3, 0, 0};
+    for (std::size_t k = 0; k < 3; ++k) t.middle[k].X = (corner[k].X + corner[(k + 1) % 3].X) / 2;
+    place(cache, face, t.middle);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3 &a = corner[k].x, &b = corner[(k + 1) % 3].x, &middle = t.middle[k].x;
+      t.off = std::max(t.off, (middle - (a + b) / 2).norm());
+      t.radius = std::max({t.radius, (a - t.centre).norm(), (middle - t.centre).norm()});
+    }
+    return t;
+  }
+  static std::vector<Triangle> cut(const PatchCache& cache, const Triangle& t) {
+    const auto& [a, b, c] = t.corner;
+    const auto& [ab, bc, ca] = t.middle;
+    return {triangle(cache, t.face, {a, ab, ca}), triangle(cache, t.face, {ab, b, bc}),
+            triangle(cache, t.face, {ca, bc, c}), triangle(cache, t.face, {ab, bc, ca})};
+  }
+
+  double seen(const PatchCache& cache, const Triangle& t, const Vec3& x, int depth) const {
+    const double distance = std::max(least_, (x - t.centre).norm() - 1.2 * t.radius);
+    // What is near is cut twice at least, for a bend may hide between middles.
+    const bool is_fine = t.off < 0.02 * distance && (distance > t.radius || depth >= 2);
+    if (is_fine || depth == kDeepest)
+      return angle_of(t.corner[0].x - x, t.corner[1].x - x, t.corner[2].x - x);
+    if (depth < kKept && t.parts.empty()) t.parts = cut(cache, t);
+    double sum = 0;
+    for (const Triangle& part : depth < kKept ? t.parts : cut(cache, t))
+      sum += seen(cache, part, x, depth + 1);
+    return sum;
+  }
+  static double angle_of(const Vec3& p, const Vec3& q, const Vec3& r) {
+    const double a = p.norm(), b = q.norm(), c = r.norm();
+    return 2 *
+           std::atan2(p.dot(q.cross(r)), a * b * c + p.dot(q) * c + q.dot(r) * a + r.dot(p) * b);
+  }
+
   std::vector<Part> parts_;
+  double least_;
 };
 
 }  // namespace gliss::test

@@ -199,7 +199,7 @@ void Arrays::expect_grids() const {
 TEST_P(Arrays, of_float_hold_a_grid_on_each_face) { expect_grids<float>(); }
 TEST_P(Arrays, of_double_hold_a_grid_on_each_face) { expect_grids<double>(); }
 
-// What a caller may ask of a contact, in arrays of its own.
+// All that a caller may ask of a contact, in arrays of its own.
 template <class T>
 struct Contacts {
   std::unique_ptr<bool[]> touching;

@@ -1,5 +1,6 @@
 // One contact, one truth: whoever asks gets the same forces, and a contact ends where the HIP has
 // crossed the surface and not before, on open meshes as on closed ones.
+#include <array>
 #include <cstring>
 
 #include "gliss/contact/tracker.h"
@@ -8,6 +9,7 @@
 #include "gliss/surface/names.h"
 #include "tests/oracle/union_oracle.h"
 #include "tests/support/open_meshes.h"
+#include "tests/support/random_meshes.h"
 #include "tests/support/surfaces.h"
 
 namespace gliss {
@@ -19,6 +21,28 @@ std::vector<Mesh> meshes() {
   return {test::sheet(),       test::sheet(1.5),   test::half_torus(),
           test::fan_of_five(), thin_plate().mesh,  fin().mesh,
           goldberg(2).mesh,    banana(13, 6).mesh, prism(5).mesh};
+}
+
+// Random triangles: solids whose normals see little of their faces, so that patches fold, sheets
+// with borders, and solids that stand within each other.
+Mesh random_mesh(Rng& rng) {
+  const auto solid = [&] {
+    const double tilt = uniform(rng, 0, 1.2);
+    return rng() % 2 ? test::random_sphere(rng, 12 + static_cast<int>(rng() % 30), 10, tilt)
+                     : test::random_torus(rng, 60, 12, 5, tilt);
+  };
+  const auto beside = [&] { return Vec3(uniform(rng, 2, 12) * random_unit(rng)); };
+  switch (rng() % 4) {
+    case 0:
+      return test::random_sheet(rng, {.shake = 0.4, .wave = 1, .tilt = uniform(rng, 0, 0.8)});
+    case 1:
+      return solid();
+    case 2:
+      return test::joined({solid(), test::moved(solid(), beside())});
+    default:
+      return test::joined(
+          {solid(), test::moved(solid(), beside()), test::moved(solid(), beside())});
+  }
 }
 
 // A HIP that wanders in, out, round rims and through, and leaps now and then. Mesh's unit.
@@ -47,40 +71,120 @@ std::vector<Vec3> wild_path(const PatchCache& cache, std::size_t ticks, std::uin
   return path;
 }
 
+// An object of every method, as it stands in the world, and how it is traced.
+struct Placed {
+  std::shared_ptr<PatchCache> cache;
+  Pose pose = Pose::Identity();
+  TraceOptions options;
+
+  Vec3 in_object(const Vec3& at) const { return pose.inverse() * at / cache->unit; }
+  Vec3 in_world(const Vec3& x) const { return pose * (cache->unit * x); }
+};
+
+Placed placed(const Mesh& mesh, Precision precision) {
+  Placed object;
+  object.cache = std::make_shared<PatchCache>(test::cache_of(mesh, precision));
+  object.options.settle = precision == Precision::kDouble ? 5 : 0;
+  return object;
+}
+
+// Contacts that HIPs had with objects, and those that needed no search.
+struct Met {
+  std::size_t touching = 0, left_out = 0;
+};
+
+// Tracker and trace() meet the same objects with one HIP or several, from the device's position.
+Met expect_same_bytes(const std::vector<Placed>& scene, const std::vector<Vec3>& hips,
+                      const std::vector<Vec3>& path, const std::string& name) {
+  std::vector<SceneObject> objects;
+  for (const Placed& object : scene) {
+    for (const Method method : object.options.methods)
+      objects.push_back({.cache = object.cache,
+                         .stiffness = object.options.stiffness,
+                         .method = method,
+                         .pose = object.pose,
+                         .settle = object.options.settle});
+  }
+  Tracker tracker(objects, hips);
+  std::vector<Vec3> ran;  // forces, [tick][hip][object]
+  Met met;
+  std::size_t differ = 0;
+  for (const Vec3& position : path) {
+    tracker.step(position);
+    for (const ObjectStep& step : tracker.objects()) {
+      ran.push_back(step.force);
+      met.left_out += !step.searched;
+    }
+  }
+  const std::size_t row = tracker.objects().size();
+  std::size_t column = 0;
+  for (const Vec3& hip : hips) {
+    for (const Placed& object : scene) {
+      std::vector<Vec3> way;
+      for (const Vec3& position : path) way.push_back(object.in_object(position + hip));
+      trace(*object.cache, way, object.options,
+            [&](std::size_t tick, std::span<const TraceStep> steps) {
+              for (std::size_t m = 0; m < steps.size(); ++m) {
+                const Vec3 force = Vec3::Zero() + object.pose.linear() * steps[m].force;  // no -0
+                differ += std::memcmp(&force, &ran[row * tick + column + m], sizeof force) != 0;
+                met.touching += steps[m].contact.touching;
+              }
+              return true;
+            });
+      column += object.options.methods.size();
+    }
+  }
+  EXPECT_EQ(differ, 0u) << name;
+  return met;
+}
+
 TEST(OneContact, trace_and_run_give_the_same_bytes_on_any_mesh_and_path) {
   const std::size_t ticks = std::getenv("GLISS_LONG_TESTS") ? 200'000 : 4'000;
   Rng rng(31);
   for (const Mesh& mesh : meshes()) {
     for (const Precision precision : {Precision::kDouble, Precision::kFloat}) {
-      auto cache = std::make_shared<PatchCache>(test::cache_of(mesh, precision));
-      cache->unit = 1;  // so that metres are the mesh's unit, and nothing is rounded on the way
-      const std::vector<Vec3> path = wild_path(*cache, ticks, rng());
-      TraceOptions options;
-      options.stiffness = uniform(rng, 100, 1000);
-      options.settle = precision == Precision::kDouble ? 5 : 0;
-      std::vector<SceneObject> objects;
-      for (const Method method : options.methods)
-        objects.push_back({.cache = cache,
-                           .stiffness = options.stiffness,
-                           .method = method,
-                           .settle = options.settle});
-      Tracker tracker(objects);
-      std::size_t differ = 0, touching = 0, left_out = 0;
-      trace(*cache, path, options, [&](std::size_t tick, std::span<const TraceStep> steps) {
-        tracker.step(path[tick]);
-        for (std::size_t m = 0; m < steps.size(); ++m) {
-          const ObjectStep& other = tracker.objects()[m];
-          differ += std::memcmp(&steps[m].force, &other.force, sizeof(Vec3)) != 0;
-          touching += steps[m].contact.touching;
-          left_out += !other.searched;
-        }
-        return true;
-      });
-      EXPECT_EQ(differ, 0u) << mesh.source;
-      EXPECT_GT(touching, ticks / 50) << mesh.source;
-      EXPECT_GT(left_out, 0u) << mesh.source;
+      Placed object = placed(mesh, precision);
+      object.cache->unit = 1;  // so that metres are the mesh's unit, and nothing is rounded
+      const std::vector<Vec3> path = wild_path(*object.cache, ticks, rng());
+      object.options.stiffness = uniform(rng, 100, 1000);
+      const Met met = expect_same_bytes({object}, {Vec3::Zero()}, path, mesh.source);
+      EXPECT_GT(met.touching, ticks / 50) << mesh.source;
+      EXPECT_GT(met.left_out, 0u) << mesh.source;
     }
   }
+}
+
+// Units, poses and a second HIP by chance as well.
+TEST(OneContact, trace_and_run_give_the_same_bytes_in_any_scene) {
+  const bool all = std::getenv("GLISS_LONG_TESTS") != nullptr;
+  const int seeds = all ? 300 : 8;
+  const std::size_t ticks = all ? 20'000 : 500;
+  std::size_t touching = 0, left_out = 0;
+  for (int seed = 1; seed <= seeds; ++seed) {
+    Rng rng(static_cast<std::uint64_t>(seed));
+    std::vector<Placed> scene;
+    for (int i = 0; i < 2; ++i) {
+      scene.push_back(placed(random_mesh(rng), i == 0 ? Precision::kDouble : Precision::kFloat));
+      Placed& object = scene.back();
+      object.options.stiffness = uniform(rng, 100, 1000);
+      object.cache->unit = std::array{1e-3, 1.0, 0.0254}[rng() % 3];
+      object.pose = Eigen::Translation3d(uniform(rng, 0, 0.1) * random_unit(rng)) *
+                    Eigen::AngleAxisd(uniform(rng, 0, 3), random_unit(rng));
+    }
+    std::vector<Vec3> path = wild_path(*scene.front().cache, ticks, rng());
+    for (Vec3& x : path) x = scene.front().in_world(x);
+    // The second HIP wanders where the second object is.
+    const auto middle = [](const Placed& object) {
+      const Box box = object.cache->bounds();
+      return object.in_world(0.5 * (box.low + box.high));
+    };
+    const Met met = expect_same_bytes(scene, {Vec3::Zero(), middle(scene[1]) - middle(scene[0])},
+                                      path, fmt::format("seed {}", seed));
+    touching += met.touching;
+    left_out += met.left_out;
+  }
+  EXPECT_GT(touching, static_cast<std::size_t>(seeds) * ticks / 10);
+  EXPECT_GT(left_out, static_cast<std::size_t>(seeds) * ticks / 10);
 }
 
 // The largest change of the push from tick to tick, over the HIP's own way.

@@ -156,7 +156,8 @@ TEST(Nearest, is_negative_inside_and_positive_outside) {
       error.add(std::abs(contact.distance - want));
       EXPECT_EQ(contact.push.norm() > 0, contact.touching);
     }
-    // How well the patches follow the surface, of 10 to 100 mm; a wrong sign is a larger error.
+    // The patches follow the surface, of 10 to 100 mm, as well as this; a wrong sign is a larger
+    // error.
     EXPECT_LE(error.value, 0.2);
     test::record(made.mesh.source, "{:.3g} mm from the exact distance", error.value);
   }

@@ -131,7 +131,7 @@ TEST_P(Shaded, pushes_along_normals_blended_by_mean_values) {
   }
 }
 
-// What the oracle itself promises: it reproduces linear functions, on sides and corners too.
+// The oracle keeps its own promise: it reproduces linear functions, on sides and corners too.
 TEST(ShadingOracle, reproduces_what_is_linear) {
   Rng rng(94);
   for (const int n : {3, 4, 7, 30}) {

@@ -95,6 +95,11 @@ TEST_F(Compare, walks_by_itself_over_the_mesh) {
   EXPECT_EQ(json["rows"][0]["lost_per_100k"], 0);
   EXPECT_GT(json["rows"][1]["jumps_per_100k"], 20);
   EXPECT_GT(json["rows"][1]["walk_max_force_step"], 0.2 * 0.2);  // 20 % of 0.2 N
+  for (const Json& row : json["rows"]) {
+    EXPECT_GT(row["walk_p99_force_step"], 0);
+    EXPECT_LT(row["walk_p99_force_step"], row["walk_max_force_step"]);
+  }
+  EXPECT_LT(json["rows"][1]["walk_p99_force_step"], 0.1 * 0.2);  // most ticks are no jumps
   const Json again = walked({"--walks", "10", "--walk-depth", "0.4mm", "--threads", "3"});
   const Json other = walked({"--walks", "10", "--walk-depth", "0.4mm", "--seed", "7"});
   const auto step = [](const Json& of) { return of["rows"][1]["walk_max_force_step"]; };
@@ -106,6 +111,7 @@ TEST_F(Compare, walks_by_itself_over_the_mesh) {
   const Json none = walked({"--walks", "0"});
   EXPECT_TRUE(none["walks"].is_null());
   EXPECT_TRUE(none["rows"][0]["walk_max_force_step"].is_null());
+  EXPECT_TRUE(none["rows"][0]["walk_p99_force_step"].is_null());
   EXPECT_TRUE(none["rows"][0]["jumps_per_100k"].is_number());
 }
 

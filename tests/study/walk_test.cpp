@@ -68,10 +68,11 @@ TEST(Walk, is_the_same_on_any_number_of_threads_and_with_more_walkers) {
   EXPECT_NE(walks_on(mesh, other)[0].hips, few[0].hips);
   const PatchCache cache = test::cache_of(mesh);
   const double depth = walk_depth(mesh);
-  const ForceStatistics serial = feel_walks(cache, {}, many, depth),
-                        shared = feel_walks(cache, {}, many, depth, parallel);
+  const FeltWalks serial = feel_walks(cache, {}, many, depth),
+                  shared = feel_walks(cache, {}, many, depth, parallel);
   EXPECT_EQ(serial.ticks, shared.ticks);
   EXPECT_EQ(serial.mean_step, shared.mean_step);
+  EXPECT_EQ(serial.p99_step, shared.p99_step);
   EXPECT_EQ(serial.jumps(), shared.jumps());
 }
 
@@ -178,6 +179,13 @@ Held hold(const PatchCache& cache, const CrossingOracle& oracle, std::span<const
   return all;
 }
 
+// Losses of the long form that are known, all 0.5 % deep: where a surface passes through itself.
+std::uint64_t known_losses(const std::string& name, double deep, double step) {
+  if (deep < 1) return 0;
+  if (name == "fish_control") return step > 0.05 ? 11 : step > 0.015 ? 1 : 0;
+  return name == "gums_open" && step > 0.05 ? 1 : 0;
+}
+
 // Walks at 0.5 % and 0.1 % of the size, with steps for loops of 1000, 500 and 100 Hz.
 void expect_contacts_held(const std::string& name, const Mesh& raw, std::uint64_t few) {
   constexpr std::uint64_t kTicks = 500000, kTicksPerWalker = 2500;
@@ -196,10 +204,8 @@ void expect_contacts_held(const std::string& name, const Mesh& raw, std::uint64_
       options.walkers = test::samples(few, kTicks) / kTicksPerWalker;
       const std::vector<Walk> walks = walk_paths(mesh, topology, options);
       const Held held = hold(cache, oracle, walks, options.depth);
-      // Where a surface passes through itself, once in 80,000 ticks at a step of 10 %; one of 2 %
-      // did once in half a million.
-      const std::uint64_t known = held.felt.touching / (step > 0.05 ? 80'000 : 450'000);
-      EXPECT_LE(held.lost_uncrossed, known) << name << ", " << 0.5 * deep << " %, step " << step;
+      EXPECT_LE(held.lost_uncrossed, known_losses(name, deep, step))
+          << name << ", " << 0.5 * deep << " %, step " << step;
       EXPECT_EQ(held.felt.unsound, 0u);
       test::record(fmt::format("{}, {} % deep, steps of {} %", name, 0.5 * deep, 100 * step),
                    "{} ticks in contact; per 100,000 jumps {:.1f}, lost {:.1f}; lost uncrossed {}; "

@@ -1,4 +1,4 @@
-// How often a thread asks for memory, for what may not; and memory that it does not get.
+// Counts how often a thread asks for memory, for what may not; and memory that it does not get.
 #pragma once
 
 #include <cstdint>

@@ -69,7 +69,10 @@ class Process {
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
 
-  void kill(int number) const { ::kill(pid_, number); }
+  // Nothing where it is over.
+  void kill(int number) const {
+    if (pid_ > 0) ::kill(pid_, number);
+  }
   // True once it has a handler for this signal.
   bool catches(int number) const {
     std::ifstream status("/proc/" + std::to_string(pid_) + "/status");

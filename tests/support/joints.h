@@ -53,7 +53,7 @@ struct Joints {
   Worst gap, off_curve, bend;  // lengths over the mesh's size; rad
 };
 
-// How the faces that were not tamed meet.
+// Measures how the faces that were not tamed meet.
 inline Joints joints_of(const Mesh& mesh, const PatchCache& cache) {
   Joints found;
   const Topology topology = build_topology(mesh);

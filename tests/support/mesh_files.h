@@ -33,7 +33,7 @@ class MeshFiles : public ::testing::Test {
     return what.starts_with(path("")) ? what.substr(path("").size()) : what;
   }
 
-  // How often; 0: never.
+  // The number of times; 0: never.
   std::size_t count(const std::string& code) const {
     for (const Finding& finding : findings_) {
       if (finding.code == code) return finding.count;

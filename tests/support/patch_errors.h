@@ -1,4 +1,4 @@
-// How far a patch is from what an oracle says of it.
+// Measures how far a patch is from what an oracle says of it.
 #pragma once
 
 #include "tests/support/surfaces.h"

@@ -135,7 +135,7 @@ class RunTest : public ::testing::Test {
     EXPECT_TRUE(await_recording(*loop, name)) << loop->err();
     return loop;
   }
-  // How that ends by a signal.
+  // The end of such a run by a signal.
   Outcome stop_recording(const std::string& words, const std::string& name, int signal) const {
     const auto loop = start_recording(words, name);
     loop->kill(signal);

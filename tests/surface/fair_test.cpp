@@ -250,8 +250,8 @@ TEST_P(FairTest, a_dart_is_smooth_beyond_its_seam) {
 
 // ---- At vertices --------------------------------------------------------------------------------
 
-// How far the turn of the normal along the sides at vertices is from what the shape operators there
-// say, relative to these: along a side, its normal curvature, and across it, its twist.
+// The distance of the turn of the normal along the sides at vertices from what the shape operators
+// there say, relative to these: along a side, its normal curvature, and across it, its twist.
 struct Residual {
   Worst curvature, twist;
   int sides = 0;

@@ -1,4 +1,4 @@
-// What float caches and places far from the origin cost.
+// Measures what float caches and places far from the origin cost.
 #include "gliss/generate/generate.h"
 #include "gliss/query/contact_tracker.h"
 #include "tests/support/surfaces.h"

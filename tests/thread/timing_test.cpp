@@ -1,4 +1,4 @@
-// What a loop records: quantiles against sorted values, counts against a plain account.
+// A loop records its times: quantiles against sorted values, counts against a plain account.
 #include "gliss/thread/timing.h"
 
 #include <gtest/gtest.h>

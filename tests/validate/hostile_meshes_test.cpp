@@ -3,6 +3,7 @@
 #include "tests/validate/hostile_meshes.h"
 #include "gliss/build/build_cache.h"
 #include "gliss/validate/validate.h"
+#include "tests/support/poll_gap.h"
 
 #include "gliss/engine/engine.h"
 #include "gliss/query/contact_tracker.h"
@@ -90,11 +91,14 @@ TEST(HostileMeshes, are_stopped_while_their_parts_are_compared) {
   const auto build = [&](int most) {
     BuildBackend backend;
     calls = 0;
+    test::PollGap gap;
     backend.progress = [&](std::size_t faces) {
+      gap.poll();
       EXPECT_EQ(faces, mesh.face_count());
       if (++calls == most) throw Stop();
     };
     build_cache(mesh, {}, nullptr, backend);
+    gap.expect_promised();
   };
   build(0);
   EXPECT_GT(calls, 3);

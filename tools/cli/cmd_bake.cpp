@@ -5,6 +5,7 @@
 
 #include "gliss/build/build_cache.h"
 #include "gliss/files/cache_file.h"
+#include "gliss/files/mesh_file.h"
 #include "gliss/mesh/regions.h"
 #include "tools/cli/curvature.h"
 #include "tools/cli/outputs.h"
@@ -70,6 +71,11 @@ std::vector<std::uint32_t> parse_faces(const Mesh& mesh, const std::string& text
 
 void run(const BakeOptions& options) {
   check_outputs({options.output}, {options.surface});
+  if (has_mesh_ending(options.output)) {
+    throw InputError(
+        fmt::format("'{}' has the ending of a mesh, and bake writes a cache: name it as FILE.gliss",
+                    options.output));
+  }
   const Stopwatch clock;
   const auto engine = make_engine(options);
   const Mesh mesh = read_mesh(options, true);

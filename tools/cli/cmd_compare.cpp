@@ -273,6 +273,7 @@ Json json_of(const CompareRow& row) {
           {"max_force_step", row.max_force_step},
           {"p99_force_step", row.p99_force_step},
           {"walk_max_force_step", number(row.walk_max_force_step)},
+          {"walk_p99_force_step", number(row.walk_p99_force_step)},
           {"jumps_per_100k", row.jumps_per_100k},
           {"lost_per_100k", row.lost_per_100k},
           {"settling_share", row.settling_share},
@@ -331,7 +332,8 @@ std::string rate_text(double per_second) {
 std::string text_of(const CompareRow& row) {
   return fmt::format(
              "{} {:<8} {:<6} {:<12} {:<6} {:>8.0f} {:>9} {:>8} {:>8} {:>10.3g} {:>10.3g} {:>9.2g} "
-             "{:>9.2g} {:>9.4g} {:>9.4g} {:>9.4g} {:>8.1f} {:>8.1f} {:>8.2g} {:>8.3g} {:>8.3g} "
+             "{:>9.2g} {:>9.4g} {:>9.4g} {:>9.4g} {:>9.4g} {:>8.1f} {:>8.1f} {:>8.2g} {:>8.3g} "
+             "{:>8.3g} "
              "{:>7.2f}\n",
              row.pareto ? '*' : ' ', row.candidate.name(), precision_name(row.precision),
              name_of(kSolverNames, row.solver), row.backend, row.bytes_per_patch,
@@ -339,8 +341,9 @@ std::string text_of(const CompareRow& row) {
              row.max_distance * 1e3, row.p99_distance * 1e3,
              row.max_normal_gap * 180 / std::numbers::pi,
              row.p99_normal_gap * 180 / std::numbers::pi, row.max_force_step, row.p99_force_step,
-             row.walk_max_force_step, row.jumps_per_100k, row.lost_per_100k, 100 * row.loop_gain,
-             100 * row.max_force_error, 100 * row.p99_force_error, row.tick * 1e6) +
+             row.walk_max_force_step, row.walk_p99_force_step, row.jumps_per_100k,
+             row.lost_per_100k, 100 * row.loop_gain, 100 * row.max_force_error,
+             100 * row.p99_force_error, row.tick * 1e6) +
          unsound_text(row.unsound, "steps");
 }
 
@@ -373,8 +376,8 @@ void write_table(const ComparingOptions& options, const PatchCache& exact,
           .add({"max_distance", "p99_distance", "true_max_distance", "true_p99_distance"},
                ColumnType::kFloat64, "m")
           .add({"max_normal_gap_deg", "p99_normal_gap_deg"}, ColumnType::kFloat64, "deg")
-          .add({"max_force_step", "p99_force_step", "walk_max_force_step"}, ColumnType::kFloat64,
-               "N")
+          .add({"max_force_step", "p99_force_step", "walk_max_force_step", "walk_p99_force_step"},
+               ColumnType::kFloat64, "N")
           .add({"jumps_per_100k", "lost_per_100k", "settling_share", "loop_gain", "unsound"})
           .add({"max_force_error", "p99_force_error"})
           .add({"tick_us"}, ColumnType::kFloat64, "us")
@@ -399,6 +402,7 @@ void write_table(const ComparingOptions& options, const PatchCache& exact,
   numbers([](const CompareRow& r) { return r.max_force_step; });
   numbers([](const CompareRow& r) { return r.p99_force_step; });
   numbers([](const CompareRow& r) { return r.walk_max_force_step; });
+  numbers([](const CompareRow& r) { return r.walk_p99_force_step; });
   numbers([](const CompareRow& r) { return r.jumps_per_100k; });
   numbers([](const CompareRow& r) { return r.lost_per_100k; });
   numbers([](const CompareRow& r) { return r.settling_share; });
@@ -485,10 +489,10 @@ void run(const ComparingOptions& options) {
 
   std::string text = fmt::format(
       "  {:<8} {:<6} {:<12} {:<6} {:>8} {:>9} {:>8} {:>8} {:>10} {:>10} {:>9} {:>9} {:>9} {:>9} "
-      "{:>9} {:>8} {:>8} {:>8} {:>8} {:>8} {:>7}\n",
+      "{:>9} {:>9} {:>8} {:>8} {:>8} {:>8} {:>8} {:>7}\n",
       "level", "prec.", "solver", "on", "B/patch", "build/s", "eval/s", "track/s", "far, mm",
-      "p99, mm", "gap, deg", "p99, deg", "step, N", "p99, N", "walk, N", "jumps/", "lost/",
-      "loops, %", "error, %", "p99, %", "tick, us");
+      "p99, mm", "gap, deg", "p99, deg", "step, N", "p99, N", "walk, N", "p99, N", "jumps/",
+      "lost/", "loops, %", "error, %", "p99, %", "tick, us");
   Json json = {{"program", "gliss"},
                {"version", GLISS_VERSION},
                {"command_line", command_line()},

@@ -11,7 +11,7 @@
 namespace gliss::tools {
 namespace {
 
-// How the faces that were built hang together.
+// Tells how the faces that were built hang together.
 struct Shape {
   std::uint32_t vertices = 0, edges = 0, border_sides = 0, parts = 0;
   std::map<std::uint32_t, std::uint32_t> valences;  // faces with as many sides

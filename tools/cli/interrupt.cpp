@@ -11,12 +11,11 @@ namespace {
 std::atomic<int> count{0};
 static_assert(std::atomic<int>::is_always_lock_free, "signal handlers may take no lock");
 
-void give_up(int) { _exit(kExitInterrupted); }
-
-void handle(int signal) {
+// The alarm that a second signal sets is the third.
+void handle(int) {
   const int before = count.fetch_add(1);
   if (before == 1) alarm(kLastSeconds);
-  if (before >= 2) give_up(signal);
+  if (before >= 2) _exit(kExitInterrupted);
 }
 
 void set(int signal, void (*handler)(int)) {
@@ -35,7 +34,7 @@ void catch_interrupts() {
     // Ignored by whoever started us (nohup, a background job): that stays.
     if (old.sa_handler != SIG_IGN) set(signal, handle);
   }
-  set(SIGALRM, give_up);
+  set(SIGALRM, handle);
   set(SIGPIPE, SIG_IGN);
   set(SIGXFSZ, SIG_IGN);
 }

@@ -5,12 +5,13 @@ namespace gliss {
 
 inline constexpr int kExitInterrupted = 130;
 
-// From now on SIGINT, SIGTERM, SIGHUP, SIGQUIT and SIGXCPU set a flag. After a second one the
-// program has kLastSeconds to let the hand go and close its files; after a third one it exits at
-// once, with kExitInterrupted either way. Full pipes and files that may not grow are errors of who
-// writes to them.
+// Sets a flag from now on where SIGALRM comes, or one of SIGINT, SIGTERM, SIGHUP, SIGQUIT and
+// SIGXCPU that is not ignored already. After a second one the program has kLastSeconds to let the
+// hand go and close its files; after a third one it exits at once, with kExitInterrupted either
+// way. Full pipes and files that may not grow are errors of who writes to them.
 inline constexpr unsigned kLastSeconds = 2;
 void catch_interrupts();
+// True if one of these has come.
 bool interrupted() noexcept;
 
 }  // namespace gliss

@@ -1,5 +1,5 @@
-// How far gliss run has come, on stderr: the loop's figures where it keeps a clock, else as any
-// long work.
+// Tells on stderr how far gliss run has come: the loop's figures where it keeps a clock, else as
+// any long work.
 #pragma once
 
 #include <chrono>
