@@ -99,7 +99,9 @@ TEST(RoundedSurface, is_closed_and_smooth_across_every_edge) {
       EXPECT_LT(found.gap.value, 1e-14) << shape.source << " " << surface_name(level);
       EXPECT_LT(found.off_curve.value, 1e-14) << shape.source << " " << surface_name(level);
       EXPECT_LT(found.bend.value, 1e-11) << shape.source << " " << surface_name(level);
-      if (level.construction == Construction::kFair) EXPECT_EQ(report.bent, 0u) << shape.source;
+      if (level.construction == Construction::kFair) {
+        EXPECT_EQ(report.bent, 0u) << shape.source;
+      }
     }
   }
 }

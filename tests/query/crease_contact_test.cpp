@@ -216,7 +216,9 @@ TEST(CreaseContact, a_rounded_solid_is_where_the_ball_left_it) {
         if (leg % 3 == 0) to.y() = 0;  // through vertices of the rim
         const Contact found = nearest(cache, to);
         off.add(std::abs(found.distance - exact(to)));
-        if (std::abs(exact(to)) > 0.05) EXPECT_EQ(found.touching, exact(to) < 0) << to.transpose();
+        if (std::abs(exact(to)) > 0.05) {
+          EXPECT_EQ(found.touching, exact(to) < 0) << to.transpose();
+        }
         for (const Vec3& hip : way(at, to, 20)) {
           const Contact contact = tracker.tick(hip);
           // Within, a contact stays with its face; it is never nearer than the surface.

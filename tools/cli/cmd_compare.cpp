@@ -1,16 +1,15 @@
-// gliss compare: speed against accuracy of every level, on this mesh and this machine. The keys of
-// its rows are a contract.
+// gliss compare: speed against accuracy of every level, on this mesh and this machine.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "gliss/base/units.h"
 #include "gliss/build/build_cache.h"
 #include "gliss/generate/generate.h"
 #include "gliss/study/compare.h"
 #include "tools/cli/compare_picture.h"
+#include "tools/cli/compare_report.h"
 #include "tools/cli/curvature.h"
 #include "tools/cli/outputs.h"
 #include "tools/cli/surface_input.h"
@@ -246,173 +245,11 @@ TrueDistance true_distance(const ComparingOptions& options, const Mesh& mesh) {
   };
 }
 
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
-
-// Null: flat and shaded have none.
-Json construction_of(const CompareRow& row) {
-  if (row.candidate.method != Method::kGregory) return {};
-  return name_of(kConstructionNames, row.candidate.level.construction);
-}
-
-Json json_of(const CompareRow& row) {
-  return {{"level", row.candidate.name()},
-          {"construction", construction_of(row)},
-          {"precision", precision_name(row.precision)},
-          {"solver", name_of(kSolverNames, row.solver)},
-          {"backend", row.backend},
-          {"bytes_per_patch", row.bytes_per_patch},
-          {"build_per_s", row.build_per_s},
-          {"eval_per_s", number(row.eval_per_s)},
-          {"track_per_s", row.track_per_s},
-          {"max_distance", row.max_distance},
-          {"p99_distance", row.p99_distance},
-          {"true_max_distance", number(row.true_max_distance)},
-          {"true_p99_distance", number(row.true_p99_distance)},
-          {"max_normal_gap_deg", row.max_normal_gap * 180 / std::numbers::pi},
-          {"p99_normal_gap_deg", row.p99_normal_gap * 180 / std::numbers::pi},
-          {"max_force_step", row.max_force_step},
-          {"p99_force_step", row.p99_force_step},
-          {"walk_max_force_step", number(row.walk_max_force_step)},
-          {"walk_p99_force_step", number(row.walk_p99_force_step)},
-          {"jumps_per_100k", row.jumps_per_100k},
-          {"lost_per_100k", row.lost_per_100k},
-          {"settling_share", row.settling_share},
-          {"loop_gain", number(row.loop_gain)},
-          {"unsound", row.unsound},
-          {"max_force_error", row.max_force_error},
-          {"p99_force_error", row.p99_force_error},
-          {"tick_us", row.tick * 1e6},
-          {"bytes", row.bytes},
-          {"pareto", row.pareto}};
-}
-
-Json json_of(const DenseRow& row, const CompareRow& target) {
-  return {{"method", method_name(row.method)},
-          {"triangles", row.triangles},
-          {"bytes", row.bytes},
-          {"max_force_step", row.max_force_step},
-          {"p99_force_step", row.p99_force_step},
-          {"jumps_per_100k", row.jumps_per_100k},
-          {"lost_per_100k", row.lost_per_100k},
-          {"tick_us", row.tick * 1e6},
-          {"target_level", row.target},
-          {"target_force_step", row.target_step},
-          {"target_bytes", target.bytes},
-          {"target_tick_us", target.tick * 1e6},
-          {"memory_ratio", row.memory_ratio},
-          {"time_ratio", row.time_ratio},
-          {"reached", row.reached},
-          {"needed_triangles", number(row.needed_triangles)}};
-}
-
-Json json_of(const CompareWalks& walks, const WalkOptions& walk) {
-  if (walks.walks.empty()) return {};
-  return {{"walkers", walk.walkers}, {"walks", walks.walks.size()}, {"ticks", walk.ticks},
-          {"depth_m", walks.depth},  {"step", walk.step},           {"seed", walk.seed}};
-}
-
-std::string text_of(const CompareWalks& walks, const WalkOptions& walk) {
-  const std::string jumps = "jumps/, lost/: per 100,000 ticks in contact, ";
-  if (walks.walks.empty()) return jumps + "along the path\n";
-  return jumps +
-         fmt::format(
-             "in {} random walks of {} ticks {:.3g} mm deep, {:.3g} mm a tick; walk, N: the "
-             "largest step there\n",
-             walk.walkers, walk.ticks, walks.depth * 1e3, walks.depth * walk.step * 1e3) +
-         fmt::format(
-             "loops: of the work that they take, what {} closed loops a face wide give back "
-             "at most beyond it\n",
-             walks.loops.size());
-}
-
-std::string rate_text(double per_second) {
-  return std::isfinite(per_second) ? fmt::format("{:.3g} M", per_second * 1e-6) : "-";
-}
-
-std::string text_of(const CompareRow& row) {
-  return fmt::format(
-             "{} {:<8} {:<6} {:<12} {:<6} {:>8.0f} {:>9} {:>8} {:>8} {:>10.3g} {:>10.3g} {:>9.2g} "
-             "{:>9.2g} {:>9.4g} {:>9.4g} {:>9.4g} {:>9.4g} {:>8.1f} {:>8.1f} {:>8.2g} {:>8.3g} "
-             "{:>8.3g} "
-             "{:>7.2f}\n",
-             row.pareto ? '*' : ' ', row.candidate.name(), precision_name(row.precision),
-             name_of(kSolverNames, row.solver), row.backend, row.bytes_per_patch,
-             rate_text(row.build_per_s), rate_text(row.eval_per_s), rate_text(row.track_per_s),
-             row.max_distance * 1e3, row.p99_distance * 1e3,
-             row.max_normal_gap * 180 / std::numbers::pi,
-             row.p99_normal_gap * 180 / std::numbers::pi, row.max_force_step, row.p99_force_step,
-             row.walk_max_force_step, row.walk_p99_force_step, row.jumps_per_100k,
-             row.lost_per_100k, 100 * row.loop_gain, 100 * row.max_force_error,
-             100 * row.p99_force_error, row.tick * 1e6) +
-         unsound_text(row.unsound, "steps");
-}
-
-std::string text_of(const DenseRow& row) {
-  std::string text = fmt::format("{} needs ", method_name(row.method));
-  if (row.reached) {
-    text += fmt::format("{} triangles", row.triangles);
-  } else if (std::isfinite(row.needed_triangles)) {
-    text += fmt::format("more than {} triangles, by extrapolation {:.2g},", row.triangles,
-                        row.needed_triangles);
-  } else {
-    text += fmt::format("more than {} triangles", row.triangles);
-  }
-  return text + fmt::format(
-                    " to feel as smooth as {} ({:.4g} N; {:.4g} N, jumps {:.1f} and lost {:.1f} "
-                    "per 100k with {}: {:.3g} x the memory, {:.3g} x the time)\n",
-                    row.target, row.target_step, row.max_force_step, row.jumps_per_100k,
-                    row.lost_per_100k, row.triangles, row.memory_ratio, row.time_ratio);
-}
-
 void write_table(const ComparingOptions& options, const PatchCache& exact,
                  const std::vector<CompareRow>& rows) {
   const std::string& path = options.output;
   const auto file = create_described_file(path, exact, options);
-  ResultTable table(
-      *file, path.ends_with(".csv") ? "" : "rows",
-      Columns()
-          .add({"level", "precision", "solver", "backend"}, ColumnType::kText)
-          .add({"bytes_per_patch", "build_per_s", "eval_per_s", "track_per_s"})
-          .add({"max_distance", "p99_distance", "true_max_distance", "true_p99_distance"},
-               ColumnType::kFloat64, "m")
-          .add({"max_normal_gap_deg", "p99_normal_gap_deg"}, ColumnType::kFloat64, "deg")
-          .add({"max_force_step", "p99_force_step", "walk_max_force_step", "walk_p99_force_step"},
-               ColumnType::kFloat64, "N")
-          .add({"jumps_per_100k", "lost_per_100k", "settling_share", "loop_gain", "unsound"})
-          .add({"max_force_error", "p99_force_error"})
-          .add({"tick_us"}, ColumnType::kFloat64, "us")
-          .add({"pareto"}, ColumnType::kUint8));
-  const auto texts = [&](auto get) {
-    table.fill(rows.size(), [&](std::size_t i) { return std::string(get(rows[i])); });
-  };
-  texts([](const CompareRow& r) { return r.candidate.name(); });
-  texts([](const CompareRow& r) { return precision_name(r.precision); });
-  texts([](const CompareRow& r) { return name_of(kSolverNames, r.solver); });
-  texts([](const CompareRow& r) { return r.backend; });
-  const auto numbers = [&](auto get) {
-    table.fill(rows.size(), [&](std::size_t i) { return get(rows[i]); });
-  };
-  for (const auto member :
-       {&CompareRow::bytes_per_patch, &CompareRow::build_per_s, &CompareRow::eval_per_s,
-        &CompareRow::track_per_s, &CompareRow::max_distance, &CompareRow::p99_distance,
-        &CompareRow::true_max_distance, &CompareRow::true_p99_distance})
-    numbers([&](const CompareRow& r) { return r.*member; });
-  numbers([](const CompareRow& r) { return r.max_normal_gap * 180 / std::numbers::pi; });
-  numbers([](const CompareRow& r) { return r.p99_normal_gap * 180 / std::numbers::pi; });
-  numbers([](const CompareRow& r) { return r.max_force_step; });
-  numbers([](const CompareRow& r) { return r.p99_force_step; });
-  numbers([](const CompareRow& r) { return r.walk_max_force_step; });
-  numbers([](const CompareRow& r) { return r.walk_p99_force_step; });
-  numbers([](const CompareRow& r) { return r.jumps_per_100k; });
-  numbers([](const CompareRow& r) { return r.lost_per_100k; });
-  numbers([](const CompareRow& r) { return r.settling_share; });
-  numbers([](const CompareRow& r) { return r.loop_gain; });
-  numbers([](const CompareRow& r) { return static_cast<double>(r.unsound); });
-  numbers([](const CompareRow& r) { return r.max_force_error; });
-  numbers([](const CompareRow& r) { return r.p99_force_error; });
-  numbers([](const CompareRow& r) { return r.tick * 1e6; });
-  numbers([](const CompareRow& r) { return r.pareto ? 1.0 : 0.0; });
-  table.write();
+  write_rows(*file, path.ends_with(".csv") ? "" : "rows", rows);
   file->close();
 }
 
@@ -427,72 +264,79 @@ const CompareRow* smoothest(const std::vector<CompareRow>& rows) {
   return best;
 }
 
-void run(const ComparingOptions& options) {
-  check_outputs({options.output}, {options.surface, options.path, options.reference});
-  if (options.with_picture && !options.json)
-    throw InputError("--picture: needs --json, which it is a part of");
-  const Stopwatch clock;
-  const auto engine = make_engine(options);
-  Mesh mesh = read_mesh(options);
-  const bool normals_given = !mesh.normals.empty();
-  Mesh round;  // without its creases: walks and baselines are the same with them and without
-  if (!mesh.sharp.empty()) {
-    round = mesh;
-    round.sharp.clear();
-    add_vertex_normals(round);
+// A mesh, and the same without its creases: walks and baselines are the same with them and without.
+struct ComparedMesh {
+  explicit ComparedMesh(const ComparingOptions& options) : mesh(read_mesh(options)) {
+    normals_given = !mesh.normals.empty();
+    if (!mesh.sharp.empty()) {
+      smooth = mesh;
+      smooth.sharp.clear();
+      add_vertex_normals(smooth);
+    }
+    add_vertex_normals(mesh);
+    topology = build_topology(mesh);
   }
-  add_vertex_normals(mesh);
-  const Mesh& baseline = mesh.sharp.empty() ? mesh : round;
-  const PatchCache exact = build(mesh, options, *engine);
-  const Topology topology = build_topology(mesh);
-  std::vector<ComparePath> paths = make_paths(options, mesh, topology, exact);
-  std::vector<double> depths;
-  for (const ComparePath& path : paths) depths.push_back(path.depth);
-  tell_tight_curvature(options, exact, *std::max_element(depths.begin(), depths.end()));
-  CompareWalks walks = make_walks(options, baseline, topology, *engine);
-  const std::string walks_text = text_of(walks, options.walk);
-  const Json walks_json = json_of(walks, options.walk);
+  const Mesh& baseline() const { return mesh.sharp.empty() ? mesh : smooth; }
+
+  Mesh mesh, smooth;
+  Topology topology;
+  bool normals_given;
+};
+
+CompareOptions measuring_options(const ComparingOptions& options, const ComparedMesh& compared) {
   CompareOptions measuring = options.compare;
-  measuring.normals_given = normals_given;
+  measuring.normals_given = compared.normals_given;
   measuring.most_jumps = options.with_picture ? kMostRowJumps : 0;
-  measuring.baseline = &baseline;
+  measuring.baseline = &compared.baseline();
   measuring.poll = stop_if_interrupted;
   measuring.make_engine = [&](const std::string& backend) {
     CommonOptions common = options;
     common.backend = backend;
     return make_engine(common);
   };
-  const Comparison comparison(mesh, topology, std::move(paths), std::move(walks),
-                              true_distance(options, mesh), measuring);
-  std::vector<CompareRow> rows;
-  {
-    Watch watch(options, "compare", comparison.row_count(), "rows");
-    rows = comparison.measure([&] { watch.add(1); });
-  }
-  const CompareRow* best = recommend(rows, options.budget);
+  return measuring;
+}
 
-  const CompareRow* target = smoothest(rows);
+std::vector<CompareRow> measure_rows(const ComparingOptions& options,
+                                     const Comparison& comparison) {
+  Watch watch(options, "compare", comparison.row_count(), "rows");
+  return comparison.measure([&] { watch.add(1); });
+}
+
+// Dense triangles for those baselines that have a row.
+std::vector<DenseRow> match_dense(const ComparingOptions& options, const Comparison& comparison,
+                                  const std::vector<CompareRow>& rows, const CompareRow* target) {
   std::vector<DenseRow> dense;
-  if (target != nullptr && options.dense_limit > 0) {
-    Watch watch(options, "dense meshes", 2, "methods");
-    for (const Method method : {Method::kShaded, Method::kFlat}) {
-      const bool wanted = std::any_of(rows.begin(), rows.end(), [&](const CompareRow& row) {
-        return row.candidate.method == method;
-      });
-      if (wanted)
-        dense.push_back(
-            comparison.match(method, *target, static_cast<std::uint64_t>(options.dense_limit)));
-      watch.add(1);
-    }
+  if (target == nullptr || options.dense_limit == 0) return dense;
+  Watch watch(options, "dense meshes", 2, "methods");
+  for (const Method method : {Method::kShaded, Method::kFlat}) {
+    const bool wanted = std::any_of(rows.begin(), rows.end(), [&](const CompareRow& row) {
+      return row.candidate.method == method;
+    });
+    if (wanted)
+      dense.push_back(
+          comparison.match(method, *target, static_cast<std::uint64_t>(options.dense_limit)));
+    watch.add(1);
   }
-  if (!options.output.empty()) write_table(options, exact, rows);
+  return dense;
+}
 
-  std::string text = fmt::format(
-      "  {:<8} {:<6} {:<12} {:<6} {:>8} {:>9} {:>8} {:>8} {:>10} {:>10} {:>9} {:>9} {:>9} {:>9} "
-      "{:>9} {:>9} {:>8} {:>8} {:>8} {:>8} {:>8} {:>7}\n",
-      "level", "prec.", "solver", "on", "B/patch", "build/s", "eval/s", "track/s", "far, mm",
-      "p99, mm", "gap, deg", "p99, deg", "step, N", "p99, N", "walk, N", "p99, N", "jumps/",
-      "lost/", "loops, %", "error, %", "p99, %", "tick, us");
+void run(const ComparingOptions& options) {
+  check_outputs({options.output}, {options.surface, options.path, options.reference});
+  if (options.with_picture && !options.json)
+    throw InputError("--picture: needs --json, which it is a part of");
+  const Stopwatch clock;
+  const auto engine = make_engine(options);
+  const ComparedMesh compared(options);
+  const Mesh& mesh = compared.mesh;
+  const PatchCache exact = build(mesh, options, *engine);
+  std::vector<ComparePath> paths = make_paths(options, mesh, compared.topology, exact);
+  std::vector<double> depths;
+  for (const ComparePath& path : paths) depths.push_back(path.depth);
+  tell_tight_curvature(options, exact, *std::max_element(depths.begin(), depths.end()));
+  CompareWalks walks = make_walks(options, compared.baseline(), compared.topology, *engine);
+  std::string text = rows_heading();
+  const std::string walks_text = text_of(walks, options.walk);
   Json json = {{"program", "gliss"},
                {"version", GLISS_VERSION},
                {"command_line", command_line()},
@@ -502,14 +346,23 @@ void run(const ComparingOptions& options) {
                {"mesh_hash", hash_name(exact.mesh_hash)},
                {"depths_m", depths},
                {"stiffness_N_per_m", options.compare.stiffness},
-               {"walks", walks_json}};
-  json["rows"] = Json::array();
-  json["dense"] = Json::array();
-  json["recommended"] = nullptr;
+               {"walks", json_of(walks, options.walk)},
+               {"rows", Json::array()},
+               {"dense", Json::array()},
+               {"recommended", nullptr}};
+
+  const Comparison comparison(mesh, compared.topology, std::move(paths), std::move(walks),
+                              true_distance(options, mesh), measuring_options(options, compared));
+  const std::vector<CompareRow> rows = measure_rows(options, comparison);
+  const CompareRow* target = smoothest(rows);
+  const std::vector<DenseRow> dense = match_dense(options, comparison, rows, target);
+  const CompareRow* best = recommend(rows, options.budget);
+  if (!options.output.empty()) write_table(options, exact, rows);
+
   for (const CompareRow& row : rows) {
     text += text_of(row);
     json["rows"].push_back(json_of(row));
-    if (options.with_picture && !walks_json.is_null())
+    if (options.with_picture && !json["walks"].is_null())
       json["rows"].back()["jumps"] = jumps_json(row.jumps);
   }
   text += "* no other is better in error, tick and memory at once\n" + walks_text;
@@ -517,18 +370,8 @@ void run(const ComparingOptions& options) {
     text += text_of(row);
     json["dense"].push_back(json_of(row, *target));
   }
-  const bool asked = options.budget.force_error || options.budget.tick || options.budget.memory;
-  if (best != nullptr) {
-    json["recommended"] = {{"level", best->candidate.name()},
-                           {"precision", precision_name(best->precision)},
-                           {"solver", name_of(kSolverNames, best->solver)},
-                           {"backend", best->backend}};
-    if (asked)
-      text += fmt::format("within the budget: {}, {}, {}\n", best->candidate.name(),
-                          precision_name(best->precision), name_of(kSolverNames, best->solver));
-  } else {
-    text += "nothing is within the budget\n";
-  }
+  text += recommendation_text(best, options.budget);
+  if (best != nullptr) json["recommended"] = recommendation_json(*best);
   if (options.with_picture)
     json["picture"] = picture_json(comparison.pictures(kMostPicturePoints), mesh.unit);
   json["seconds"] = clock.seconds();

@@ -80,6 +80,40 @@ std::uint64_t peak_memory() {
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
 }
 
+SweepOptions grid_of(const SweepingOptions& options, const PatchCache& cache) {
+  SweepOptions grid = options.sweep;
+  if (has(grid.methods, Method::kGregory))
+    tell_tight_curvature(options, cache, *std::max_element(grid.depths.begin(), grid.depths.end()));
+  grid.rings = options.samples > 0
+                   ? rings_for(cache, static_cast<std::uint64_t>(std::ceil(options.samples)))
+                   : static_cast<std::uint32_t>(options.rings);
+  return grid;
+}
+
+// Sweeps with a bar, and says where finished parts are if it is interrupted.
+SweepResult watched_sweep(const SweepingOptions& options, const PatchCache& cache,
+                          const Engine& engine, const SweepOptions& grid, const SweepSink& sink,
+                          SweepParts* parts) {
+  SweepResult result;
+  try {
+    Watch watch(options, "sweep", sample_count(cache, grid.rings) * grid.depths.size(), "samples");
+    const auto reach = [&](std::uint64_t done, std::uint64_t) {
+      watch.reach(done);
+      return true;
+    };
+    result = sweep(cache, engine, grid, sink, reach, parts);
+  } catch (const Interrupted&) {
+    if (parts == nullptr || parts->kept() == 0) throw;
+    throw Interrupted{fmt::format("finished parts are in '{}': the same command goes on from them",
+                                  parts->folder())};
+  }
+  if (parts != nullptr) {
+    for (const std::string& path : parts->damaged())
+      tell(fmt::format("gliss: '{}' was damaged, its part is computed again\n", path));
+  }
+  return result;
+}
+
 void run(const SweepingOptions& options) {
   std::vector<std::string> outputs{options.output, options.summary};
   if (!options.picture.empty()) {
@@ -89,12 +123,7 @@ void run(const SweepingOptions& options) {
   check_outputs(outputs, {options.surface});
   const auto engine = make_engine(options);
   const PatchCache cache = open_surface(options, *engine);
-  SweepOptions grid = options.sweep;
-  if (has(grid.methods, Method::kGregory))
-    tell_tight_curvature(options, cache, *std::max_element(grid.depths.begin(), grid.depths.end()));
-  grid.rings = options.samples > 0
-                   ? rings_for(cache, static_cast<std::uint64_t>(std::ceil(options.samples)))
-                   : static_cast<std::uint32_t>(options.rings);
+  const SweepOptions grid = grid_of(options, cache);
   std::optional<SampleFile> file;
   std::optional<SweepPicture> picture;
   if (!options.output.empty()) file.emplace(options.output, cache, grid, options);
@@ -115,27 +144,12 @@ void run(const SweepingOptions& options) {
   }
 
   const Stopwatch clock;
-  const std::uint64_t samples = sample_count(cache, grid.rings);
-  SweepResult result;
-  try {
-    Watch watch(options, "sweep", samples * grid.depths.size(), "samples");
-    const auto reach = [&](std::uint64_t done, std::uint64_t) {
-      watch.reach(done);
-      return true;
-    };
-    result = sweep(cache, *engine, grid, sink, reach, parts ? &*parts : nullptr);
-  } catch (const Interrupted&) {
-    if (!parts || parts->kept() == 0) throw;
-    throw Interrupted{fmt::format("finished parts are in '{}': the same command goes on from them",
-                                  parts->folder())};
-  }
-  if (parts) {
-    for (const std::string& path : parts->damaged())
-      tell(fmt::format("gliss: '{}' was damaged, its part is computed again\n", path));
-  }
+  const SweepResult result =
+      watched_sweep(options, cache, *engine, grid, sink, parts ? &*parts : nullptr);
   if (file) file->close(result);
   const double seconds = clock.seconds();
   const auto contacts = static_cast<double>(result.computed);
+  const std::uint64_t samples = sample_count(cache, grid.rings);
 
   Json json = {{"program", "gliss"},
                {"version", GLISS_VERSION},

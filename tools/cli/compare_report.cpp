@@ -1,0 +1,191 @@
+#include "tools/cli/compare_report.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "gliss/surface/names.h"
+#include "gliss/tables/result_table.h"
+
+namespace gliss::tools {
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi, kMicroseconds = 1e6;
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
+
+// The numbers of a row, by the names that JSON and tables give them.
+struct NumberColumn {
+  const char *name, *unit;
+  double (*get)(const CompareRow&);
+};
+template <double CompareRow::*kMember>
+double get(const CompareRow& row) {
+  return row.*kMember;
+}
+constexpr NumberColumn kNumbers[] = {
+    {"bytes_per_patch", "", get<&CompareRow::bytes_per_patch>},
+    {"build_per_s", "", get<&CompareRow::build_per_s>},
+    {"eval_per_s", "", get<&CompareRow::eval_per_s>},
+    {"track_per_s", "", get<&CompareRow::track_per_s>},
+    {"max_distance", "m", get<&CompareRow::max_distance>},
+    {"p99_distance", "m", get<&CompareRow::p99_distance>},
+    {"true_max_distance", "m", get<&CompareRow::true_max_distance>},
+    {"true_p99_distance", "m", get<&CompareRow::true_p99_distance>},
+    {"max_normal_gap_deg", "deg", [](const CompareRow& r) { return r.max_normal_gap * kDegrees; }},
+    {"p99_normal_gap_deg", "deg", [](const CompareRow& r) { return r.p99_normal_gap * kDegrees; }},
+    {"max_force_step", "N", get<&CompareRow::max_force_step>},
+    {"p99_force_step", "N", get<&CompareRow::p99_force_step>},
+    {"walk_max_force_step", "N", get<&CompareRow::walk_max_force_step>},
+    {"walk_p99_force_step", "N", get<&CompareRow::walk_p99_force_step>},
+    {"jumps_per_100k", "", get<&CompareRow::jumps_per_100k>},
+    {"lost_per_100k", "", get<&CompareRow::lost_per_100k>},
+    {"settling_share", "", get<&CompareRow::settling_share>},
+    {"loop_gain", "", get<&CompareRow::loop_gain>},
+    {"unsound", "", [](const CompareRow& r) { return static_cast<double>(r.unsound); }},
+    {"max_force_error", "", get<&CompareRow::max_force_error>},
+    {"p99_force_error", "", get<&CompareRow::p99_force_error>},
+    {"tick_us", "us", [](const CompareRow& r) { return r.tick * kMicroseconds; }}};
+
+// Null: flat and shaded have none.
+Json construction_of(const CompareRow& row) {
+  if (row.candidate.method != Method::kGregory) return {};
+  return name_of(kConstructionNames, row.candidate.level.construction);
+}
+
+std::string rate_text(double per_second) {
+  return std::isfinite(per_second) ? fmt::format("{:.3g} M", per_second * 1e-6) : "-";
+}
+
+}  // namespace
+
+Json json_of(const CompareRow& row) {
+  Json json = {{"level", row.candidate.name()},
+               {"construction", construction_of(row)},
+               {"precision", precision_name(row.precision)},
+               {"solver", name_of(kSolverNames, row.solver)},
+               {"backend", row.backend}};
+  for (const NumberColumn& column : kNumbers) json[column.name] = number(column.get(row));
+  json["unsound"] = row.unsound;
+  json["bytes"] = row.bytes;
+  json["pareto"] = row.pareto;
+  return json;
+}
+
+Json recommendation_json(const CompareRow& row) {
+  return {{"level", row.candidate.name()},
+          {"precision", precision_name(row.precision)},
+          {"solver", name_of(kSolverNames, row.solver)},
+          {"backend", row.backend}};
+}
+
+std::string recommendation_text(const CompareRow* best, const CompareBudget& budget) {
+  if (best == nullptr) return "nothing is within the budget\n";
+  if (!(budget.force_error || budget.tick || budget.memory)) return "";
+  return fmt::format("within the budget: {}, {}, {}\n", best->candidate.name(),
+                     precision_name(best->precision), name_of(kSolverNames, best->solver));
+}
+
+Json json_of(const DenseRow& row, const CompareRow& target) {
+  return {{"method", method_name(row.method)},
+          {"triangles", row.triangles},
+          {"bytes", row.bytes},
+          {"max_force_step", row.max_force_step},
+          {"p99_force_step", row.p99_force_step},
+          {"jumps_per_100k", row.jumps_per_100k},
+          {"lost_per_100k", row.lost_per_100k},
+          {"tick_us", row.tick * 1e6},
+          {"target_level", row.target},
+          {"target_force_step", row.target_step},
+          {"target_bytes", target.bytes},
+          {"target_tick_us", target.tick * 1e6},
+          {"memory_ratio", row.memory_ratio},
+          {"time_ratio", row.time_ratio},
+          {"reached", row.reached},
+          {"needed_triangles", number(row.needed_triangles)}};
+}
+
+Json json_of(const CompareWalks& walks, const WalkOptions& walk) {
+  if (walks.walks.empty()) return {};
+  return {{"walkers", walk.walkers}, {"walks", walks.walks.size()}, {"ticks", walk.ticks},
+          {"depth_m", walks.depth},  {"step", walk.step},           {"seed", walk.seed}};
+}
+
+std::string rows_heading() {
+  return fmt::format(
+      "  {:<8} {:<6} {:<12} {:<6} {:>8} {:>9} {:>8} {:>8} {:>10} {:>10} {:>9} {:>9} {:>9} {:>9} "
+      "{:>9} {:>9} {:>8} {:>8} {:>8} {:>8} {:>8} {:>7}\n",
+      "level", "prec.", "solver", "on", "B/patch", "build/s", "eval/s", "track/s", "far, mm",
+      "p99, mm", "gap, deg", "p99, deg", "step, N", "p99, N", "walk, N", "p99, N", "jumps/",
+      "lost/", "loops, %", "error, %", "p99, %", "tick, us");
+}
+
+std::string text_of(const CompareRow& row) {
+  return fmt::format(
+             "{} {:<8} {:<6} {:<12} {:<6} {:>8.0f} {:>9} {:>8} {:>8} {:>10.3g} {:>10.3g} {:>9.2g} "
+             "{:>9.2g} {:>9.4g} {:>9.4g} {:>9.4g} {:>9.4g} {:>8.1f} {:>8.1f} {:>8.2g} {:>8.3g} "
+             "{:>8.3g} "
+             "{:>7.2f}\n",
+             row.pareto ? '*' : ' ', row.candidate.name(), precision_name(row.precision),
+             name_of(kSolverNames, row.solver), row.backend, row.bytes_per_patch,
+             rate_text(row.build_per_s), rate_text(row.eval_per_s), rate_text(row.track_per_s),
+             row.max_distance * 1e3, row.p99_distance * 1e3,
+             row.max_normal_gap * 180 / std::numbers::pi,
+             row.p99_normal_gap * 180 / std::numbers::pi, row.max_force_step, row.p99_force_step,
+             row.walk_max_force_step, row.walk_p99_force_step, row.jumps_per_100k,
+             row.lost_per_100k, 100 * row.loop_gain, 100 * row.max_force_error,
+             100 * row.p99_force_error, row.tick * 1e6) +
+         unsound_text(row.unsound, "steps");
+}
+
+std::string text_of(const DenseRow& row) {
+  std::string text = fmt::format("{} needs ", method_name(row.method));
+  if (row.reached) {
+    text += fmt::format("{} triangles", row.triangles);
+  } else if (std::isfinite(row.needed_triangles)) {
+    text += fmt::format("more than {} triangles, by extrapolation {:.2g},", row.triangles,
+                        row.needed_triangles);
+  } else {
+    text += fmt::format("more than {} triangles", row.triangles);
+  }
+  return text + fmt::format(
+                    " to feel as smooth as {} ({:.4g} N; {:.4g} N, jumps {:.1f} and lost {:.1f} "
+                    "per 100k with {}: {:.3g} x the memory, {:.3g} x the time)\n",
+                    row.target, row.target_step, row.max_force_step, row.jumps_per_100k,
+                    row.lost_per_100k, row.triangles, row.memory_ratio, row.time_ratio);
+}
+
+std::string text_of(const CompareWalks& walks, const WalkOptions& walk) {
+  const std::string jumps = "jumps/, lost/: per 100,000 ticks in contact, ";
+  if (walks.walks.empty()) return jumps + "along the path\n";
+  return jumps +
+         fmt::format(
+             "in {} random walks of {} ticks {:.3g} mm deep, {:.3g} mm a tick; walk, N: the "
+             "largest step there\n",
+             walk.walkers, walk.ticks, walks.depth * 1e3, walks.depth * walk.step * 1e3) +
+         fmt::format(
+             "loops: of the work that they take, what {} closed loops a face wide give back "
+             "at most beyond it\n",
+             walks.loops.size());
+}
+
+void write_rows(ResultFile& file, const std::string& name, const std::vector<CompareRow>& rows) {
+  Columns columns;
+  columns.add({"level", "precision", "solver", "backend"}, ColumnType::kText);
+  for (const NumberColumn& column : kNumbers)
+    columns.add({column.name}, ColumnType::kFloat64, column.unit);
+  ResultTable table(file, name, columns.add({"pareto"}, ColumnType::kUint8));
+  const auto fill = [&](auto get_from) {
+    table.fill(rows.size(), [&](std::size_t i) { return get_from(rows[i]); });
+  };
+  fill([](const CompareRow& r) { return r.candidate.name(); });
+  fill([](const CompareRow& r) { return std::string(precision_name(r.precision)); });
+  fill([](const CompareRow& r) { return std::string(name_of(kSolverNames, r.solver)); });
+  fill([](const CompareRow& r) { return r.backend; });
+  for (const NumberColumn& column : kNumbers) fill(column.get);
+  fill([](const CompareRow& r) { return r.pareto ? 1.0 : 0.0; });
+  table.write();
+}
+
+}  // namespace gliss::tools

@@ -1,0 +1,30 @@
+// The rows of a comparison as people and scripts read them. The names of their numbers are a
+// contract.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "gliss/study/compare.h"
+#include "gliss/tables/result_file.h"
+#include "tools/cli/command.h"
+
+namespace gliss::tools {
+
+Json json_of(const CompareRow& row);
+Json recommendation_json(const CompareRow& row);
+// `best`: null if no row is within the budget.
+std::string recommendation_text(const CompareRow* best, const CompareBudget& budget);
+Json json_of(const DenseRow& row, const CompareRow& target);
+// Null where there are no walks.
+Json json_of(const CompareWalks& walks, const WalkOptions& walk);
+
+std::string rows_heading();
+std::string text_of(const CompareRow& row);
+std::string text_of(const DenseRow& row);
+std::string text_of(const CompareWalks& walks, const WalkOptions& walk);
+
+// Writes the rows as a table of that name.
+void write_rows(ResultFile& file, const std::string& name, const std::vector<CompareRow>& rows);
+
+}  // namespace gliss::tools
