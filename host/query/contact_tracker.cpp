@@ -85,12 +85,29 @@ class ContactTracker::Tick {
       const Vec3 was = vector_of(last, kContactPush);
       if (is_leap(was, now.push)) now = slide(last, was, now);
     }
-    if (!is_leap(t_.felt_, now.push)) return now;
+    if (!is_leap(t_.felt_, now.push)) {
+      t_.fading_ = 0;
+      return now;
+    }
+    if (!now.touching) return faded(now);
+    t_.fading_ = 0;
     // The contact point is held while the HIP moves, and then goes straight to where it belongs.
     const Vec3 held = t_.felt_.isZero(0) ? t_.felt_ : Vec3(t_.felt_ - (hip_ - t_.before_));
     const Vec3 way = now.push - held;
     const double length = pace_ + stride(t_.felt_, now.push);
-    now.push = held + std::min(1.0, length / way.norm()) * way;
+    return settling(held + std::min(1.0, length / way.norm()) * way, now);
+  }
+  // The push of a contact that has ended keeps its direction, for there is no place to pull the HIP
+  // back to. It grows no more, and along its way out it pays for the work that it does.
+  Contact faded(const Contact& now) {
+    const double size = t_.felt_.norm(), work = std::max(0.0, t_.felt_.dot(hip_ - t_.before_));
+    t_.fading_ = std::max(t_.fading_, size);
+    const double length = pace_ + ForceStatistics::kJump / t_.options_.settle * t_.fading_;
+    const double left = std::sqrt(std::max(0.0, size * size - 2 * work)) - length;
+    return left > 0 ? settling(left / size * t_.felt_, now) : now;
+  }
+  static Contact settling(const Vec3& push, Contact now) {
+    now.push = push;
     now.touching = true;
     now.flags |= kSettling;
     return now;
@@ -371,6 +388,7 @@ void ContactTracker::release(const Vec3& hip, double clear) noexcept {
   clear_ = clear;
   behind_ = false;
   felt_.setZero();
+  fading_ = 0;
 }
 
 void ContactTracker::move_to(const PatchCache& cache) noexcept {

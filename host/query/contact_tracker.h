@@ -21,10 +21,10 @@ namespace gliss {
 // - Where the place that it follows ends, as over an edge or in a thin part, the nearest point
 //   leaps elsewhere, and the force with it. With `settle` the contact point slides there instead,
 //   downhill over the surface: k |SCP - HIP|^2 / 2 falls in each tick, so that no energy comes of
-//   it. Where no way leads downhill, as to no contact at all or from none, the push goes straight
-//   to what it becomes. Either way it changes a tick by at most 20 % of itself / settle, and twice
-//   the HIP's way. Such contacts have kSettling. Elsewhere ticks have the bytes that they have
-//   without.
+//   it. Where no way leads downhill, the push goes straight to what it becomes. Either way it
+//   changes a tick by at most 20 % of itself / settle, and twice the HIP's way. If the contact has
+//   ended, the push keeps its direction, grows no more, and is gone after five times settle. Such
+//   contacts have kSettling. Elsewhere ticks have the bytes that they have without.
 class GLISS_EXPORT ContactTracker {
  public:
   // Evaluations of patches that a tick spends at most, with the default iterations of a solver; and
@@ -70,6 +70,7 @@ class GLISS_EXPORT ContactTracker {
   double held_push_ = 0;      // push, mesh frame, when the SCP came to be held; 0: it is not
   // The last tick's HIP, and the push of its contact; kept with settle only.
   Vec3 before_ = Vec3::Zero(), felt_ = Vec3::Zero();
+  double fading_ = 0;  // push when its contact ended, from which it fades; 0: it does not
 };
 
 }  // namespace gliss

@@ -8,6 +8,7 @@
 #include "gliss/study/walk.h"
 #include "gliss/surface/names.h"
 #include "tests/oracle/oracle.h"
+#include "tests/support/crease_meshes.h"
 #include "tests/support/open_meshes.h"
 #include "tests/support/surfaces.h"
 
@@ -181,6 +182,44 @@ TEST(Settle, fades_a_force_whose_contact_ends_and_keeps_the_budget_of_a_tick) {
       hip = next;
     }
     RecordProperty("fading", static_cast<int>(fading));
+  }
+}
+
+// A finger that slides off over an edge: its force grows no more, turns nowhere, and is gone in time,
+// however fast it goes on.
+TEST(Settle, lets_go_of_a_hand_that_leaves_over_an_edge) {
+  constexpr double kDepth = 0.5, kBegin = 9;  // mm; a cube of 20 mm
+  for (const Mesh& mesh : {with_creases(cube(20).mesh), test::with_normals(cube(20).mesh)}) {
+    const PatchCache cache = fair_cache_of(mesh);
+    const Box box = cache.bounds();
+    const double top = box.high.z() - kDepth;
+    for (const Method method : {Method::kGregory, Method::kShaded, Method::kFlat}) {
+      for (const double settle : {5.0, 20.0}) {
+        for (const double pace : {0.005, 0.05, 0.2}) {  // mm a tick
+          ContactTracker tracker(cache, with_settle(settle, method));
+          tracker.tick({kBegin, 1, top + 5});
+          Contact last = tracker.tick({kBegin, 1, top});
+          for (int i = 0; i < 1000; ++i) last = tracker.tick({kBegin, 1, top});
+          ASSERT_TRUE(last.touching);
+          ASSERT_FALSE(is_settling(last.flags));
+          int outside = 0;
+          double x = kBegin, largest = last.push.norm();
+          for (; x < box.high.x() + 20; x += pace) {
+            const Contact now = tracker.tick({x, 1, top});
+            EXPECT_LT((now.push - last.push).norm(), 2 * pace + 0.2 * largest);
+            if (x > box.high.x()) {
+              EXPECT_LE(now.push.norm(), last.push.norm() * (1 + 1e-9));
+              outside += now.touching;
+            } else {
+              largest = std::max(largest, now.push.norm());
+            }
+            last = now;
+          }
+          EXPECT_LE(outside, 5 * settle + 1) << method_name(method) << " " << pace;
+          EXPECT_FALSE(last.touching);
+        }
+      }
+    }
   }
 }
 
