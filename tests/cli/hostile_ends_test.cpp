@@ -253,7 +253,7 @@ TEST_F(HostileEnds, leave_whole_files_wherever_a_command_is) {
                            Work{"compare big.obj --unit mm -o made.csv"},
                            Work{"sweep big.obj --unit mm --depth 1mm --samples 1e8 -o made.csv"},
 #ifdef GLISS_WITH_REPORT
-                           Work{"report forces.csv -o made.html", 500},
+                           Work{"report forces.csv -o made.html", 200},
 #endif
                            Work{"devices", 5}}) {
     const std::string& command = work.command;
