@@ -210,7 +210,7 @@ TEST_F(HostileEnds, leave_whole_files_whenever_a_signal_comes) {
       for (int i = 0; i < tries; ++i) {
         Process process(folder_ / "", test::kProgram, words_of(command));
         ASSERT_TRUE(test::await([&] { return process.catches(signal); }));
-        std::this_thread::sleep_for(std::chrono::milliseconds(random() % 600));
+        std::this_thread::sleep_for(std::chrono::milliseconds(random() % 450));
         process.kill(signal);
         if (i % 2) process.kill(signal);  // an impatient hand
         const Outcome outcome = process.wait();
