@@ -82,7 +82,7 @@ struct GLISS_EXPORT PatchCache {
   // inside.
   bool is_closed_at(std::uint32_t patch) const { return open.empty() || !open[patch_face[patch]]; }
   double smallest_rho() const;
-  // The box of the surface, mesh's unit.
+  // The box of all corners, mesh's unit; patches bulge beyond it.
   Box bounds() const;
   std::size_t bytes() const;
 };

@@ -69,6 +69,7 @@ class Orientation {
     orientable_ = true;
     part_.assign(1, first);
     turn_[first] = Turn::kKeep;
+    // part_ grows on the way. NOLINTNEXTLINE(modernize-loop-convert)
     for (std::size_t done = 0; done < part_.size(); ++done) {
       report_.poll();
       const std::uint32_t face = part_[done];

@@ -1,6 +1,7 @@
 #include "gliss/contact/lazy_contact.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace gliss {
 namespace {
@@ -17,10 +18,10 @@ QueryOptions on_base(QueryOptions query) {
 
 LazyContact::LazyContact(std::shared_ptr<const LazyMesh> mesh, const QueryOptions& query,
                          LazyWorkerOptions options)
-    : mesh_(mesh),
-      worker_(mesh, std::move(options)),
+    : mesh_(std::move(mesh)),
+      worker_(mesh_, std::move(options)),
       query_(query),
-      base_(mesh->base(), on_base(query)) {}
+      base_(mesh_->base(), on_base(query)) {}
 
 Contact LazyContact::tick(const Vec3& hip) noexcept {
   take_region();

@@ -210,7 +210,7 @@ TEST_F(HostileEnds, leave_whole_files_whenever_a_signal_comes) {
       for (int i = 0; i < tries; ++i) {
         Process process(folder_ / "", test::kProgram, words_of(command));
         ASSERT_TRUE(test::await([&] { return process.catches(signal); }));
-        std::this_thread::sleep_for(std::chrono::milliseconds(random() % 600));
+        std::this_thread::sleep_for(std::chrono::milliseconds(random() % 450));
         process.kill(signal);
         if (i % 2) process.kill(signal);  // an impatient hand
         const Outcome outcome = process.wait();
@@ -253,7 +253,7 @@ TEST_F(HostileEnds, leave_whole_files_wherever_a_command_is) {
                            Work{"compare big.obj --unit mm -o made.csv"},
                            Work{"sweep big.obj --unit mm --depth 1mm --samples 1e8 -o made.csv"},
 #ifdef GLISS_WITH_REPORT
-                           Work{"report forces.csv -o made.html", 500},
+                           Work{"report forces.csv -o made.html", 200},
 #endif
                            Work{"devices", 5}}) {
     const std::string& command = work.command;

@@ -64,6 +64,14 @@ inline std::vector<Mesh> parts_of(const Mesh& mesh) {
   return parts;
 }
 
+// Larger than that of the corners by a tenth of the longest side all round, since patches bulge
+// beyond them.
+inline Box box_round(const PatchCache& cache) {
+  const Box box = cache.bounds();
+  const Vec3 margin = Vec3::Constant(0.1 * (box.high - box.low).maxCoeff());
+  return {box.low - margin, box.high + margin};
+}
+
 class UnionOracle {
  public:
   // Takes so many samples along each side of a face; 0: none.
@@ -112,11 +120,10 @@ class UnionOracle {
   }
 
  private:
-  // From the box of a part, larger than it by a tenth, since patches bulge beyond their corners.
+  // From the box that a part is in.
   double beyond_box(std::size_t part, const Vec3& x) const {
-    const Box box = parts_[part].bounds();
-    const Vec3 margin = 0.1 * (box.high - box.low);
-    return (box.low - margin - x).cwiseMax(x - box.high - margin).cwiseMax(0.0).norm();
+    const Box box = box_round(parts_[part]);
+    return (box.low - x).cwiseMax(x - box.high).cwiseMax(0.0).norm();
   }
 
   std::vector<PatchCache> parts_;
@@ -177,9 +184,8 @@ class Winding {
   Winding(const std::vector<Mesh>& parts, double least) : least_(least) {
     for (const Mesh& part : parts) {
       PatchCache cache = cache_of(with_normals(part));
-      const Box box = cache.bounds();
-      const Vec3 margin = 0.1 * (box.high - box.low);  // patches bulge beyond their corners
-      parts_.push_back({std::move(cache), {box.low - margin, box.high + margin}, {}});
+      const Box box = box_round(cache);
+      parts_.push_back({std::move(cache), box, {}});
       Part& p = parts_.back();
       for (std::uint32_t face = 0; face < p.cache.mesh_face_count; ++face) {
         const int n = static_cast<int>(p.cache.face_valence[face]);
