@@ -8,8 +8,8 @@
 #include "gliss/study/walk.h"
 #include "gliss/surface/names.h"
 #include "tests/oracle/oracle.h"
-#include "tests/support/crease_meshes.h"
 #include "tests/support/open_meshes.h"
+#include "tests/support/sharp_meshes.h"
 #include "tests/support/surfaces.h"
 
 namespace gliss {
@@ -185,11 +185,12 @@ TEST(Settle, fades_a_force_whose_contact_ends_and_keeps_the_budget_of_a_tick) {
   }
 }
 
-// A finger that slides off over an edge: its force grows no more, turns nowhere, and is gone in time,
-// however fast it goes on.
+// A finger that slides off over an edge: its force grows no more, turns nowhere, and is gone in
+// time, however fast it goes on.
 TEST(Settle, lets_go_of_a_hand_that_leaves_over_an_edge) {
-  constexpr double kDepth = 0.5, kBegin = 9;  // mm; a cube of 20 mm
-  for (const Mesh& mesh : {with_creases(cube(20).mesh), test::with_normals(cube(20).mesh)}) {
+  constexpr double kDepth = 0.5, kBegin = 9;  // mm
+  for (const Mesh& mesh :
+       {test::with_creases(cube(1, 20).mesh), test::with_normals(cube(1, 20).mesh)}) {
     const PatchCache cache = fair_cache_of(mesh);
     const Box box = cache.bounds();
     const double top = box.high.z() - kDepth;
