@@ -195,7 +195,7 @@ def table(folder):
         print(f"| `{m.file}` | {m.name} | `{results[m.name][1]}` |")
     left = [m.name for m in mutants if m not in ran]
     if left:
-        print(f"\nNot run: {', '.join(left)}.")
+        print(f"\nNot run yet, for they take an hour of a processor: {', '.join(left)}.")
 
 
 if __name__ == "__main__":
