@@ -15,6 +15,21 @@ double angle_between(const Vec3& a, const Vec3& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
+// True if both faces at the edge of an inner side have the same normals at its ends.
+bool shares_normals(const Mesh& mesh, const Topology& topology, std::uint32_t side) {
+  const auto alike = [&](std::uint32_t corner, std::uint32_t other) {
+    const std::uint32_t a = mesh.corner_normal[corner], b = mesh.corner_normal[other];
+    return a == b || mesh.normals[a] == mesh.normals[b];
+  };
+  const std::uint32_t twin = topology.side_twin[side];
+  return alike(side, next_side(mesh, topology, twin)) &&
+         alike(twin, next_side(mesh, topology, side));
+}
+
+bool is_bent(const PatchCache& cache, std::uint32_t face) {
+  return cache.kind[cache.face_patch[face]] == PatchKind::kBent;
+}
+
 }  // namespace
 
 std::vector<Vec3> path_over(const Mesh& mesh, const Topology& topology, const PatchCache& cache,
@@ -93,15 +108,24 @@ Distances distances_of(std::vector<double> d) {
   return {*std::max_element(at, d.end()), *at};
 }
 
+std::vector<VertexPair> rough_edges(const Mesh& mesh, const Topology& topology,
+                                    const PatchCache& cache) {
+  std::vector<VertexPair> edges;
+  for (std::uint32_t side = 0; side < topology.side_twin.size(); ++side) {
+    const std::uint32_t twin = topology.side_twin[side];
+    if (twin == kNone || twin < side || (!mesh.sharp.empty() && mesh.sharp[side] != 0)) continue;
+    if (shares_normals(mesh, topology, side) && !is_bent(cache, topology.side_face[side]) &&
+        !is_bent(cache, topology.side_face[twin]))
+      continue;
+    edges.push_back({mesh.corner_vertex[side], mesh.corner_vertex[twin]});
+  }
+  return edges;
+}
+
 Distances normal_gaps(const Mesh& mesh, const Topology& topology, const PatchCache& cache,
                       Method method) {
   constexpr int kPoints = 17;
   std::vector<double> gaps;
-  const auto normals_alike = [&](std::uint32_t side, std::uint32_t twin) {
-    const std::uint32_t a = mesh.corner_normal[side],
-                        b = mesh.corner_normal[next_side(mesh, topology, twin)];
-    return a == b || mesh.normals[a] == mesh.normals[b];
-  };
   for (std::uint32_t side = 0; side < topology.side_twin.size(); ++side) {
     const std::uint32_t twin = topology.side_twin[side];
     if (twin == kNone || twin < side) continue;
@@ -110,15 +134,13 @@ Distances normal_gaps(const Mesh& mesh, const Topology& topology, const PatchCac
       gaps.push_back(angle_between(newell_normal(mesh, f), newell_normal(mesh, g)));
       continue;
     }
-    if (!normals_alike(side, twin) || !normals_alike(twin, side)) continue;
+    if (!shares_normals(mesh, topology, side)) continue;
     // What is blended along the edge is the same on both sides: nothing jumps.
     if (method == Method::kShaded) {
       gaps.push_back(0);
       continue;
     }
-    if (cache.kind[cache.face_patch[f]] == PatchKind::kBent ||
-        cache.kind[cache.face_patch[g]] == PatchKind::kBent)
-      continue;
+    if (is_bent(cache, f) || is_bent(cache, g)) continue;
     std::vector<DomainPoint> at;
     for (int i = 0; i < kPoints; ++i) {
       const double t = i / (kPoints - 1.0);

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "gliss/base/export.h"
+#include "gliss/mesh/creases.h"
 #include "gliss/mesh/topology.h"
 #include "gliss/query/force_statistics.h"
 #include "gliss/query/query.h"
@@ -33,6 +34,12 @@ GLISS_EXPORT Distances distances_of(std::vector<double> distances);
 // sides have unlike vertex normals, and those of bent patches, are creases and left out.
 GLISS_EXPORT Distances normal_gaps(const Mesh& mesh, const Topology& topology,
                                    const PatchCache& cache, Method method);
+
+// The edges, by their vertices, across which the surface is not smooth though no crease was
+// declared there: a face has a bent patch, or the faces have unlike normals. The mesh has normals,
+// and the cache is of all its faces.
+GLISS_EXPORT std::vector<VertexPair> rough_edges(const Mesh& mesh, const Topology& topology,
+                                                 const PatchCache& cache);
 
 // A path, tick by tick.
 struct FeltPath {

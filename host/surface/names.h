@@ -57,6 +57,11 @@ inline constexpr Named<Level::Kind> kLevelNames[] = {{"exact", Level::kExact},
 inline constexpr Named<Construction> kConstructionNames[] = {{"paper", Construction::kPaper},
                                                              {"fair", Construction::kFair}};
 
+inline constexpr Named<PatchKind> kPatchKindNames[] = {{"exact", PatchKind::kPlain},
+                                                       {"eased", PatchKind::kEased},
+                                                       {"split", PatchKind::kSplit},
+                                                       {"bent", PatchKind::kBent}};
+
 // "table:8" is a table of other than the usual number of cells.
 inline std::string level_name(const Level& level) {
   const std::string name = name_of(kLevelNames, level.kind);

@@ -406,7 +406,11 @@ TEST_F(Program, CreasesAreListedAndKept) {
   EXPECT_EQ(dart["creases"].size(), 1u);
   EXPECT_EQ(dart["findings"][0]["code"], "sharp-normals");
   EXPECT_EQ(dart["findings"][0]["count"], 8);
-  EXPECT_TRUE(json_of("check cube.obj --unit mm")["creases"].empty());
+  const auto smooth = json_of("check cube.obj --unit mm");
+  EXPECT_TRUE(smooth["creases"].empty());
+  EXPECT_EQ(smooth["rough_edges"].size(), 12u);  // the file's normals differ across all
+  EXPECT_TRUE(found["rough_edges"].empty());
+  EXPECT_EQ(dart["rough_edges"].size(), 11u);
   for (const char* construction : {"paper", "fair"}) {
     const std::string baked =
         fmt::format("bake cube.obj --unit mm --construction {} ", construction);

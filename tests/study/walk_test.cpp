@@ -225,27 +225,84 @@ TEST(Walk, loses_contact_only_where_the_surface_of_a_generated_mesh_was_crossed)
   for (const auto& [name, mesh] : meshes) expect_contacts_held(name, mesh, 10000);
 }
 
-class SharedWalk : public test::SharedTest {};
+// The most work that contacts of a walk have given the hand, and hold, beyond what it put in; over
+// stiffness x depth^2. A spring holds |p|^2 / 2; a force that is held for a tick may give |dx|^2
+// / 2.
+double work_gained(const PatchCache& cache, const QueryOptions& options, const Walk& walk,
+                   double depth) {
+  ContactTracker tracker(cache, options);
+  Vec3 push = Vec3::Zero();
+  double given = 0, most = 0;
+  for (std::size_t tick = 0; tick < walk.hips.size(); ++tick) {
+    if (tick > 0) {
+      const Vec3 way = walk.hips[tick] - walk.hips[tick - 1];
+      given += push.dot(way) - 0.5 * way.squaredNorm();
+    }
+    const Contact contact = tracker.tick(walk.hips[tick]);
+    push = contact.touching ? contact.push : Vec3(Vec3::Zero());
+    most = std::max(most, given + 0.5 * push.squaredNorm());
+  }
+  return most / (depth * depth);
+}
+
+void expect_no_work(const std::string& name, const Mesh& raw, std::uint64_t few) {
+  const Mesh mesh = test::with_normals(raw);
+  const PatchCache cache = test::cache_of(mesh);
+  WalkOptions options = options_of(mesh, 0, 2500);
+  options.walkers = test::samples(few, 1'000'000) / 2500;
+  const std::vector<Walk> walks = walk_paths(mesh, build_topology(mesh), options);
+  for (const Method method : {Method::kGregory, Method::kFlat}) {
+    QueryOptions settling{{}, method};
+    settling.settle = 5;
+    double most = 0;
+    for (const Walk& walk : walks)
+      most = std::max(most, work_gained(cache, settling, walk, options.depth));
+    EXPECT_LE(most, 1e-9) << name << ", " << method_name(method);
+    test::record(fmt::format("{}, {}", name, method_name(method)), "work gained {:.3g} k d^2",
+                 most);
+  }
+}
+
+TEST(Walk, that_settles_gives_no_work_but_what_it_took) {
+  for (const Generated& made : {torus_knot(), banana(), goldberg(), fin(), prism(5)})
+    expect_no_work(made.mesh.source, made.mesh, 10000);
+}
+
+class SharedWalk : public test::SharedTest {
+ protected:
+  // Calls visit(name, mesh) with each mesh that is not refused: of a few, or, in long tests, of
+  // all.
+  template <class Visit>
+  static void for_each_mesh(Visit visit) {
+    std::vector<std::string> names = {"hand_open_dual", "spot_control", "osd_pawn"};
+    if (std::getenv("GLISS_LONG_TESTS") != nullptr) {
+      names.clear();
+      for (const auto& file : std::filesystem::directory_iterator(test::shared_path("meshes"))) {
+        if (file.path().extension() == ".obj") names.push_back(file.path().stem());
+      }
+      std::sort(names.begin(), names.end());
+    }
+    for (const std::string& name : names) {
+      Mesh mesh;
+      try {
+        mesh = load_mesh(test::shared_path("meshes/" + name + ".obj"), {.unit = 1e-3});
+      } catch (const MeshError& error) {
+        test::record(name, "refused: {}", error.what());
+        continue;
+      }
+      visit(name, mesh);
+    }
+  }
+};
 
 TEST_F(SharedWalk, loses_contact_only_where_the_surface_was_crossed) {
-  std::vector<std::string> names = {"hand_open_dual", "spot_control", "osd_pawn"};
-  if (std::getenv("GLISS_LONG_TESTS") != nullptr) {
-    names.clear();
-    for (const auto& file : std::filesystem::directory_iterator(test::shared_path("meshes"))) {
-      if (file.path().extension() == ".obj") names.push_back(file.path().stem());
-    }
-    std::sort(names.begin(), names.end());
-  }
-  for (const std::string& name : names) {
-    Mesh mesh;
-    try {
-      mesh = load_mesh(test::shared_path("meshes/" + name + ".obj"), {.unit = 1e-3});
-    } catch (const MeshError& error) {
-      test::record(name, "refused: {}", error.what());
-      continue;
-    }
-    expect_contacts_held(name, mesh, 5000);
-  }
+  for_each_mesh(
+      [](const std::string& name, const Mesh& mesh) { expect_contacts_held(name, mesh, 5000); });
+}
+
+TEST_F(SharedWalk, that_settles_gives_no_work_but_what_it_took) {
+  for_each_mesh(
+      [](const std::string& name, const Mesh& mesh) { expect_no_work(name, mesh, 5000); });
 }
 
 }  // namespace

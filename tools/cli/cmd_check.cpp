@@ -8,6 +8,8 @@
 
 #include "gliss/build/build_cache.h"
 #include "gliss/files/mesh_file.h"
+#include "gliss/study/fidelity.h"
+#include "gliss/surface/names.h"
 #include "tools/cli/curvature.h"
 #include "tools/cli/surface_input.h"
 #include "tools/cli/watch.h"
@@ -15,7 +17,7 @@
 namespace gliss::tools {
 namespace {
 
-constexpr std::size_t kListed = 40;  // flagged faces in the text; --json has all
+constexpr std::size_t kListed = 40;  // faces or edges in the text; --json has all
 
 const char* severity_name(Severity severity) {
   return severity == Severity::kError      ? "error"
@@ -43,13 +45,37 @@ Json json_of(const Finding& finding) {
           {"count", finding.count}};
 }
 
+struct CheckedSurface {
+  BuildReport report;
+  std::vector<const char*> kinds;  // of the flagged faces
+  std::vector<VertexPair> rough_edges;
+};
+
+CheckedSurface build_surface(const SurfaceOptions& options, const Mesh& mesh) {
+  CheckedSurface surface;
+  const PatchCache cache = build(mesh, options, *make_engine(options), {}, &surface.report);
+  tell_tight_curvature(options, cache, usual_depth(cache), "0.5 % of the diagonal");
+  for (const std::uint32_t face : surface.report.flagged_faces)
+    surface.kinds.push_back(name_of(kPatchKindNames, cache.kind[cache.face_patch[face]]));
+  Mesh with_normals = mesh;
+  add_vertex_normals(with_normals, normal_weights(cache.level.construction));
+  surface.rough_edges = rough_edges(with_normals, build_topology(with_normals), cache);
+  return surface;
+}
+
+template <class Items>
+std::string listed(const char* name, const Items& items, std::size_t count) {
+  if (count == 0) return "";
+  return fmt::format("{}: {}{}\n", name, fmt::join(items, ","), count > kListed ? ",..." : "");
+}
+
 void describe(Command& command, SurfaceOptions& options) {
   add_surface_options(command, options, "MESH");
 }
 
 void run(const SurfaceOptions& options) {
   std::vector<Finding> findings;
-  BuildReport built;
+  CheckedSurface surface;
   Mesh mesh;
   std::vector<VertexPair> creases;
   std::exception_ptr refusal;
@@ -58,8 +84,7 @@ void run(const SurfaceOptions& options) {
     tell_plain_creases(options, mesh);
     if (!mesh.sharp.empty()) creases = crease_edges(mesh, build_topology(mesh));
     round_creases(options, mesh);
-    const PatchCache cache = build(mesh, options, *make_engine(options), {}, &built);
-    tell_tight_curvature(options, cache, usual_depth(cache), "0.5 % of the diagonal");
+    surface = build_surface(options, mesh);
   } catch (const MeshError&) {
     refusal = std::current_exception();
   }
@@ -74,6 +99,7 @@ void run(const SurfaceOptions& options) {
     list.push_back(json_of(finding));
   }
   if (findings.empty()) text += "nothing found\n";
+  const BuildReport& built = surface.report;
   const auto& flagged = built.flagged_faces;
   text += fmt::format("{}: {}\n", options.surface, state_of(findings, refusal != nullptr));
   if (!refusal) {
@@ -82,11 +108,13 @@ void run(const SurfaceOptions& options) {
                         built.bent,
                         mesh.strips.empty() ? creases_text(creases.size()) : rounded_text(mesh));
   }
-  if (!flagged.empty()) {
-    const auto shown = std::span(flagged).first(std::min(flagged.size(), kListed));
-    text += fmt::format("flagged: {}{}\n", fmt::join(shown, ","),
-                        shown.size() < flagged.size() ? ",..." : "");
+  text += listed("flagged", std::span(flagged).first(std::min(flagged.size(), kListed)),
+                 flagged.size());
+  std::vector<std::string> edges;
+  for (const VertexPair& edge : surface.rough_edges) {
+    if (edges.size() < kListed) edges.push_back(fmt::format("{}-{}", edge[0], edge[1]));
   }
+  text += listed("not smooth, edges of vertices", edges, surface.rough_edges.size());
   report(options, text,
          {{"mesh", options.surface},
           {"accepted", !refusal},
@@ -99,6 +127,8 @@ void run(const SurfaceOptions& options) {
           {"split", built.split},
           {"bent", built.bent},
           {"flagged_faces", flagged},
+          {"flagged_kinds", surface.kinds},
+          {"rough_edges", surface.rough_edges},
           {"creases", creases},
           {"strips", mesh.strips},
           {"rounded_corners", mesh.rounded_corners}});

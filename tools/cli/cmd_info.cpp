@@ -55,14 +55,9 @@ Shape shape_of(const PatchCache& cache) {
 }
 
 std::map<std::string, std::uint32_t> count_kinds(const PatchCache& cache) {
-  std::map<std::string, std::uint32_t> kinds = {
-      {"exact", 0}, {"eased", 0}, {"split", 0}, {"bent", 0}};
-  for (const PatchKind kind : cache.kind) {
-    ++kinds[kind == PatchKind::kPlain   ? "exact"
-            : kind == PatchKind::kEased ? "eased"
-            : kind == PatchKind::kSplit ? "split"
-                                        : "bent"];
-  }
+  std::map<std::string, std::uint32_t> kinds;
+  for (const auto& [name, kind] : kPatchKindNames) kinds[name] = 0;
+  for (const PatchKind kind : cache.kind) ++kinds[name_of(kPatchKindNames, kind)];
   return kinds;
 }
 
