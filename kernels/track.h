@@ -107,13 +107,15 @@ FN uint prev_in_patch(surface_view view, uint side) {
 // backwards. Lengths do not matter.
 typedef struct {
   real3 p, q;
+  int are_slopes;  // of the patch there: the shorter has the rounding of the longer
 } corner_tangents;
 
 FN corner_tangents tangents_at(surface_view view, uint side) {
   const uint patch = view.side_patch[side], form = view.form[patch];
   const int n = valence_of(view, patch), k = (int)(side - view.side_begin[patch]);
   corner_tangents r;
-  if (IS_FORM(form, FORM_PAPER) || IS_FORM(form, FORM_RIBBON)) {
+  r.are_slopes = !(IS_FORM(form, FORM_PAPER) || IS_FORM(form, FORM_RIBBON));
+  if (!r.are_slopes) {
     GLOBAL scalar* control = control_of(view, patch) + k * side_reals(form);
     r.p = load3(control, SIDE_C + 1);
     r.q = load3(control, SIDE_T_0);
@@ -135,8 +137,9 @@ FN int in_sector(surface_view view, uint side, real3 w) {
   const real pp = dot3(p, p), pq = dot3(p, q), qq = dot3(q, q), wp = dot3(w, p), wq = dot3(w, q);
   const real a = wp * qq - wq * pq, b = wq * pp - wp * pq;
   // Along an edge rounding leaves no gap between the patches on its sides.
-  const real gap = K(-16) * EPSILON * norm3(w);
-  return a >= gap * sqrt(pp) * qq && b >= gap * sqrt(qq) * pp && a + b > K(0);
+  const real gap = K(-16) * EPSILON * norm3(w),
+             size2 = t.are_slopes ? larger(pp, qq) : sqrt(pp * qq);
+  return a >= gap * size2 * sqrt(qq) && b >= gap * size2 * sqrt(pp) && a + b > K(0);
 }
 
 // A walk over the other sides that start where `start` does: anticlockwise, and where a border cuts
