@@ -378,10 +378,12 @@ FN int is_descending(foot f, track_options options) {
   return !(f.flags & FOOT_CONVERGED) && f.iterations < options.max_iterations;
 }
 
-// How a step of a descent ends: the descent with it, in the same patch, or in another.
+// How a step of a descent ends: the descent with it, in the same patch, or in another, over an edge
+// or round a corner.
 #define STEP_ENDS 0
 #define STEP_STAYS 1
 #define STEP_CROSSES 2
+#define STEP_ROUNDS 3
 
 FN int converge(foot* f) {
   f->flags |= FOOT_CONVERGED;
@@ -443,8 +445,10 @@ FN domain_point corner_point(surface_view view, uint side) {
 }
 
 // The point of another patch where a foot that a step leads out goes on; of patch NONE where it
-// goes on along its sides: there is none, or it has just come.
-FN domain_point leave_patch(surface_view view, foot* f, held_sides held, int just_crossed) {
+// goes on along its sides: there is none, or the step before, `last`, has brought it. Over an edge
+// that may have been to a corner: then it goes round that.
+FN domain_point leave_patch(surface_view view, foot* f, held_sides held, int last) {
+  const int just_crossed = last == STEP_ROUNDS || (last == STEP_CROSSES && held.b < 0);
   const uint first = view.side_begin[f->patch];
   domain_point to = {NONE, f->xi, f->eta};
   int is_border = 1;
@@ -544,14 +548,17 @@ FN int take_step(surface_view view, foot* f, foot_step s, trial t, track_options
 
 // One step from where a descent within the patch stops: at a side, on a saddle, or before a step
 // that is too long.
-FN int step_foot(surface_view view, hip_point h, foot* f, int just_crossed, track_options options,
+FN int step_foot(surface_view view, hip_point h, foot* f, int last, track_options options,
                  known_minimum known) {
   foot_step s = choose_step(view, *f);
   if (is_short(s, K(1), options)) return converge(f);
   if (leads_out(view, *f, s)) {
     if (s.held.b >= 0 && f->walked > FAN_STEPS_A_DESCENT) return STEP_ENDS;
-    const domain_point to = leave_patch(view, f, s.held, just_crossed);
-    if (to.patch != NONE) return enter_patch(view, h, to, f, options, known);
+    const domain_point to = leave_patch(view, f, s.held, last);
+    if (to.patch != NONE) {
+      const int step = enter_patch(view, h, to, f, options, known);
+      return step == STEP_CROSSES && s.held.b >= 0 ? STEP_ROUNDS : step;
+    }
     const int n = valence_of(view, f->patch);
     s.along = s.held;
     s.way = edge_step(domain_of(view, n), n, s.held, s.first, f->bend, s.gradient);
@@ -572,8 +579,7 @@ FN_LARGE foot track_foot(surface_view view, hip_point h, foot f, track_options o
     const int so_far = f.iterations;
     f = descend_foot(view, h, f, options);
     if (f.iterations > so_far) step = STEP_STAYS;
-    if (is_descending(f, options))
-      step = step_foot(view, h, &f, step == STEP_CROSSES, options, known);
+    if (is_descending(f, options)) step = step_foot(view, h, &f, step, options, known);
   }
   return f;
 }
