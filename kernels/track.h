@@ -107,13 +107,15 @@ FN uint prev_in_patch(surface_view view, uint side) {
 // backwards. Lengths do not matter.
 typedef struct {
   real3 p, q;
+  int are_slopes;  // of the patch there: the shorter has the rounding of the longer
 } corner_tangents;
 
 FN corner_tangents tangents_at(surface_view view, uint side) {
   const uint patch = view.side_patch[side], form = view.form[patch];
   const int n = valence_of(view, patch), k = (int)(side - view.side_begin[patch]);
   corner_tangents r;
-  if (IS_FORM(form, FORM_PAPER) || IS_FORM(form, FORM_RIBBON)) {
+  r.are_slopes = !(IS_FORM(form, FORM_PAPER) || IS_FORM(form, FORM_RIBBON));
+  if (!r.are_slopes) {
     GLOBAL scalar* control = control_of(view, patch) + k * side_reals(form);
     r.p = load3(control, SIDE_C + 1);
     r.q = load3(control, SIDE_T_0);
@@ -135,8 +137,9 @@ FN int in_sector(surface_view view, uint side, real3 w) {
   const real pp = dot3(p, p), pq = dot3(p, q), qq = dot3(q, q), wp = dot3(w, p), wq = dot3(w, q);
   const real a = wp * qq - wq * pq, b = wq * pp - wp * pq;
   // Along an edge rounding leaves no gap between the patches on its sides.
-  const real gap = K(-16) * EPSILON * norm3(w);
-  return a >= gap * sqrt(pp) * qq && b >= gap * sqrt(qq) * pp && a + b > K(0);
+  const real gap = K(-16) * EPSILON * norm3(w),
+             size2 = t.are_slopes ? larger(pp, qq) : sqrt(pp * qq);
+  return a >= gap * size2 * sqrt(qq) && b >= gap * size2 * sqrt(pp) && a + b > K(0);
 }
 
 // A walk over the other sides that start where `start` does: anticlockwise, and where a border cuts
@@ -375,10 +378,12 @@ FN int is_descending(foot f, track_options options) {
   return !(f.flags & FOOT_CONVERGED) && f.iterations < options.max_iterations;
 }
 
-// How a step of a descent ends: the descent with it, in the same patch, or in another.
+// How a step of a descent ends: the descent with it, in the same patch, or in another, over an edge
+// or round a corner.
 #define STEP_ENDS 0
 #define STEP_STAYS 1
 #define STEP_CROSSES 2
+#define STEP_ROUNDS 3
 
 FN int converge(foot* f) {
   f->flags |= FOOT_CONVERGED;
@@ -440,8 +445,10 @@ FN domain_point corner_point(surface_view view, uint side) {
 }
 
 // The point of another patch where a foot that a step leads out goes on; of patch NONE where it
-// goes on along its sides: there is none, or it has just come.
-FN domain_point leave_patch(surface_view view, foot* f, held_sides held, int just_crossed) {
+// goes on along its sides: there is none, or the step before, `last`, has brought it. Over an edge
+// that may have been to a corner: then it goes round that.
+FN domain_point leave_patch(surface_view view, foot* f, held_sides held, int last) {
+  const int just_crossed = last == STEP_ROUNDS || (last == STEP_CROSSES && held.b < 0);
   const uint first = view.side_begin[f->patch];
   domain_point to = {NONE, f->xi, f->eta};
   int is_border = 1;
@@ -541,14 +548,17 @@ FN int take_step(surface_view view, foot* f, foot_step s, trial t, track_options
 
 // One step from where a descent within the patch stops: at a side, on a saddle, or before a step
 // that is too long.
-FN int step_foot(surface_view view, hip_point h, foot* f, int just_crossed, track_options options,
+FN int step_foot(surface_view view, hip_point h, foot* f, int last, track_options options,
                  known_minimum known) {
   foot_step s = choose_step(view, *f);
   if (is_short(s, K(1), options)) return converge(f);
   if (leads_out(view, *f, s)) {
     if (s.held.b >= 0 && f->walked > FAN_STEPS_A_DESCENT) return STEP_ENDS;
-    const domain_point to = leave_patch(view, f, s.held, just_crossed);
-    if (to.patch != NONE) return enter_patch(view, h, to, f, options, known);
+    const domain_point to = leave_patch(view, f, s.held, last);
+    if (to.patch != NONE) {
+      const int step = enter_patch(view, h, to, f, options, known);
+      return step == STEP_CROSSES && s.held.b >= 0 ? STEP_ROUNDS : step;
+    }
     const int n = valence_of(view, f->patch);
     s.along = s.held;
     s.way = edge_step(domain_of(view, n), n, s.held, s.first, f->bend, s.gradient);
@@ -569,8 +579,7 @@ FN_LARGE foot track_foot(surface_view view, hip_point h, foot f, track_options o
     const int so_far = f.iterations;
     f = descend_foot(view, h, f, options);
     if (f.iterations > so_far) step = STEP_STAYS;
-    if (is_descending(f, options))
-      step = step_foot(view, h, &f, step == STEP_CROSSES, options, known);
+    if (is_descending(f, options)) step = step_foot(view, h, &f, step, options, known);
   }
   return f;
 }

@@ -114,7 +114,9 @@ INSTANTIATE_TEST_SUITE_P(
         Parts{"round parts, float", kRound, Precision::kFloat, 1e-6, 0, 0, 5e-5},
         Parts{"sharp parts, float", kSharp, Precision::kFloat, 1e-6, 5e-3, 1e-4, 5e-3},
         Parts{"open parts", test::kOpenExtremes, Precision::kDouble, 1e-9},
-        Parts{"open parts, float", test::kOpenExtremes, Precision::kFloat, 1e-6, 0, 0, 5e-5}),
+        Parts{"open parts, float", test::kOpenExtremes, Precision::kFloat, 1e-6, 0, 0, 5e-5},
+        Parts{"fair parts", test::kFairExtremes, Precision::kDouble, 1e-9, 3e-4},
+        Parts{"fair parts, float", test::kFairExtremes, Precision::kFloat, 1e-6, 0, 0, 5e-5}),
     test::kNameOf);
 
 }  // namespace

@@ -128,7 +128,8 @@ TEST_P(ExtremeEntry, keeps_its_side_at_any_speed) {
 
 INSTANTIATE_TEST_SUITE_P(, ExtremeEntry,
                          ::testing::Values(Thin{"plate", plate_entry, 1'000'000},
-                                           Thin{"fin", fin_entry, 250'000, 2e-3}),
+                                           Thin{"fin", fin_entry, 250'000, 2e-3},
+                                           Thin{"fair fin", fin_entry, 250'000, 2e-3}),
                          test::kNameOf);
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include "gliss/build/build_cache.h"
 #include "gliss/validate/validate.h"
 #include "tests/extremes/extreme_errors.h"
+#include "tests/oracle/fair_oracle.h"
 
 namespace gliss::test {
 
@@ -29,10 +30,12 @@ struct Judgement {
   Times not_finite, folds, degenerate;
 };
 
-// Judges the paper's patches, which the oracle has.
+// Judges patches of a construction: the paper's and the fair triangles against the oracles; fair
+// quads have none.
 class Judge {
  public:
-  Judge(Precision precision, std::uint64_t seed) : precision_(precision), rng_(seed) {}
+  Judge(Precision precision, Construction construction, std::uint64_t seed)
+      : precision_(precision), construction_(construction), rng_(seed) {}
 
   // `name` tells how to make it again.
   void judge(Mesh mesh, const std::string& name) {
@@ -46,29 +49,57 @@ class Judge {
       return;
     }
     BuildReport report;
-    const PatchCache cache = paper_cache_of(mesh, precision_, true, &report);
+    const PatchCache cache = cache_of(mesh, precision_, true, &report, construction_);
+    const Topology topology = build_topology(mesh);
+    // Sides and shape operators at vertices are of all faces round them.
+    bool is_defined = construction_ == Construction::kFair;
+    for (std::uint32_t face = 0; face < mesh.face_count(); ++face)
+      is_defined = is_defined && has_sides(exact_of(polygon_of(mesh, face)));
+    std::optional<oracle::Fair> fair;
+    if (is_defined) fair.emplace(mesh, topology);
     for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
       const bool flagged =
           std::binary_search(report.flagged_faces.begin(), report.flagged_faces.end(), face);
       ++found_.faces;
       found_.flagged += flagged;
-      judge_face(cache, polygon_of(mesh, face), face, flagged,
+      judge_face(cache, polygon_of(mesh, face), fair ? &*fair : nullptr, face, flagged,
                  fmt::format("{}, face {}", name, face));
     }
-    judge_edges(cache, mesh, name);
+    judge_edges(cache, mesh, topology, name);
   }
 
   const Judgement& found() const { return found_; }
 
  private:
-  void judge_face(const PatchCache& cache, const Polygon& polygon, std::uint32_t face, bool flagged,
-                  const std::string& name) {
+  using Exact = oracle::Polygon<long double>;
+  static Exact exact_of(const Polygon& polygon) {
+    return oracle::with_unit_normals(oracle::cast<long double>(oracle::with_unit_normals(polygon)));
+  }
+  // A build flags what is below 1e-2.
+  static bool is_degenerate(const Exact& exact) { return oracle::soundness(exact) < 5e-3L; }
+
+  // True if neighbours can make fair sides with a face: not where the corner beyond a side stands
+  // straight over it, as the normals see it. Then rounding decides how its normal turns (step 2).
+  static bool has_sides(const Exact& exact) {
+    for (int k = 0; k < exact.size(); ++k) {
+      const oracle::Vec<long double> way = exact.position(k + 2) - exact.position(k);
+      const oracle::Vec<long double> across =
+          (exact.position(k + 1) - exact.position(k))
+              .cross(oracle::Vec<long double>(exact.normal(k) + exact.normal(k + 1)))
+              .normalized();
+      if (exact.size() == 3 && !(std::abs(way.dot(across)) > 1e-6L * way.norm())) return false;
+    }
+    return !is_degenerate(exact);
+  }
+
+  // `fair` is the oracle of the fair triangles; null where they have none.
+  void judge_face(const PatchCache& cache, const Polygon& polygon, const oracle::Fair* fair,
+                  std::uint32_t face, bool flagged, const std::string& name) {
     const int n = polygon.size();
-    const auto exact =
-        oracle::with_unit_normals(oracle::cast<long double>(oracle::with_unit_normals(polygon)));
+    const Exact exact = exact_of(polygon);
+    const bool is_fair = construction_ == Construction::kFair && n <= 4;
     const double size = oracle::size_of(polygon);
-    // A build flags what is below 1e-2.
-    const bool degenerate = oracle::soundness(exact) < 5e-3L;
+    const bool degenerate = is_degenerate(exact);
     if (degenerate && !flagged) {
       found_.degenerate.add([&] {
         return fmt::format("{}, soundness {:.2g}", name,
@@ -80,9 +111,12 @@ class Judge {
       const SurfacePoint got = at(cache, face, X);
       const auto where = [&] { return name + ", " + place_of(n, X); };
       note_finite(got, where);
-      if (!flagged && !degenerate)
-        found_.sound.add(got, oracle::evaluate(exact, X.x(), X.y()), size, where);
+      if (flagged || degenerate) continue;
+      if (!is_fair) found_.sound.add(got, oracle::evaluate(exact, X.x(), X.y()), size, where);
+      if (is_fair && n == 3 && fair != nullptr)
+        found_.sound.add(got, fair->evaluate(face, X.x(), X.y()), size, where);
     }
+    if (flagged && is_fair && n == 3) return;  // its sides are not those of eq. 6
     if (flagged) {
       judge_boundary(cache, exact, face, size, name);
     } else if (!degenerate) {
@@ -98,8 +132,8 @@ class Judge {
     found_.unit_normal.add(std::abs(p.normal.norm() - 1), where);
   }
 
-  void judge_boundary(const PatchCache& cache, const oracle::Polygon<long double>& exact,
-                      std::uint32_t face, double size, const std::string& name) {
+  void judge_boundary(const PatchCache& cache, const Exact& exact, std::uint32_t face, double size,
+                      const std::string& name) {
     const int n = exact.size();
     for (int k = 0; k < n; ++k) {
       for (const double t : {0.0, 0.125, 0.5, 0.75, 1.0}) {
@@ -132,8 +166,8 @@ class Judge {
     }
   }
 
-  void judge_edges(const PatchCache& cache, const Mesh& mesh, const std::string& name) {
-    const Topology topology = build_topology(mesh);
+  void judge_edges(const PatchCache& cache, const Mesh& mesh, const Topology& topology,
+                   const std::string& name) {
     for_each_inner_edge(topology, [&](std::uint32_t side, std::uint32_t twin) {
       const auto a = along_side(cache, mesh, topology, side, {0, 0.1, 0.5, 0.8, 1});
       const auto b = along_side(cache, mesh, topology, twin, {1, 0.9, 0.5, 0.2, 0});
@@ -145,6 +179,7 @@ class Judge {
   }
 
   Precision precision_;
+  Construction construction_;
   oracle::Rng rng_;
   Judgement found_;
 };

@@ -183,9 +183,28 @@ const Kind kOpenKinds[] = {
     {"surface", "exactly on the surface of open parts", test::on_the_surface, test::kOpenExtremes, 1000, kMillion},
     {"far", "1 to 10 sizes outside open parts", test::far_outside<1>, test::kOpenExtremes, 1000, kMillion,
      {1e-9, 0, 5e-6, 1e-4, 1e-4}}};
+
+const Kind kFairKinds[] = {
+    {"edges", "over edges of fair parts", test::over_an_edge, test::kFairExtremes, 1000, kMillion,
+     {1e-4, 1e-3, 5e-5, 1e-3, 1e-4}},
+    {"vertices", "over vertices of fair parts", test::over_a_vertex, test::kFairExtremes, 1000, kMillion,
+     {1e-6, 1e-3, 1e-5, 1e-3, 1e-4}},
+    {"poles", "over poles of valence 24 of fair parts", test::over_a_pole, {"fair sphere"}, 500, kMillion},
+    {"borders", "past borders of fair parts", test::past_a_border, {"fair open strip", "fair open fan"}, 1000, kMillion,
+     {1e-9, 0, 1e-5, 1e-3, 1e-4}},
+    {"medial_axis", "on the medial axis of fair parts", test::on_the_medial_axis,
+     {"fair fin", "fair banana", "fair irregular", "fair open strip", "fair open fan"}, 500, kMillion,
+     {1e-4, 5e-3, 1e-4, 2e-3, 1e-4}},
+    {"centres", "at centres of curvature of fair parts", test::at_a_centre_of_curvature,
+     {"fair fin", "fair banana", "fair irregular"}, 500, kMillion, {1e-9, 0, 1e-5, 2e-3, 1e-4}},
+    {"surface", "exactly on the surface of fair parts", test::on_the_surface, test::kFairExtremes, 1000, kMillion,
+     {1e-9, 0, 1e-5}},
+    {"far", "1 to 10 sizes outside fair parts", test::far_outside<1>, test::kFairExtremes, 1000, kMillion,
+     {1e-9, 0, 5e-6}}};
 // clang-format on
 
 INSTANTIATE_TEST_SUITE_P(Open, ExtremeNearest, ::testing::ValuesIn(kOpenKinds), test::kNameOf);
+INSTANTIATE_TEST_SUITE_P(Fair, ExtremeNearest, ::testing::ValuesIn(kFairKinds), test::kNameOf);
 
 }  // namespace
 }  // namespace gliss

@@ -13,7 +13,8 @@ namespace {
 using oracle::Rng, oracle::uniform;
 using test::Extreme;
 
-const std::vector<const char*> kMeshes{"torus", "goldberg", "fin", "plate", "sphere", "crumpled"};
+const std::vector<const char*> kMeshes{"torus",  "goldberg", "fin",      "plate",
+                                       "sphere", "crumpled", "fair fin", "fair irregular"};
 
 Vec3 odd_hip(Rng& rng, const Extreme& e) {
   Vec3 hip = e.middle() + e.size * uniform(rng, 0, 1) * oracle::random_unit(rng);

@@ -79,28 +79,39 @@ PatchCache region_of(const Mesh& whole, std::uint32_t count, Precision precision
   return build_cache(whole, options, report);
 }
 
+namespace {
+
+Mesh mesh_named(const std::string& name) {
+  if (name == "knot") return torus_knot(60, 8).mesh;
+  if (name == "torus") return torus().mesh;
+  if (name == "goldberg") return goldberg().mesh;
+  if (name == "banana") return banana().mesh;
+  if (name == "plate") return thin_plate().mesh;
+  if (name == "fin") return fin().mesh;
+  if (name == "irregular") return irregular(ellipsoid(3), 1).mesh;
+  if (name == "sphere") return lat_long_sphere();
+  if (name == "fans") return two_fans();
+  if (name == "crumpled") return crumpled();
+  if (name == "open strip") return open_strip();
+  if (name == "open fan") return fan_of_five();
+  if (name == "half torus") return half_torus();
+  if (name == "triangle") return lone_triangle();
+  return load_shared("meshes/" + name);
+}
+
+}  // namespace
+
 const Extreme& extreme(const std::string& name) {
   static std::map<std::string, Extreme> made;
   if (const auto found = made.find(name); found != made.end()) return found->second;
   // Five and a half rings round the tube of a torus: borders at both ends, one with a notch.
   if (name == "region") return made.try_emplace(name, name, torus().mesh, 66u).first->second;
-  const auto mesh = [&]() -> Mesh {
-    if (name == "knot") return torus_knot(60, 8).mesh;
-    if (name == "torus") return torus().mesh;
-    if (name == "goldberg") return goldberg().mesh;
-    if (name == "banana") return banana().mesh;
-    if (name == "plate") return thin_plate().mesh;
-    if (name == "fin") return fin().mesh;
-    if (name == "sphere") return lat_long_sphere();
-    if (name == "fans") return two_fans();
-    if (name == "crumpled") return crumpled();
-    if (name == "open strip") return open_strip();
-    if (name == "open fan") return fan_of_five();
-    if (name == "half torus") return half_torus();
-    if (name == "triangle") return lone_triangle();
-    return load_shared("meshes/" + name);
-  };
-  return made.try_emplace(name, name, mesh()).first->second;
+  const std::string fair = "fair ";
+  const bool is_fair = name.starts_with(fair);
+  const Construction construction = is_fair ? Construction::kFair : Construction::kPaper;
+  Mesh mesh = mesh_named(is_fair ? name.substr(fair.size()) : name);
+  add_vertex_normals(mesh, normal_weights(construction));
+  return made.try_emplace(name, name, std::move(mesh), construction).first->second;
 }
 
 }  // namespace gliss::test

@@ -1,5 +1,6 @@
 // The surfaces that the tests at the extremes ask: smooth, thin, sharp, folded, with poles, open;
-// each with its cache of the paper's patches in both precisions and its oracle.
+// each with its cache in both precisions and its oracle. Those named "fair ..." have the patches of
+// the fair construction, the others the paper's.
 #pragma once
 
 #include "gliss/build/build_cache.h"
@@ -36,12 +37,12 @@ struct Extreme {
   DenseOracle oracle;
   double size, rho;  // diagonal of its box; least radius of curvature
 
-  explicit Extreme(std::string of, Mesh m)
+  Extreme(std::string of, Mesh m, Construction construction)
       : name(std::move(of)),
-        mesh(with_normals(std::move(m))),
+        mesh(std::move(m)),
         topology(build_topology(mesh)),
-        cache(paper_cache_of(mesh, Precision::kDouble, true, &report)),
-        narrow(paper_cache_of(mesh, Precision::kFloat)),
+        cache(cache_of(mesh, Precision::kDouble, true, &report, construction)),
+        narrow(cache_of(mesh, Precision::kFloat, true, nullptr, construction)),
         oracle(cache, mesh.face_count() < 100 ? 16 : 8),
         size(size_of(mesh)),
         rho(cache.smallest_rho()) {}
@@ -75,6 +76,11 @@ struct Extreme {
 // Those with borders.
 inline const std::vector<const char*> kOpenExtremes{"open strip", "open fan", "half torus",
                                                     "triangle", "region"};
+
+// Fair ones: quads that are thin and sharp, or round; triangles of all shapes, and at poles of
+// valence 24; the last two with borders.
+inline const std::vector<const char*> kFairExtremes{
+    "fair fin", "fair banana", "fair irregular", "fair sphere", "fair open strip", "fair open fan"};
 
 // Made at the first use.
 const Extreme& extreme(const std::string& name);

@@ -2,6 +2,7 @@
 #include "gliss/query/frames.h"
 #include "gliss/surface/layout.h"
 #include "tests/extremes/extreme_errors.h"
+#include "tests/oracle/fair_oracle.h"
 
 namespace gliss {
 namespace {
@@ -191,6 +192,33 @@ TEST_P(ExtremePatch, has_the_position_and_slopes_of_long_double) {
     row("slopes, of size", is_float ? 5e-6 : 1e-13, errors.slope, lost);
     row("normal, rad", is_float ? 5e-6 : 1e-13, errors.normal, lost);
   }
+}
+
+// Quads have no oracle: fair_test.cpp holds what their steps ask of them.
+TEST_P(ExtremePatch, of_a_fair_triangle_has_the_position_and_slopes_of_long_double) {
+  const bool is_float = GetParam() == Precision::kFloat;
+  Rng rng(104);
+  test::PatchErrors errors;
+  for (std::uint64_t i = 0; i < test::samples(20, 800); ++i) {
+    const Polygon polygon = test::sound_polygon(rng, 3);
+    const Mesh mesh = test::mesh_of(polygon);
+    const Topology topology = build_topology(mesh);
+    const PatchCache cache = test::cache_of(mesh, GetParam(), false, nullptr, Construction::kFair);
+    const oracle::Fair fair(mesh, topology);
+    for (const Vec2& free : test::hard_points(rng, 3, 40, 3)) {
+      const Vec2 X = held(GetParam(), free);
+      errors.add(test::at(cache, 0, X), fair.evaluate(0, X.x(), X.y()), oracle::size_of(polygon),
+                 [&] { return test::place_of(3, X); });
+    }
+  }
+  const auto row = [&](const char* what, double goal, const WorstPlace& worst) {
+    hold({"Numbers: patches", fmt::format("{}, fair triangles, {}", what, name_of(GetParam())),
+          goal},
+         worst);
+  };
+  row("position, of size", is_float ? 2e-6 : 1e-13, errors.position);
+  row("slopes, of size", is_float ? 5e-6 : 1e-13, errors.slope);
+  row("normal, rad", is_float ? 5e-6 : 1e-13, errors.normal);
 }
 
 }  // namespace
