@@ -410,7 +410,7 @@ TEST_F(Program, CreasesAreListedAndKept) {
   EXPECT_TRUE(smooth["creases"].empty());
   EXPECT_EQ(smooth["rough_edges"].size(), 12u);  // the file's normals differ across all
   EXPECT_TRUE(found["rough_edges"].empty());
-  EXPECT_EQ(dart["rough_edges"].size(), 11u);
+  EXPECT_TRUE(dart["rough_edges"].empty());  // beside creases vertices that none cuts have one
   for (const char* construction : {"paper", "fair"}) {
     const std::string baked =
         fmt::format("bake cube.obj --unit mm --construction {} ", construction);
