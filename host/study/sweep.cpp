@@ -309,6 +309,7 @@ class Sweeper {
     const Vec3 *normals, *hips;
     const Touch* touches;
     double full_force;
+    double stiffness;  // N per unit of the mesh
   };
 
   // Turns the pushes of a piece's contacts into forces.
@@ -318,8 +319,12 @@ class Sweeper {
     Touch* touches = &window.touches[(method * depths + depth) * points];
     for (std::size_t p = piece.begin; p < piece.end; ++p)
       touches[p].force = felt_at(hips[p], touches[p].force);
-    return {window.points.data(), window.normals.data(), hips, touches,
-            options_.stiffness * options_.depths[depth]};
+    return {window.points.data(),
+            window.normals.data(),
+            hips,
+            touches,
+            options_.stiffness * options_.depths[depth],
+            options_.stiffness * cache_.unit};
   }
 
   // Ring by ring, in the order of the grid.
@@ -371,10 +376,15 @@ class Sweeper {
     const double size = (a - b).norm();
     step.add(size);
     const bool a_touches = felt.touches[p].touching, b_touches = felt.touches[q].touching;
-    const bool jumps = !(size <= ForceStatistics::kJump * felt.full_force);
+    const double jump = ForceStatistics::kJump * felt.full_force;
+    const bool jumps = !(size <= jump);
     statistics.felt_pairs += a_touches || b_touches;
     statistics.jumps += jumps;
     statistics.lost += jumps && a_touches != b_touches;
+    if (jumps) {
+      const double way = (felt.hips[p] - felt.hips[q]).norm();
+      statistics.leaps += !(size <= jump + 2 * felt.stiffness * way);
+    }
     if (a.squaredNorm() > 0 && b.squaredNorm() > 0)
       statistics.angle.add(std::atan2(a.cross(b).norm(), a.dot(b)));
   }
@@ -425,6 +435,7 @@ class Sweeper {
     to.felt_pairs += from.felt_pairs;
     to.jumps += from.jumps;
     to.lost += from.lost;
+    to.leaps += from.leaps;
   }
 
   const PatchCache& cache_;

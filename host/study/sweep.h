@@ -67,12 +67,15 @@ struct SweepStatistics {
   std::uint64_t samples = 0, touching = 0, unconverged = 0, iterations = 0, crossings = 0;
   // Counts pairs of neighbours of both kinds. felt_pairs: one or both are in contact. jumps: the
   // step is above 20 % of k d, or not finite. lost: the jumps of which one is free and the other is
-  // in contact. A sweep has no time: its steps are from place to place.
-  std::uint64_t felt_pairs = 0, jumps = 0, lost = 0;
+  // in contact. leaps: the jumps of more than 2 k |dx| besides, dx being from HIP to HIP: the
+  // nearest point is elsewhere, not only farther round a bend between two samples (settle,
+  // query.h, has this measure). A sweep has no time: its steps are from place to place.
+  std::uint64_t felt_pairs = 0, jumps = 0, lost = 0, leaps = 0;
 
   // Per 100,000 pairs of neighbours in contact; 0 where there are none.
   double jumps_per_100k() const { return per_100k(jumps); }
   double lost_per_100k() const { return per_100k(lost); }
+  double leaps_per_100k() const { return per_100k(leaps); }
   double per_100k(std::uint64_t count) const {
     return felt_pairs == 0 ? 0 : 1e5 * static_cast<double>(count) / static_cast<double>(felt_pairs);
   }

@@ -24,7 +24,7 @@
 namespace gliss {
 namespace {
 
-constexpr std::uint32_t kPartFormat = 2;
+constexpr std::uint32_t kPartFormat = 3;
 constexpr std::string_view kMagic = "GLSPART\n", kEnding = ".part";
 static_assert(std::is_trivially_copyable_v<SweepStatistics>);
 
@@ -205,7 +205,7 @@ bool SweepParts::is_in_range(const SweepPart& part) const {
         s.method != methods_[kind % methods_.size()] || s.touching > s.samples ||
         s.unconverged > s.samples || s.error.count() != s.samples ||
         s.residual.count() != s.samples || s.jumps > s.step.count() + s.edge_step.count() ||
-        s.lost > s.jumps ||
+        s.lost > s.jumps || s.leaps > s.jumps ||
         !std::all_of(std::begin(all), std::end(all), [](auto* h) { return h->is_consistent(); })) {
       return false;
     }

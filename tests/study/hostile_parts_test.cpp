@@ -213,6 +213,7 @@ TEST_F(HostileParts, with_statistics_that_cannot_be_are_done_again) {
   forge("other samples", [](S& s) { ++s.samples; });
   forge("other samples, counted so", [](S& s) { ++s.samples, s.error.add(0), s.residual.add(0); });
   forge("more lost than jumps", [](S& s) { s.lost = s.jumps + 1; });
+  forge("more leaps than jumps", [](S& s) { s.leaps = s.jumps + 1; });
   forge("a histogram of something else", [](S& s) {
     unsigned char bytes[sizeof s.step];
     std::memset(bytes, 0xff, sizeof bytes);

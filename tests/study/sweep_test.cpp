@@ -7,6 +7,7 @@
 #include "gliss/generate/generate.h"
 #include "gliss/surface/names.h"
 #include "tests/support/bytes.h"
+#include "tests/support/sharp_meshes.h"
 #include "tests/support/surfaces.h"
 
 namespace gliss {
@@ -112,6 +113,21 @@ TEST(Sweep, stops_when_progress_says_so) {
   EXPECT_TRUE(whole.complete);
   EXPECT_LE(stopped.statistics[0].samples, whole.statistics[0].samples);
   EXPECT_EQ(stopped.complete, stopped.statistics[0].samples == whole.statistics[0].samples);
+}
+
+// Few samples lie a bend apart, not a leap; over a sharp edge the nearest point leaps.
+TEST(Sweep, tells_leaps_from_bends_between_samples) {
+  const auto felt = [](const Mesh& mesh, double depth, std::uint32_t rings) {
+    SweepOptions options = options_of({depth}, rings);
+    options.methods = {Method::kGregory};
+    return sweep(test::cache_of(mesh), *make_serial_engine(), options).statistics[0];
+  };
+  const SweepStatistics sphere = felt(goldberg(2).mesh, 1e-3, 1);
+  EXPECT_GT(sphere.jumps, 0u);
+  EXPECT_EQ(sphere.leaps, 0u);
+  const SweepStatistics edges = felt(test::with_creases(prism(5).mesh), 3e-3, 24);
+  EXPECT_GT(edges.leaps, 100u);
+  EXPECT_LE(edges.leaps, edges.jumps);
 }
 
 // A patch that gives no numbers: all pairs with one of its samples are jumps, and none is small.

@@ -60,7 +60,8 @@ Json statistics_of(const Hdf5Reader& file, std::size_t row) {
                {"touching", figure("touching")},
                {"unconverged", figure("unconverged")},
                {"jumps_per_100k", figure_or_none("jumps_per_100k")},
-               {"lost_per_100k", figure_or_none("lost_per_100k")}};
+               {"lost_per_100k", figure_or_none("lost_per_100k")},
+               {"leaps_per_100k", figure_or_none("leaps_per_100k")}};
   for (const auto& [name, unit, histogram] : kHistograms) {
     for (const char* of : {"count", "mean", "p50", "p99", "max"}) {
       json[name][of] = figure(fmt::format("{}_{}", name, of));

@@ -97,6 +97,7 @@ function statistics(result) {
     ...['mean', 'p99', 'largest'].map(text => ({text: `${text}`, title: 'step across edges, N', number: true})),
     {text: 'jumps', title: 'pairs whose step is above 20 % of k d, per 100 000 in contact', number: true},
     {text: 'lost', title: 'pairs of which one is free and the other has more than 20 % of k d, per 100 000 in contact', number: true},
+    {text: 'leaps', title: 'jumps of more than twice the way between the HIPs besides, per 100 000 in contact', number: true},
     {text: 'unsound', title: 'steps that are not finite', number: true},
     {text: 'p99', title: 'angle between neighbours, degrees', number: true},
     {text: 'largest', title: 'angle between neighbours, degrees', number: true},
@@ -108,7 +109,7 @@ function statistics(result) {
     depthText(depth), swatch(methodColor(method), methodTitle(method)),
     of(s.step, 'mean'), of(s.step, 'p99'), of(s.step, 'max'),
     of(s.edge_step, 'mean'), of(s.edge_step, 'p99'), of(s.edge_step, 'max'),
-    number(s.jumps_per_100k), number(s.lost_per_100k), count(unsound(s)),
+    number(s.jumps_per_100k), number(s.lost_per_100k), number(s.leaps_per_100k), count(unsound(s)),
     degrees(s.angle.p99), degrees(s.angle.max), of(s.error, 'max'),
     `${number(100 * s.touching / s.samples, 4)} %`,
   ]));
