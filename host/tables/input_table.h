@@ -18,9 +18,7 @@ struct GLISS_EXPORT RecordingError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// read_table("points.csv", {.alternatives = {{"x", "y", "z"}, {"x_mm", "y_mm", "z_mm"}}, .optional
-// =
-// {"step"}})
+// read_table("points.csv", {.alternatives = {{"x", "y", "z"}, {"x_mm", "y_mm", "z_mm"}}})
 struct TableRequest {
   // The first of which the file has all columns is read.
   std::vector<std::vector<std::string>> alternatives;
