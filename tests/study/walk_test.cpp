@@ -11,6 +11,7 @@
 #include "gliss/generate/generate.h"
 #include "gliss/query/contact_tracker.h"
 #include "gliss/study/tessellate.h"
+#include "gliss/surface/names.h"
 #include "tests/extremes/extremes.h"
 #include "tests/oracle/crossing_oracle.h"
 #include "tests/support/open_meshes.h"
