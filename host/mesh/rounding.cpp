@@ -29,7 +29,7 @@ std::string in_mm(double length) {
   return text;
 }
 
-// Where a corner goes, by a radius of 1.
+// The step of a corner, by a radius of 1.
 struct Move {
   Vec3 step = Vec3::Zero();
   // The corner in whose face the step leads, as so much of its edges ahead and back.
@@ -45,7 +45,7 @@ struct SectorMoves {
   Vec3 between = Vec3::Zero();  // the step of where the lines along both creases meet
 };
 
-// What closes the hole round a vertex: vertices and the middles of the sides between, in turn.
+// The rim of the hole round a vertex: vertices and the middles of the sides between, in turn.
 struct Ring {
   std::uint32_t corner;  // one of the vertex that was
   std::vector<std::uint32_t> vertices;
@@ -302,7 +302,7 @@ class Rounder {
         }
         const std::uint32_t crease = next_around(mesh_, topology_, last);
         if (crease == kNone) break;
-        // Where two strips join they share one arc.
+        // Two strips that join share one arc.
         const bool is_joint = k == i + 1 && end == k + 1 && ring.vertices.size() == 3;
         middle_[crease] = is_joint ? ring.vertices[1]
                                    : rounded_.add_middle(back_vertex_[last], ahead_vertex_[crease]);

@@ -303,7 +303,7 @@ class Sweeper {
     });
   }
 
-  // What a window's points feel at one depth with one method.
+  // The contacts of a window's points at one depth with one method.
   struct Felt {
     const DomainPoint* points;
     const Vec3 *normals, *hips;

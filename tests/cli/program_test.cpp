@@ -451,7 +451,7 @@ TEST_F(Program, CreasesAreRounded) {
   EXPECT_EQ(baked["creases"], 0);
   EXPECT_EQ(baked["strips"], 24);
   EXPECT_EQ(baked["rounded_corners"], 24);
-  // Of a radius of 1 mm, less what patches of 45 degrees miss.
+  // The radius is 1 mm, less what patches of 45 degrees miss.
   EXPECT_GT(baked["rho_min"], 0.65);
   EXPECT_EQ(json_of("info round.gliss")["mesh_faces"], 54);
   EXPECT_EQ(output_of("trace round.gliss --path hips.csv --unit mm"),

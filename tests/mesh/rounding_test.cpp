@@ -30,7 +30,7 @@ Mesh with_rounded_edges(Mesh mesh, double radius, const std::vector<VertexPair>&
   return mesh;
 }
 
-// What every rounded mesh is: one that the checks accept as they do the sharp one, with its faces
+// Holds that a rounded mesh is one that the checks accept as they do the sharp one, with its faces
 // first, one normal a vertex, and no crease.
 void expect_rounded(const Mesh& mesh, const Mesh& shape) {
   ASSERT_EQ(mesh.face_count(),
@@ -73,7 +73,7 @@ TEST(Rounding, a_cube_gets_a_strip_for_each_edge_and_a_corner_for_each_vertex) {
   }
 }
 
-// Of a solid's edges that turn by theta: the corners are at the distance r tan(theta / 2).
+// The corners at edges that turn by theta are at the distance r tan(theta / 2).
 TEST(Rounding, faces_end_where_the_ball_touches_them) {
   for (const int sides : {3, 4, 6, 8}) {
     const Mesh shape = prism(sides).mesh;
@@ -243,7 +243,7 @@ TEST(Rounding, a_radius_without_room_is_refused_with_the_largest_that_fits) {
   }();
   EXPECT_THAT(refusal_of(neck, 0.06), HasSubstr("the largest that fits is 45.1 mm"));
   EXPECT_NO_THROW(with_rounding(neck, 0.04));
-  // What is refused stays as it was.
+  // A mesh that is refused stays as it was.
   Mesh mesh = test::with_creases(test::cube());
   const std::uint64_t before = hash_of(mesh);
   EXPECT_THROW(round_creases(mesh, 1), MeshError);

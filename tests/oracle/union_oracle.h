@@ -259,7 +259,7 @@ class Winding {
 
   double seen(const PatchCache& cache, const Triangle& t, const Vec3& x, int depth) const {
     const double distance = std::max(least_, (x - t.centre).norm() - 1.2 * t.radius);
-    // What is near is cut twice at least, for a bend may hide between middles.
+    // Near triangles are cut twice at least, for a bend may hide between middles.
     const bool is_fine = t.off < 0.02 * distance && (distance > t.radius || depth >= 2);
     if (is_fine || depth == kDeepest)
       return angle_of(t.corner[0].x - x, t.corner[1].x - x, t.corner[2].x - x);

@@ -19,7 +19,7 @@ bool is_plain_round(const Mesh& mesh, const Topology& topology, const PatchCache
   return true;
 }
 
-// Of patches eight times as long as wide as well, whose short slopes have the rounding of the long.
+// Some patches are eight times as long as wide: their short slopes have the rounding of the long.
 TEST(Corner, leads_on_along_every_edge_from_every_face) {
   const Mesh mesh = test::with_normals(fin().mesh);
   const Topology topology = build_topology(mesh);

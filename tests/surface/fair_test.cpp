@@ -403,7 +403,7 @@ TEST(Fair, random_ellipsoids_and_cylinders_are_hardly_more_curved_than_these) {
   }
 }
 
-// As gliss generate --irregular makes them: points fall as near to each other as they will.
+// The points of gliss generate --irregular fall as near to each other as they will.
 TEST(Fair, irregular_ellipsoids_and_cylinders_are_curved_as_these_but_for_slivers) {
   for (const std::uint64_t seed : {1u, 2u, 3u, 4u}) {
     expect_hardly_more_curved(fmt::format("irregular ellipsoid {}", seed),

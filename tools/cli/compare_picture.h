@@ -1,5 +1,5 @@
-// What a comparison says for pictures: the surface of each construction with its curvature, and the
-// places where walks jump. Their keys are a contract.
+// The pictures of a comparison as JSON: the surface of each construction with its curvature, and
+// the places where walks jump. Their keys are a contract.
 #pragma once
 
 #include <utility>
