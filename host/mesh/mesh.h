@@ -40,6 +40,9 @@ struct Mesh {
   // the place of.
   std::vector<std::array<std::uint32_t, 2>> strips;
   std::vector<std::uint32_t> rounded_corners;
+  // Faces of the file that `validate` removed, by their numbers there, ascending; those behind them
+  // have moved up.
+  std::vector<std::uint32_t> lost_faces;
   double unit = 1.0;   // metres per unit of length
   std::string source;  // file name for messages
 

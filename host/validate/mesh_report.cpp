@@ -13,7 +13,7 @@ Finding& Report::append(Severity severity, std::string_view code, const Place& p
     if (!finding.line && place.face < mesh_.face_line.size()) {
       finding.line = mesh_.face_line[place.face];
     }
-    finding.face = place.face < file_face.size() ? file_face[place.face] : place.face;
+    finding.face = number_of(place.face);
   }
 
   finding.message = mesh_.source.empty() ? "mesh" : mesh_.source;

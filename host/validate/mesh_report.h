@@ -57,8 +57,11 @@ class Report {
   // LoadOptions::poll, which may throw: for each item of long work.
   void poll() { poll_(); }
 
-  // [face], its number in the file; empty while no face has been removed.
+  // [face], its number in the file; empty while no face has been removed or cut.
   std::vector<std::uint32_t> file_face;
+  std::uint32_t number_of(std::uint32_t face) const {
+    return face < file_face.size() ? file_face[face] : face;
+  }
 
  private:
   Finding& append(Severity severity, std::string_view code, const Place& place, std::string text);

@@ -16,16 +16,23 @@
 //   huge-coordinate       beyond 1e60, where areas and volumes would overflow
 //   vertex-index          no such vertex
 //   normal-index          no such normal
-//   too-few-vertices      a face with fewer than 3 distinct vertices
 //   too-many-sides        a face with more than kMaxValence sides
-//   self-touching-face    a face that comes back to one of its vertices
-//   zero-length-side      a side whose ends are at one place
-//   zero-area-face        a face that is a line or a point
 //   non-orientable        a part whose faces cannot all be turned one way (a Moebius strip)
-//   error; repaired with LoadOptions::split_non_manifold
-//   non-manifold-edge     an edge of three or more faces
-//   non-manifold-vertex   a vertex where faces meet that share no edge there (a bow-tie)
+//   self-touching-face    a face that goes along a bridge to a hole in it, and back
+//   repaired; an error with LoadOptions::strict
+//   too-few-vertices      a face with fewer than 3 distinct vertices; removed
+//   self-touching-face    a face that comes back to one of its vertices; cut there into several
+//   zero-length-side      a side whose ends are at one place; they become one vertex
+//   zero-area-face        a face that is a line or a point; removed, and of a triangle the corner
+//                         within its longest side joins the face beyond
+//   repaired; an error with LoadOptions::strict and keep_non_manifold
+//   non-manifold-edge     an edge of three or more faces; cut open
+//   non-manifold-vertex   a vertex where faces meet that share no edge there (a bow-tie); cut open
+//   repaired; not with LoadOptions::strict
+//   welded-vertices       vertices at the place of another one, where two borders run (seams); they
+//                         become one
 //   repaired
+//   facet-normals         each face has its own normal, and every edge is sharp; made anew
 //   repeated-corner       a face that names a vertex twice in a row; once is kept
 //   duplicate-face        the same cycle of vertices again; the first is kept
 //   flipped-face          a face turned against most of its part; turned back
@@ -39,7 +46,7 @@
 //   extra-columns         further numbers after a vertex, or one after a face; skipped
 //   unused-normals        normals that no face uses, or of fewer than three numbers; dropped
 //   unused-vertices       vertices that no face uses; kept
-//   coincident-vertices   vertices at the place of another one (unwelded seams)
+//   coincident-vertices   further vertices at the place of another one
 //   several-parts         parts that share no edge; the count is that of the parts
 //   parts-intersect       a closed part and another one intersect or touch; the count is that of
 //                         the pairs, up to a million. Contact takes closed parts as a union of
@@ -119,6 +126,18 @@ void check_indices(const Mesh& mesh, Report& report) {
   }
 }
 
+// The numbers that `count` faces of a file had before, of those that are there no more.
+std::vector<std::uint32_t> lost_faces(std::uint32_t count, const Report& report) {
+  if (report.file_face.empty()) return {};
+  std::vector<bool> is_kept(count, false);
+  for (const std::uint32_t face : report.file_face) is_kept[face] = true;
+  std::vector<std::uint32_t> lost;
+  for (std::uint32_t face = 0; face < count; ++face) {
+    if (!is_kept[face]) lost.push_back(face);
+  }
+  return lost;
+}
+
 }  // namespace
 
 void validate(Mesh& mesh, const LoadOptions& options, Report& report) {
@@ -127,15 +146,27 @@ void validate(Mesh& mesh, const LoadOptions& options, Report& report) {
   check_numbers(mesh, report);
   check_indices(mesh, report);
   report.stop_on_error();
+  const auto faces = static_cast<std::uint32_t>(mesh.face_count());
   repair_faces(mesh, report);
-  warn_of_vertices(mesh, report);  // before copies of split vertices add to the coincident ones
+  std::vector<bool> joined(mesh.positions.size(), false);
+  if (!options.strict) {
+    mend_faces(mesh, joined, report);
+    weld_borders(mesh, options.weld, joined, report);
+    flatten_faces(mesh, report);
+    if (!report.file_face.empty()) repair_faces(mesh, report);
+    if (mesh.face_count() == 0) report.fail("no-faces", {}, "no face of the file is left");
+  }
+  warn_of_vertices(mesh, joined, report);  // before copies of split vertices coincide as well
   refuse_faces(mesh, report);
   check_sizes(mesh, report);
-  repair_manifold(mesh, options.split_non_manifold, report);
+  repair_manifold(mesh, !options.strict && !options.keep_non_manifold, report);
   report.stop_on_error();
   repair_orientation(mesh, report);
   report.stop_on_error();
-  repair_normals(mesh, report);
+  mesh.lost_faces = lost_faces(faces, report);
+  const bool keeps =
+      options.creases.normals || (options.strict && options.normals == NormalSource::kAuto);
+  repair_normals(mesh, keeps ? NormalSource::kFile : options.normals, report);
   if (!options.creases.any()) warn_of_sharp_normals(mesh, mesh.corner_vertex, report);
   warn_of_shapes(mesh, report);
   warn_of_parts(mesh, report);

@@ -28,10 +28,24 @@ struct Finding {
   std::size_t count = 1;
 };
 
+// Which normals a mesh gets.
+enum class NormalSource {
+  kAuto,  // those of the file, unless each face has its own and nearly every edge is sharp by them
+  kFile,
+  kMade,  // made from the faces, whatever the file has
+};
+
 struct LoadOptions {
-  double unit = 1.0;                // metres per unit of the file
-  bool split_non_manifold = false;  // duplicate vertices instead of refusing
-  CreaseRules creases{};            // of load_mesh only: which edges of the file are creases
+  double unit = 1.0;  // metres per unit of the file
+  // Refuses faces without extent and places that are not manifold, and welds nothing, instead of
+  // mending them.
+  bool strict = false;
+  bool keep_non_manifold = false;  // refuses non-manifold edges and vertices, and mends the rest
+  // Vertices at open borders that are no farther apart, in the mesh's unit, become one where that
+  // closes the borders; below 0: none.
+  double weld = 0;
+  NormalSource normals = NormalSource::kAuto;
+  CreaseRules creases{};  // of load_mesh only: which edges of the file are creases
   // Asked many times a second, on the thread that reads and checks; what it throws ends that.
   std::function<void()> poll = nullptr;
 };

@@ -8,9 +8,7 @@
 #include "gliss/validate/validate_steps.h"
 
 namespace gliss {
-namespace {
 
-// Takes out corners and whole faces, keeping what belongs together in step.
 void remove(Mesh& mesh, const std::vector<bool>& corners, const std::vector<bool>& faces,
             Report& report) {
   const std::size_t face_count = mesh.face_count();
@@ -42,6 +40,8 @@ void remove(Mesh& mesh, const std::vector<bool>& corners, const std::vector<bool
   if (!mesh.face_group.empty()) mesh.face_group.resize(face_to);
   report.file_face.resize(face_to);
 }
+
+namespace {
 
 void remove_repeated_corners(Mesh& mesh, Report& report) {
   std::vector<bool> repeated(mesh.corner_vertex.size(), false);
@@ -89,9 +89,8 @@ void remove_duplicates(Mesh& mesh, Report& report) {
     const std::uint32_t first = known.find_or_insert(
         face, hash, [&](std::uint32_t a, std::uint32_t b) { return same_cycle(mesh, a, b); });
     if (first == face) continue;
-    const std::uint32_t number = report.file_face.empty() ? first : report.file_face[first];
     report.add(Severity::kRepaired, "duplicate-face", {.face = face},
-               "is face {} again and removed", number);
+               "is face {} again and removed", report.number_of(first));
     duplicate[face] = any = true;
   }
   if (any) remove(mesh, std::vector<bool>(mesh.corner_vertex.size(), false), duplicate, report);
@@ -133,25 +132,31 @@ void refuse_faces(Mesh& mesh, Report& report) {
   }
 }
 
-void check_sizes(const Mesh& mesh, Report& report) {
+bool has_no_area(const Mesh& mesh, std::uint32_t face) {
   constexpr double kLine = 1e-13;  // area against squared girth where nothing but rounding is left
+  double girth = 0;
+  for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c) {
+    girth += (mesh.positions[mesh.corner_vertex[next_corner(mesh, face, c)]] -
+              mesh.positions[mesh.corner_vertex[c]])
+                 .norm();
+  }
+  return !(newell_normal(mesh, face).norm() > kLine * girth * girth);
+}
+
+void check_sizes(const Mesh& mesh, Report& report) {
   for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
     report.poll();
-    double girth = 0;
     bool zero_side = false;
     for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c) {
       const std::uint32_t from = mesh.corner_vertex[c];
       const std::uint32_t to = mesh.corner_vertex[next_corner(mesh, face, c)];
-      const double length = (mesh.positions[to] - mesh.positions[from]).norm();
-      girth += length;
-      if (length > 0) continue;
+      if ((mesh.positions[to] - mesh.positions[from]).norm() > 0) continue;
       zero_side = true;
       report.add(Severity::kError, "zero-length-side", {.face = face, .vertex = from},
                  "the side from vertex {} to {} has no length", from, to);
     }
-    if (!zero_side && !(newell_normal(mesh, face).norm() > kLine * girth * girth)) {
+    if (!zero_side && has_no_area(mesh, face))
       report.add(Severity::kError, "zero-area-face", {.face = face}, "has no area");
-    }
   }
 }
 

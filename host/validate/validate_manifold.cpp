@@ -43,9 +43,6 @@ void repair_manifold(Mesh& mesh, bool split, Report& report) {
   const Severity severity = split ? Severity::kRepaired : Severity::kError;
   const std::vector<std::uint32_t> side_face = side_faces(mesh);
   Fans fans = find_fans(mesh, side_face, report);
-  const auto number = [&](std::uint32_t face) {
-    return report.file_face.empty() ? face : report.file_face[face];
-  };
 
   std::vector<bool> on_bad_edge(mesh.positions.size(), false);
   for (const std::vector<std::uint32_t>& sides : fans.bad_edges) {
@@ -53,7 +50,7 @@ void repair_manifold(Mesh& mesh, bool split, Report& report) {
     const std::uint32_t to = mesh.corner_vertex[next_corner(mesh, side_face[sides[0]], sides[0])];
     on_bad_edge[from] = on_bad_edge[to] = true;
     std::vector<std::uint32_t> faces;
-    for (const std::uint32_t side : sides) faces.push_back(number(side_face[side]));
+    for (const std::uint32_t side : sides) faces.push_back(report.number_of(side_face[side]));
     report.add(severity, "non-manifold-edge", {.face = side_face[sides[0]], .vertex = from},
                "edge {}-{} is shared by {} faces ({})", from, to, sides.size(),
                fmt::join(faces, ", "));
@@ -71,7 +68,8 @@ void repair_manifold(Mesh& mesh, bool split, Report& report) {
     if (!on_bad_edge[vertex] && !named[vertex]) {
       named[vertex] = true;
       report.add(severity, "non-manifold-vertex", {.face = side_face[corner], .vertex = vertex},
-                 "touches face {} at vertex {} only", number(side_face[first_fan[vertex]]), vertex);
+                 "touches face {} at vertex {} only",
+                 report.number_of(side_face[first_fan[vertex]]), vertex);
     }
     if (!split) continue;
     const auto next = static_cast<std::uint32_t>(mesh.positions.size());

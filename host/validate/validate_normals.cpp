@@ -1,4 +1,5 @@
 // Normals from a file: unit length at every corner in the end, and warnings of odd ones.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <unordered_map>
@@ -87,10 +88,50 @@ void warn_of_backward_normals(const Mesh& mesh, Report& report) {
   }
 }
 
+// True if each face has one normal, its own, and the faces at nearly every vertex lie in three
+// planes or more: facets, as programs write them that know nothing of smooth surfaces. A part of
+// flat sides that are divided has vertices within its sides and edges, and is none.
+bool has_facets(const Mesh& mesh, Report& report) {
+  constexpr double kOwn = 0.97, kPlane = 0.9998, kShare = 0.9;  // cosines; share of the vertices
+  std::vector<Vec3> own(mesh.face_count());
+  std::vector<std::vector<std::uint32_t>> planes(mesh.positions.size());  // a face of each, 3 at
+                                                                          // most
+  for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
+    report.poll();
+    own[face] = newell_normal(mesh, face).normalized();
+    for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c) {
+      const std::uint32_t normal = mesh.corner_normal[c];
+      if (normal == kNone || !(mesh.normals[normal].normalized().dot(own[face]) > kOwn))
+        return false;
+      auto& at = planes[mesh.corner_vertex[c]];
+      const auto is_new = [&](std::uint32_t known) { return own[known].dot(own[face]) < kPlane; };
+      if (at.size() < 3 && std::all_of(at.begin(), at.end(), is_new)) at.push_back(face);
+      const std::uint32_t first = mesh.corner_normal[mesh.face_begin[face]];
+      if ((mesh.normals[normal] - mesh.normals[first]).norm() > kSharpTolerance) return false;
+    }
+  }
+  const auto used =
+      std::count_if(planes.begin(), planes.end(), [](const auto& faces) { return !faces.empty(); });
+  const auto turned = std::count_if(planes.begin(), planes.end(),
+                                    [](const auto& faces) { return faces.size() > 2; });
+  return static_cast<double>(turned) >= kShare * static_cast<double>(used);
+}
+
 }  // namespace
 
-void repair_normals(Mesh& mesh, Report& report) {
+void repair_normals(Mesh& mesh, NormalSource source, Report& report) {
   if (mesh.normals.empty()) return;
+  const bool facets = source == NormalSource::kAuto && has_facets(mesh, report);
+  if (facets) {
+    report.add(Severity::kRepaired, "facet-normals", {},
+               "each face has its own normal, and every edge is sharp by them: normals are made "
+               "anew ('--normals file' keeps them)");
+  }
+  if (facets || source == NormalSource::kMade) {
+    mesh.normals.clear();
+    mesh.corner_normal.clear();
+    return;
+  }
   const std::vector<bool> zero = normalise(mesh, report);
   complete(mesh, zero, report);
   warn_of_backward_normals(mesh, report);

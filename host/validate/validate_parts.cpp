@@ -143,8 +143,8 @@ class PartPairs {
     if (met_.empty()) return;
     report_
         .add(Severity::kWarning, "parts-intersect", {.face = face},
-             "meets face {} of another part ({} pairs of parts{})", file_face(other), met_.size(),
-             met_.size() < kMostPairs ? "" : " or more; no others are looked for")
+             "meets face {} of another part ({} pairs of parts{})", report_.number_of(other),
+             met_.size(), met_.size() < kMostPairs ? "" : " or more; no others are looked for")
         .count = met_.size();
   }
   bool faces_meet(std::uint32_t a, std::uint32_t b) const {
@@ -153,9 +153,6 @@ class PartPairs {
       for_triangles(b, [&](const Triangle& t) { found = found || meet(s, t); });
     });
     return found;
-  }
-  std::uint32_t file_face(std::uint32_t face) const {
-    return report_.file_face.empty() ? face : report_.file_face[face];
   }
 
   void warn_of_insides() {
@@ -184,8 +181,8 @@ class PartPairs {
     if (inside == 0) return;
     report_
         .add(Severity::kWarning, "part-inside-part", {.face = first},
-             "belongs to a part that lies within that of face {} ({} parts)", file_face(outer),
-             inside)
+             "belongs to a part that lies within that of face {} ({} parts)",
+             report_.number_of(outer), inside)
         .count = inside;
   }
   bool winds_round(const std::vector<std::uint32_t>& faces, const Vec3& x) const {

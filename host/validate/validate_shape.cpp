@@ -55,12 +55,13 @@ double deviation(const Mesh& mesh, std::uint32_t face, const Vec3& unit_normal) 
 
 }  // namespace
 
-void warn_of_vertices(const Mesh& mesh, Report& report) {
+void warn_of_vertices(const Mesh& mesh, const std::vector<bool>& joined, Report& report) {
   std::vector<bool> used(mesh.positions.size(), false);
   for (const std::uint32_t vertex : mesh.corner_vertex) used[vertex] = true;
   HashIndex known(mesh.positions.size());
   for (std::uint32_t v = 0; v < used.size(); ++v) {
     report.poll();
+    if (joined[v]) continue;
     if (!used[v]) {
       report.add(Severity::kWarning, "unused-vertices", {.vertex = v}, "belongs to no face");
       continue;

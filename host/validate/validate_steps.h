@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "gliss/validate/mesh_report.h"
 #include "gliss/validate/validate.h"
@@ -10,8 +11,25 @@ namespace gliss {
 
 void validate(Mesh& mesh, const LoadOptions& options, Report& report);
 
+// Takes out corners ([corner]) and whole faces ([face]), keeping what belongs together in step.
+void remove(Mesh& mesh, const std::vector<bool>& corners, const std::vector<bool>& faces,
+            Report& report);
+
 // Removes repeated corners and duplicate faces.
 void repair_faces(Mesh& mesh, Report& report);
+
+// Removes faces of fewer than three vertices, cuts faces that touch themselves at a vertex, and
+// makes the ends of sides without length one vertex. joined[vertex]: another one has taken its
+// place.
+void mend_faces(Mesh& mesh, std::vector<bool>& joined, Report& report);
+
+// Welds pairs of border sides whose ends are no farther apart than `most` into one edge; none where
+// `most` is below 0.
+void weld_borders(Mesh& mesh, double most, std::vector<bool>& joined, Report& report);
+
+// Removes faces without area. The corner of a triangle that lies on its longest side joins the face
+// beyond, so that no gap is left.
+void flatten_faces(Mesh& mesh, Report& report);
 
 // Faces of too few vertices or too many sides, or that touch themselves: reported as errors, and
 // taken out, lest the steps that follow report what comes of them.
@@ -20,21 +38,25 @@ void refuse_faces(Mesh& mesh, Report& report);
 // Sides of no length, faces of no area.
 void check_sizes(const Mesh& mesh, Report& report);
 
+// True if nothing but rounding is left of a face's area.
+bool has_no_area(const Mesh& mesh, std::uint32_t face);
+
 // Edges of three and more faces, and vertices where fans of faces touch: refused or split.
 void repair_manifold(Mesh& mesh, bool split, Report& report);
 
 // Turns the faces of each part one way, closed parts outward; reports borders and parts.
 void repair_orientation(Mesh& mesh, Report& report);
 
-// Leaves unit normals at every corner, or none at all.
-void repair_normals(Mesh& mesh, Report& report);
+// Leaves unit normals at every corner, or none at all: as of a file that has each face's own.
+void repair_normals(Mesh& mesh, NormalSource source, Report& report);
 
 // Warns of vertices with several normals where no crease is between them. group[corner]: corners of
 // a vertex without a crease between them have one number.
 void warn_of_sharp_normals(const Mesh& mesh, std::span<const std::uint32_t> group, Report& report);
 
-// Warn of what is accepted: shapes of faces, vertices unused or at one place.
-void warn_of_vertices(const Mesh& mesh, Report& report);
+// Warn of what is accepted: shapes of faces, vertices unused or at one place, but for those that
+// are `joined` to another one.
+void warn_of_vertices(const Mesh& mesh, const std::vector<bool>& joined, Report& report);
 void warn_of_shapes(const Mesh& mesh, Report& report);
 
 // Closed parts that meet other parts or hold them.

@@ -383,7 +383,8 @@ TEST_F(Program, FiguresComeAsJson) {
 TEST_F(Program, CheckListsAllFindingsAndRefuses) {
   folder_.write("bad.obj",
                 "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 0 -1\nf 1 2 3\nf 1 2 4\nf 1 2 5\n");
-  const test::Outcome text = run("check bad.obj"), json = run("check bad.obj --json");
+  const test::Outcome text = run("check bad.obj --strict"),
+                      json = run("check bad.obj --strict --json");
   EXPECT_EQ(text.code, 2);
   EXPECT_THAT(text.out, AllOf(HasSubstr("error"), HasSubstr("non-manifold-edge")));
   EXPECT_THAT(text.err, StartsWith("gliss: bad.obj:6: face 0"));
@@ -392,7 +393,29 @@ TEST_F(Program, CheckListsAllFindingsAndRefuses) {
   EXPECT_EQ(found["accepted"], false);
   EXPECT_EQ(found["findings"][0]["code"], "non-manifold-edge");
   EXPECT_EQ(found["findings"][0]["severity"], "error");
-  EXPECT_EQ(run("check bad.obj --split-non-manifold").code, 0);
+  EXPECT_EQ(run("check bad.obj --keep-non-manifold").code, 2);
+  const test::Outcome old = run("check bad.obj --split-non-manifold");
+  EXPECT_EQ(old.code, 0);
+  EXPECT_THAT(old.err, HasSubstr("cut open without it"));
+}
+
+TEST_F(Program, MeshesAreMendedAndEveryCommandSaysSoInOneLine) {
+  folder_.write("bad.obj",
+                "v 0 0 0\nv 2 0 0\nv 1 0 0\nv 1 2 1\nv 0 -1 0\nv 2 -1 0\nv 9 9 9\n"
+                "f 1 2\nf 1 2 4\nf 2 1 3\nf 1 5 3\nf 3 6 2\nf 4 7 1\n");
+  const auto found = nlohmann::json::parse(run("check bad.obj --json").out);
+  EXPECT_EQ(found["state"], "repaired");
+  EXPECT_EQ(found["removed_faces"], nlohmann::json({0, 2}));
+  EXPECT_THAT(run("check bad.obj").out,
+              HasSubstr("removed faces 0,2, those behind have moved up\n"));
+  const std::string line =
+      "gliss: bad.obj: repaired: too-few-vertices 1, zero-area-face 1; removed faces 0,2, those "
+      "behind have moved up; 'gliss check' says where\n";
+  EXPECT_THAT(run("bake bad.obj -o bad.gliss").err, HasSubstr(line));
+  EXPECT_THAT(run("sweep bad.obj --depth 1mm -o bad.h5").err, HasSubstr(line));
+  EXPECT_EQ(run("bake bad.obj -o bad.gliss --strict").code, 2);
+  EXPECT_EQ(run("bake bad.obj -o bad.gliss --weld 1").code, 0);
+  EXPECT_THAT(run("bake bad.obj -o bad.gliss --weld -1").err, HasSubstr("'none' welds nothing"));
 }
 
 TEST_F(Program, CreasesAreListedAndKept) {
@@ -402,13 +425,16 @@ TEST_F(Program, CreasesAreListedAndKept) {
   EXPECT_EQ(found["creases"].size(), 12u);
   EXPECT_EQ(found["state"], "accepted") << found;  // creases explain its normals
   EXPECT_EQ(found["creases"][0], (std::vector<int>{0, 1}));
-  const auto dart = json_of("check cube.obj --unit mm --crease edges:edges.txt");
+  const auto dart = json_of("check cube.obj --unit mm --crease edges:edges.txt --normals file");
   EXPECT_EQ(dart["creases"].size(), 1u);
   EXPECT_EQ(dart["findings"][0]["code"], "sharp-normals");
   EXPECT_EQ(dart["findings"][0]["count"], 8);
+  const auto rough = json_of("check cube.obj --unit mm --normals file");
+  EXPECT_TRUE(rough["creases"].empty());
+  EXPECT_EQ(rough["rough_edges"].size(), 12u);  // the file's normals differ across all
   const auto smooth = json_of("check cube.obj --unit mm");
-  EXPECT_TRUE(smooth["creases"].empty());
-  EXPECT_EQ(smooth["rough_edges"].size(), 12u);  // the file's normals differ across all
+  EXPECT_EQ(smooth["findings"][0]["code"], "facet-normals");
+  EXPECT_TRUE(smooth["rough_edges"].empty());
   EXPECT_TRUE(found["rough_edges"].empty());
   EXPECT_TRUE(dart["rough_edges"].empty());  // beside creases vertices that none cuts have one
   for (const char* construction : {"paper", "fair"}) {

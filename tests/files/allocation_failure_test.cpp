@@ -91,9 +91,8 @@ TEST_F(AllocationFailure, of_meshes) {
       {"big.ply", to_ply(made, "binary_big_endian")}};
   for (const auto& [name, text] : files) {
     const std::string file = folder_.write(name, text);
-    const LoadOptions options{.split_non_manifold = true};
     expect_clear_errors(
-        name, [&] { mesh_ = load_mesh(file, options, &findings_); },
+        name, [&] { mesh_ = load_mesh(file, {}, &findings_); },
         [&](bool done) {
           if (done) {
             EXPECT_EQ(mesh_->face_count(), 7u);

@@ -91,7 +91,7 @@ TEST_F(SharedMeshTest, what_is_odd_about_open_and_non_manifold_meshes_is_found) 
   const auto found = [&](const std::string& name) {
     findings_.clear();
     try {
-      load_mesh((meshes_ / (name + ".obj")).string(), {}, &findings_);
+      load_mesh((meshes_ / (name + ".obj")).string(), {.strict = true}, &findings_);
     } catch (const MeshError&) {
     }
     std::vector<std::string> all;
@@ -114,40 +114,23 @@ TEST_F(SharedMeshTest, what_is_odd_about_open_and_non_manifold_meshes_is_found) 
                            "1 self-touching-face:206 face 58", "5 non-manifold-edge:149 face 1"));
 }
 
-TEST_F(SharedMeshTest, bow_ties_are_refused_by_name_and_split_on_request) {
+TEST_F(SharedMeshTest, bow_ties_are_cut_open_or_refused_by_name) {
   const std::string file = (meshes_ / "osd_nonman_verts.obj").string();
-  EXPECT_THAT(test::message_of<MeshError>([&] { load_mesh(file); }),
+  EXPECT_THAT(test::message_of<MeshError>([&] { load_mesh(file, {.strict = true}); }),
               HasSubstr("osd_nonman_verts.obj:56: face 2: touches face 0 at vertex 1 only"));
-  const Mesh mesh = load_mesh(file, {.split_non_manifold = true}, &findings_);
+  const Mesh mesh = load_mesh(file, {}, &findings_);
   EXPECT_EQ(mesh.face_count(), 20u);
   EXPECT_EQ(count("non-manifold-vertex"), 4u);
 }
 
-// The file also has faces of fewer than three distinct vertices, which no splitting mends.
-TEST_F(SharedMeshTest, edges_of_many_faces_are_refused_by_name_and_split_on_request) {
+// The file also has faces of fewer than three distinct vertices, and one that touches itself.
+TEST_F(SharedMeshTest, edges_of_many_faces_are_cut_open_or_refused_by_name) {
   const std::string file = (meshes_ / "osd_nonman_edges.obj").string();
-  EXPECT_THROW(load_mesh(file, {.split_non_manifold = true}), MeshError);
-  EXPECT_THROW(load_mesh(file, {}, &findings_), MeshError);
-  EXPECT_EQ(count("too-few-vertices"), 3u);
+  EXPECT_THROW(load_mesh(file, {.strict = true}), MeshError);
+  const Mesh mesh = load_mesh(file, {}, &findings_);
+  EXPECT_EQ(count("too-few-vertices"), 4u);  // one of them goes to and fro
+  EXPECT_EQ(mesh.lost_faces.size(), 4u);
   EXPECT_GT(count("non-manifold-edge"), 0u);
-
-  std::ifstream in(file);
-  std::string sound;
-  std::size_t faces = 0;
-  for (std::string line; std::getline(in, line);) {
-    std::istringstream words(line);
-    std::string keyword;
-    std::vector<std::string> corners;
-    words >> keyword;
-    for (std::string corner; words >> corner;) corners.push_back(corner);
-    const std::set<std::string> distinct(corners.begin(), corners.end());
-    if (keyword == "f" && distinct.size() < corners.size()) continue;
-    if (keyword == "f") ++faces;
-    sound += line + "\n";
-  }
-  EXPECT_THAT(refusal("edges.obj", sound), HasSubstr("is shared by 3 faces"));
-  const Mesh mesh = load("edges.obj", sound, {.split_non_manifold = true});
-  EXPECT_EQ(mesh.face_count(), faces);
 }
 
 }  // namespace

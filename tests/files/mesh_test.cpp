@@ -99,7 +99,7 @@ TEST_F(MeshTest, a_comment_or_a_name_cannot_swallow_a_face) {
 
 TEST_F(MeshTest, obj_refusals_name_the_line) {
   const auto refused = [&](const std::string& line) {
-    return refusal("a.obj", kCubeVertices + line);
+    return refusal("a.obj", kCubeVertices + line, {.strict = true});
   };
   EXPECT_EQ(refused("f 1 2 99"), "a.obj:9: face 0: vertex index 99 is out of range (8 vertices)");
   EXPECT_EQ(refused("f 1 2 -9"), "a.obj:9: face 0: vertex index -9 is out of range (8 vertices)");

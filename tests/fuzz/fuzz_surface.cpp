@@ -132,7 +132,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const BuildOptions options = fuzz::any_options(input);
   Mesh mesh = fuzz::any_mesh(input);
   Report report(mesh, nullptr, nullptr);
-  if (!fuzz::validated(mesh, {.split_non_manifold = input.flag()}, report)) return 0;
+  if (!fuzz::validated(mesh, {.strict = input.flag()}, report)) return 0;
   try {
     const PatchCache cache = build_cache(mesh, options);
     check_cache(cache, "built");

@@ -36,7 +36,7 @@ inline bool validated(Mesh& mesh, const LoadOptions& options, Report& report) {
 }
 
 inline int read_mesh(void (*read)(std::string_view, Mesh&, Report&), std::string_view text) {
-  for (const bool split : {false, true}) {
+  for (const bool strict : {false, true}) {
     Mesh mesh;
     mesh.source = "fuzz";
     std::vector<Finding> findings;
@@ -47,7 +47,7 @@ inline int read_mesh(void (*read)(std::string_view, Mesh&, Report&), std::string
       require(!findings.empty() && findings.back().severity == Severity::kError, "a finding");
       return 0;
     }
-    validated(mesh, {.split_non_manifold = split}, report);
+    validated(mesh, {.strict = strict, .weld = strict ? -1 : 0.25}, report);
   }
   return 0;
 }

@@ -50,7 +50,7 @@ TEST_F(GenerateTest, sharp_meshes_are_sound_and_have_the_normals_of_their_faces)
     SCOPED_TRACE(made.mesh.source);
     Mesh mesh = made.mesh;
     findings_.clear();
-    validate(mesh, {}, &findings_);
+    validate(mesh, {.normals = NormalSource::kFile}, &findings_);
     EXPECT_THAT(codes(), testing::ElementsAre("sharp-normals"));
     const Topology topology = build_topology(mesh);
     EXPECT_EQ(topology.border_side_count, 0u);

@@ -102,6 +102,7 @@ void run(const SurfaceOptions& options) {
   const BuildReport& built = surface.report;
   const auto& flagged = built.flagged_faces;
   text += fmt::format("{}: {}\n", options.surface, state_of(findings, refusal != nullptr));
+  if (!mesh.lost_faces.empty()) text += removed_text(mesh) + "\n";
   if (!refusal) {
     text += fmt::format("{} faces; folded {}, degenerate {}; eased {}, split {}, bent {}{}\n",
                         mesh.face_count(), built.folded, built.degenerate, built.eased, built.split,
@@ -121,6 +122,7 @@ void run(const SurfaceOptions& options) {
           {"state", state_of(findings, refusal != nullptr)},
           {"faces", mesh.face_count()},
           {"findings", list},
+          {"removed_faces", mesh.lost_faces},
           {"folded", built.folded},
           {"degenerate", built.degenerate},
           {"eased", built.eased},

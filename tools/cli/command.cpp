@@ -17,6 +17,16 @@ namespace {
 // Patches without curvature have the largest double as radius, in the unit of their mesh.
 constexpr double kFlat = 1e290;
 
+constexpr Named<NormalSource> kNormalNames[] = {
+    {"auto", NormalSource::kAuto}, {"file", NormalSource::kFile}, {"made", NormalSource::kMade}};
+
+double parse_weld(const std::string& text) {
+  if (text == "none") return -1;
+  const double length = parse_length(text);
+  if (!(length >= 0)) throw InputError("--weld must not be negative; 'none' welds nothing");
+  return length;
+}
+
 std::string& kept_command_line() {
   static std::string line;
   return line;
@@ -53,8 +63,22 @@ void add_mesh_options(Command& command, SurfaceOptions& options, const std::stri
                  options.surface);
   command.option({"--unit", "UNIT", "unit of the coordinates: m (default), cm, mm, um, nm, in"},
                  [&options](const std::string& text) { options.unit = parse_unit(text); });
+  command.flag("--strict", options.strict,
+               "refuse what is no sound mesh, and weld nothing, instead of mending it");
+  command.flag("--keep-non-manifold", options.keep_non_manifold,
+               "refuse non-manifold edges and vertices instead of cutting them open");
   command.flag("--split-non-manifold", options.split_non_manifold,
-               "cut non-manifold edges and vertices open instead of refusing them");
+               "of version 0.1: what happens without it now");
+  command.option({"--weld", "LENGTH",
+                  "weld borders whose vertices are no farther apart, as 0.01mm; default: those at "
+                  "the very same places; none: never"},
+                 [&options](const std::string& text) { options.weld = parse_weld(text); });
+  command.option({"--normals", "NAME",
+                  "of the vertices: file, made (from the faces), or auto (default): made where the "
+                  "file has but those of its facets"},
+                 [&options](const std::string& text) {
+                   options.normals = parse_name("--normals", text, kNormalNames);
+                 });
   command.option(
       {"--crease", "LIST",
        "edges to keep sharp, any of: an angle such as 40deg that faces turn by, auto (one "

@@ -15,6 +15,7 @@
 #include "gliss/mesh/creases.h"
 #include "gliss/study/sweep.h"
 #include "gliss/surface/names.h"
+#include "gliss/validate/validate.h"
 #include "tools/cli/command_line.h"
 
 namespace gliss::tools {
@@ -49,8 +50,12 @@ struct SurfaceOptions : CommonOptions {
   std::optional<Precision> precision;        // as the cache has it, or double
   std::optional<Level> level;                // as the cache has it, or exact
   std::optional<Construction> construction;  // as the cache has it, or the paper's
-  bool split_non_manifold = false;
-  CreaseRules creases{};     // of a mesh
+  // How a mesh is read.
+  bool strict = false, keep_non_manifold = false;
+  bool split_non_manifold = false;  // of 0.1; what happens without it now
+  double weld = 0;                  // m; below 0: nothing is welded
+  NormalSource normals = NormalSource::kAuto;
+  CreaseRules creases{};
   double crease_radius = 0;  // m, that they are rounded by; 0: they stay sharp
 };
 

@@ -1,8 +1,10 @@
 #include "tools/cli/surface_input.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <numbers>
+#include <span>
 
 #include "gliss/build/build_cache.h"
 #include "gliss/files/cache_file.h"
@@ -13,15 +15,47 @@
 #include "tools/cli/watch.h"
 
 namespace gliss::tools {
+namespace {
+
+// One line that counts all that was repaired; "" where nothing was.
+std::string repairs_text(const SurfaceOptions& options, const Mesh& mesh,
+                         const std::vector<Finding>& findings) {
+  std::string all;
+  for (const Finding& finding : findings) {
+    if (finding.severity == Severity::kRepaired)
+      all += fmt::format("{}{} {}", all.empty() ? "" : ", ", finding.code, finding.count);
+  }
+  if (all.empty()) return "";
+  const std::string lost = removed_text(mesh);
+  return fmt::format("gliss: {}: repaired: {}{}{}; 'gliss check' says where\n", options.surface,
+                     all, lost.empty() ? "" : "; ", lost);
+}
+
+}  // namespace
+
+std::string removed_text(const Mesh& mesh) {
+  constexpr std::size_t kNamed = 8;
+  const auto& lost = mesh.lost_faces;
+  if (lost.empty()) return "";
+  const auto named = std::span(lost).first(std::min(lost.size(), kNamed));
+  return fmt::format("removed face{} {}{}, those behind have moved up", lost.size() == 1 ? "" : "s",
+                     fmt::join(named, ","),
+                     lost.size() > kNamed ? fmt::format(",... ({})", lost.size()) : "");
+}
 
 Mesh load_mesh(const SurfaceOptions& options, std::vector<Finding>& findings) {
   if (options.crease_radius > 0 && !options.creases.any())
     throw InputError(
         "--crease-radius: add which edges it rounds, as '--crease auto' or '--crease "
         "40deg'");
+  if (options.split_non_manifold && !options.quiet)
+    tell("gliss: --split-non-manifold: meshes are cut open without it; it will go\n");
   return gliss::load_mesh(options.surface,
                           {.unit = options.unit,
-                           .split_non_manifold = options.split_non_manifold,
+                           .strict = options.strict,
+                           .keep_non_manifold = options.keep_non_manifold,
+                           .weld = options.weld / options.unit,
+                           .normals = options.normals,
                            .creases = options.creases,
                            .poll = stop_if_interrupted},
                           &findings);
@@ -34,10 +68,7 @@ void round_creases(const SurfaceOptions& options, Mesh& mesh) {
 Mesh read_mesh(const SurfaceOptions& options, bool tells_of_creases) {
   std::vector<Finding> findings;
   Mesh mesh = load_mesh(options, findings);
-  for (const Finding& finding : findings) {
-    if (finding.severity != Severity::kRepaired || options.quiet) continue;
-    tell(fmt::format("gliss: repaired: {} ({} in all)\n", finding.message, finding.count));
-  }
+  if (!options.quiet) tell(repairs_text(options, mesh, findings));
   if (tells_of_creases) tell_plain_creases(options, mesh);
   round_creases(options, mesh);
   return mesh;

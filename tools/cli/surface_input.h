@@ -21,6 +21,9 @@ Mesh read_mesh(const SurfaceOptions& options, bool tells_of_creases = false);
 // Throws InputError where creases are to be rounded, and the options do not say which.
 Mesh load_mesh(const SurfaceOptions& options, std::vector<Finding>& findings);
 
+// "removed faces 3,7, those behind have moved up", or "" where none is.
+std::string removed_text(const Mesh& mesh);
+
 // Rounds the marked creases where the options say so.
 void round_creases(const SurfaceOptions& options, Mesh& mesh);
 

@@ -1,0 +1,229 @@
+// Faces that are none, mended: cut where they touch themselves, or removed so that no gap is left.
+#include <algorithm>
+#include <numeric>
+
+#include "gliss/mesh/mesh_edges.h"
+#include "gliss/mesh/topology.h"
+#include "gliss/validate/validate_steps.h"
+
+namespace gliss {
+namespace {
+
+struct Corner {
+  std::uint32_t vertex, normal;  // normal kNone: the mesh has none, or none there
+};
+using Polygon = std::vector<Corner>;
+
+Polygon polygon_of(const Mesh& mesh, std::uint32_t face) {
+  Polygon polygon;
+  for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c)
+    polygon.push_back(
+        {mesh.corner_vertex[c], mesh.corner_normal.empty() ? kNone : mesh.corner_normal[c]});
+  return polygon;
+}
+
+// Puts other faces in the place of some: none, one or several for each. All others stay, in order.
+class FaceEdit {
+ public:
+  FaceEdit(Mesh& mesh, Report& report)
+      : mesh_(mesh), report_(report), edited_(mesh.face_count(), kNone) {}
+
+  void replace(std::uint32_t face, std::vector<Polygon> by) {
+    if (edited_[face] == kNone) {
+      edited_[face] = static_cast<std::uint32_t>(by_.size());
+      by_.emplace_back();
+    }
+    by_[edited_[face]] = std::move(by);
+  }
+  bool is_edited(std::uint32_t face) const { return edited_[face] != kNone; }
+
+  // Returns true if there was anything to do.
+  bool apply() {
+    if (by_.empty()) return false;
+    Mesh out;
+    std::vector<std::uint32_t> file_face;
+    const auto add = [&](std::uint32_t face, const Polygon& polygon) {
+      for (const Corner& corner : polygon) {
+        out.corner_vertex.push_back(corner.vertex);
+        if (!mesh_.corner_normal.empty()) out.corner_normal.push_back(corner.normal);
+      }
+      out.face_begin.push_back(static_cast<std::uint32_t>(out.corner_vertex.size()));
+      if (!mesh_.face_line.empty()) out.face_line.push_back(mesh_.face_line[face]);
+      if (!mesh_.face_group.empty()) out.face_group.push_back(mesh_.face_group[face]);
+      file_face.push_back(report_.number_of(face));
+    };
+    for (std::uint32_t face = 0; face < mesh_.face_count(); ++face) {
+      report_.poll();
+      if (!is_edited(face)) {
+        add(face, polygon_of(mesh_, face));
+      } else {
+        for (const Polygon& polygon : by_[edited_[face]]) add(face, polygon);
+      }
+    }
+    mesh_.face_begin = std::move(out.face_begin);
+    mesh_.corner_vertex = std::move(out.corner_vertex);
+    mesh_.corner_normal = std::move(out.corner_normal);
+    mesh_.face_line = std::move(out.face_line);
+    mesh_.face_group = std::move(out.face_group);
+    report_.file_face = std::move(file_face);
+    return true;
+  }
+
+ private:
+  Mesh& mesh_;
+  Report& report_;
+  std::vector<std::uint32_t> edited_;  // [face], where in by_; kNone: stays
+  std::vector<std::vector<Polygon>> by_;
+};
+
+// The simple loops of three and more corners that a closed walk is made of.
+struct Loops {
+  std::vector<Polygon> loops;
+  std::uint32_t twice = kNone;  // a vertex that it comes back to
+  bool is_keyhole = false;      // two loops and a bridge between them: one is a hole in the other
+};
+
+Loops loops_of(const Polygon& walk) {
+  Loops found;
+  Polygon way;
+  bool has_bridge = false;
+  const auto close = [&](Polygon loop) {
+    if (loop.size() == 2) has_bridge = true;
+    if (loop.size() > 2) found.loops.push_back(std::move(loop));
+  };
+  for (const Corner& corner : walk) {
+    const auto known = std::find_if(way.begin(), way.end(),
+                                    [&](const Corner& c) { return c.vertex == corner.vertex; });
+    if (known == way.end()) {
+      way.push_back(corner);
+      continue;
+    }
+    if (way.end() - known > 1) found.twice = corner.vertex;
+    close(Polygon(known, way.end()));
+    way.erase(known + 1, way.end());
+  }
+  close(way);
+  found.is_keyhole = has_bridge && found.loops.size() > 1;
+  return found;
+}
+
+void join_ends_of_no_length(Mesh& mesh, std::vector<bool>& joined, Report& report) {
+  DisjointSets places(mesh.positions.size());
+  bool any = false;
+  for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
+    report.poll();
+    for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c) {
+      const std::uint32_t from = mesh.corner_vertex[c],
+                          to = mesh.corner_vertex[next_corner(mesh, face, c)];
+      if (from == to || (mesh.positions[to] - mesh.positions[from]).norm() > 0) continue;
+      report.add(Severity::kRepaired, "zero-length-side", {.face = face, .vertex = from},
+                 "the side from vertex {} to {} has no length; they are one now", from, to);
+      places.unite(from, to);
+      any = true;
+    }
+  }
+  if (!any) return;
+  for (std::uint32_t& vertex : mesh.corner_vertex) {
+    const std::uint32_t first = places.find(vertex);
+    if (first != vertex) joined[vertex] = true;
+    vertex = first;
+  }
+}
+
+double length_of(const Mesh& mesh, std::uint32_t face, std::uint32_t side) {
+  return (mesh.positions[mesh.corner_vertex[next_corner(mesh, face, side)]] -
+          mesh.positions[mesh.corner_vertex[side]])
+      .norm();
+}
+
+// The face with a vertex put into one of its sides; a triangle is cut into two there.
+std::vector<Polygon> put_into(const Mesh& mesh, std::uint32_t face, std::uint32_t side,
+                              const Corner& corner) {
+  Polygon polygon = polygon_of(mesh, face);
+  const std::uint32_t after = side - mesh.face_begin[face] + 1;
+  polygon.insert(polygon.begin() + after, corner);
+  if (polygon.size() != 4) return {polygon};
+  const auto at = [&](std::uint32_t i) { return polygon[(after + i) % 4]; };
+  return {{at(0), at(1), at(2)}, {at(0), at(2), at(3)}};
+}
+
+// One pass over the faces without area; those beside a face that has just changed wait for the
+// next. Returns true if any is left that may find a neighbour then.
+bool flatten_some(Mesh& mesh, Report& report) {
+  const std::vector<std::uint32_t> side_face = side_faces(mesh),
+                                   other = pair_sides(mesh, side_face);
+  std::vector<bool> is_flat(mesh.face_count());
+  for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
+    report.poll();
+    is_flat[face] = has_no_area(mesh, face);
+  }
+  FaceEdit edit(mesh, report);
+  bool waits = false;
+  for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
+    report.poll();
+    if (!is_flat[face] || mesh.valence(face) != 3) continue;
+    std::uint32_t longest = mesh.face_begin[face];
+    for (const std::uint32_t c : {longest + 1, longest + 2}) {
+      if (length_of(mesh, face, c) > length_of(mesh, face, longest)) longest = c;
+    }
+    const std::uint32_t beyond = other[longest];
+    if (beyond == kNone) continue;
+    const std::uint32_t neighbour = side_face[beyond], middle = prev_corner(mesh, face, longest),
+                        vertex = mesh.corner_vertex[middle];
+    const auto first = mesh.corner_vertex.begin() + mesh.face_begin[neighbour],
+               last = mesh.corner_vertex.begin() + mesh.face_begin[neighbour + 1];
+    if (std::find(first, last, vertex) != last || mesh.valence(neighbour) >= kMaxValence) continue;
+    if (is_flat[neighbour] || edit.is_edited(neighbour)) {
+      waits = true;
+      continue;
+    }
+    report.add(Severity::kRepaired, "zero-area-face", {.face = face, .vertex = vertex},
+               "has no area; removed, and its vertex {} joins face {}", vertex,
+               report.number_of(neighbour));
+    const Corner corner{vertex, mesh.corner_normal.empty() ? kNone : mesh.corner_normal[middle]};
+    edit.replace(neighbour, put_into(mesh, neighbour, beyond, corner));
+    edit.replace(face, {});
+  }
+  return edit.apply() && waits;
+}
+
+}  // namespace
+
+void mend_faces(Mesh& mesh, std::vector<bool>& joined, Report& report) {
+  join_ends_of_no_length(mesh, joined, report);
+  FaceEdit edit(mesh, report);
+  for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
+    report.poll();
+    const Polygon polygon = polygon_of(mesh, face);
+    if (polygon.size() > kMaxValence) continue;
+    Loops found = loops_of(polygon);
+    if (found.is_keyhole || (found.loops.size() == 1 && found.loops[0].size() == polygon.size()))
+      continue;
+    if (found.loops.empty()) {
+      report.add(Severity::kRepaired, "too-few-vertices", {.face = face},
+                 "fewer than 3 distinct vertices on a loop; removed");
+    } else if (found.twice != kNone) {
+      report.add(Severity::kRepaired, "self-touching-face", {.face = face, .vertex = found.twice},
+                 "comes back to vertex {}; cut there into {} faces", found.twice,
+                 found.loops.size());
+    }
+    edit.replace(face, std::move(found.loops));
+  }
+  edit.apply();
+}
+
+void flatten_faces(Mesh& mesh, Report& report) {
+  constexpr int kPasses = 64;
+  for (int pass = 0; pass < kPasses && flatten_some(mesh, report); ++pass) {
+  }
+  FaceEdit edit(mesh, report);
+  for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
+    report.poll();
+    if (!has_no_area(mesh, face)) continue;
+    report.add(Severity::kRepaired, "zero-area-face", {.face = face}, "has no area; removed");
+    edit.replace(face, {});
+  }
+  edit.apply();
+}
+
+}  // namespace gliss
