@@ -44,5 +44,5 @@ for precision in double float; do
   for threads in 1 4; do
     same "$best" tbb --threads $threads
   done
-  [ -z "$pocl" ] || same "$best" opencl --device "$pocl" --threads 2
+  [ -z "$pocl" ] || same "$best" opencl --opencl-device "$pocl" --threads 2
 done

@@ -22,13 +22,20 @@ struct Unit {
 };
 
 constexpr Unit kLengths[] = {{"m", {}},
+                             {"metre", {}},
+                             {"meter", {}},
                              {"cm", {1, 1e2}},
+                             {"centimetre", {1, 1e2}},
+                             {"centimeter", {1, 1e2}},
                              {"mm", {1, 1e3}},
+                             {"millimetre", {1, 1e3}},
+                             {"millimeter", {1, 1e3}},
                              {"um", {1, 1e6}},
                              {"\u00B5m", {1, 1e6}},  // micro sign
                              {"\u03BCm", {1, 1e6}},  // Greek mu
                              {"nm", {1, 1e9}},
-                             {"in", {254, 1e4}}};
+                             {"in", {254, 1e4}},
+                             {"inch", {254, 1e4}}};
 constexpr Unit kForces[] = {{"N", {}}, {"mN", {1, 1e3}}, {"kN", {1e3, 1}}};
 constexpr Unit kTimes[] = {{"s", {}}, {"ms", {1, 1e3}}, {"us", {1, 1e6}}, {"ns", {1, 1e9}}};
 constexpr Unit kAngles[] = {{"rad", {}}, {"deg", {std::numbers::pi, 180}}};

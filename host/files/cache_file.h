@@ -34,7 +34,7 @@ struct CacheWanted {
 // The same of a cache that is stale where it is not as wanted.
 GLISS_EXPORT PatchCache load_cache_of(const std::string& path, const CacheWanted& wanted,
                                       const std::function<void()>& poll = nullptr);
-// True if it begins as caches do.
+// True if it begins as caches do, or is named as they are.
 GLISS_EXPORT bool is_cache_file(const std::string& path);
 
 }  // namespace gliss

@@ -38,7 +38,7 @@ TEST_F(HostileProgram, refuses_pipes_and_devices_as_inputs) {
   for (const char* words :
        {"info p.obj", "bake p.obj -o a.gliss", "trace ball.gliss --path p.csv",
         "trace ball.gliss --path p.h5", "project ball.gliss --hip p.csv", "run p.toml --device sim",
-        "eval ball.gliss --at p.csv", "compare ball.obj --path p.csv --depth 1mm",
+        "eval ball.gliss --at p.csv", "compare ball.obj --unit mm --path p.csv --depth 1mm",
         "run scene.toml --device replay:p.csv", "run scene.toml --device replay:p.h5"}) {
     expect_error(gliss(words), 2, "it is a pipe, and only regular files are read");
   }

@@ -317,7 +317,8 @@ class OpenClProgram : public ::testing::Test {
     EXPECT_EQ(std::count(refused.err.begin(), refused.err.end(), '\n'), 1) << refused.err;
     EXPECT_EQ(folder_.file_count(), files_) << "something is left";
     // A device by name: without, auto takes GPUs only.
-    const std::string device = words.find("--device ") == words.npos ? " --device pthread" : "";
+    const std::string device =
+        words.find("--opencl-device ") == words.npos ? " --opencl-device pthread" : "";
     const Outcome done = run(environment, words + device + " --backend auto");
     EXPECT_EQ(done.code, 0);
     EXPECT_THAT(done.err, one_line(kGoingOn));
@@ -359,7 +360,7 @@ TEST_F(OpenClProgram, NamesTheCacheThatPoclCannotWrite) {
 }
 
 TEST_F(OpenClProgram, NamesTheDevicesThatThereAre) {
-  expect_handled("", "--device abacus",
+  expect_handled("", "--opencl-device abacus",
                  "no device 'abacus'; there is " + opencl_devices().front().name);
 }
 

@@ -11,6 +11,7 @@
 #include "gliss/study/fidelity.h"
 #include "gliss/surface/names.h"
 #include "tools/cli/curvature.h"
+#include "tools/cli/slips.h"
 #include "tools/cli/surface_input.h"
 #include "tools/cli/watch.h"
 
@@ -81,6 +82,7 @@ void run(const SurfaceOptions& options) {
   std::exception_ptr refusal;
   try {
     mesh = load_mesh(options, findings);
+    tell_odd_size(options, mesh);
     tell_plain_creases(options, mesh);
     if (!mesh.sharp.empty()) creases = crease_edges(mesh, build_topology(mesh));
     round_creases(options, mesh);

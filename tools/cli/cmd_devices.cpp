@@ -6,7 +6,7 @@
 namespace gliss::tools {
 namespace {
 
-void run(const CommonOptions& options) {
+void run(const ReportOptions& options) {
   std::string text;
   Json json = Json::array();
   const std::vector<OpenClDevice> devices = opencl_devices();
@@ -39,9 +39,9 @@ void run(const CommonOptions& options) {
 }  // namespace
 
 void add_devices(Command& program) {
-  add_command<CommonOptions>(
+  add_command<ReportOptions>(
       program, "devices", "List the OpenCL devices that --backend opencl can use.",
-      "gliss devices --json", [](Command&, CommonOptions&) {}, run);
+      "gliss devices --json", [](Command&, ReportOptions&) {}, run);
 }
 
 }  // namespace gliss::tools

@@ -26,7 +26,7 @@ constexpr double kDepth = 2, kStep = 0.15;            // mm; the step is that of
 constexpr double kStiffness = 500;                    // N/m
 enum TickError { kFine, kNoContact, kNotConverged };  // of a tick
 
-struct JudgeOptions : CommonOptions {
+struct JudgeOptions : ReportOptions {
   double seconds = 30;
   bool require_realtime = false;
 };
@@ -41,9 +41,9 @@ void describe(Command& command, JudgeOptions& options) {
 // A tick as a device would have it: the contact and its force for where the hand is now.
 class KnotTick {
  public:
-  explicit KnotTick(const CommonOptions& options)
+  KnotTick()
       : knot_(torus_knot(kAlong, kAround)),
-        cache_(make_engine(options)->build(knot_.mesh)),
+        cache_(make_tbb_engine()->build(knot_.mesh)),
         path_(path_beneath(knot_, kAlong, kAround, kDepth, kStep)),
         tracker_(cache_, {}) {}
 
@@ -118,7 +118,7 @@ std::unique_ptr<Judgement> measure(const JudgeOptions& options, KnotTick& tick) 
 }
 
 void run(const JudgeOptions& options) {
-  KnotTick tick(options);
+  KnotTick tick;
   const auto found = measure(options, tick);
   const TickRecord &floor = found->floor, &loop = found->loop;
   if (!options.quiet) {

@@ -17,6 +17,7 @@
 #include "tools/cli/outputs.h"
 #include "tools/cli/run_devices.h"
 #include "tools/cli/run_progress.h"
+#include "tools/cli/slips.h"
 #include "tools/cli/surface_input.h"
 #include "tools/cli/terminal.h"
 #include "tools/cli/timing_text.h"
@@ -247,6 +248,36 @@ void tell_tight_objects(const RunOptions& options, const Scene& scene,
   }
 }
 
+// The objects that are there as a whole, in metres of the world.
+std::vector<Box> boxes_of(const std::vector<SceneObject>& objects) {
+  std::vector<Box> boxes;
+  for (const SceneObject& object : objects) {
+    if (object.cache == nullptr) continue;
+    const Box own = object.cache->bounds();
+    Eigen::AlignedBox3d box;
+    for (int i = 0; i < 8; ++i) {
+      const Vec3 corner(i & 1 ? own.low.x() : own.high.x(), i & 2 ? own.low.y() : own.high.y(),
+                        i & 4 ? own.low.z() : own.high.z());
+      box.extend(object.pose * (corner * object.cache->unit));
+    }
+    boxes.push_back({box.min(), box.max()});
+  }
+  return boxes;
+}
+
+// Says that a hand has felt nothing, and of a replay how far off it was.
+void tell_untouched_objects(const RunOptions& options, const std::vector<SceneObject>& objects) {
+  constexpr std::string_view kReplay = "replay:";
+  if (options.quiet) return;
+  if (!options.device.starts_with(kReplay)) {
+    tell("gliss: the hand touched nothing: do its ways lead into an object?\n");
+    return;
+  }
+  const std::string path = options.device.substr(kReplay.size());
+  tell_untouched(options, path, points_in_metres(read_points(path, 1, {}, stop_if_interrupted)),
+                 boxes_of(objects), "name the columns x_mm,y_mm,z_mm");
+}
+
 std::vector<Attribute> provenance(const RunOptions& options, const HapticDevice& device) {
   return {{"program", "gliss"},
           {"version", GLISS_VERSION},
@@ -261,6 +292,8 @@ void run(const RunOptions& options) {
   if (options.device.starts_with("replay:")) inputs.push_back(options.device.substr(7));
   check_outputs({options.recording, options.report}, inputs);
   const std::vector<SceneObject> objects = open_objects(scene, options);
+  for (std::size_t i = 0; i < objects.size(); ++i)
+    tell_soft_spring(options, objects[i].stiffness, scene.objects[i].surface);
   const auto device = open_device(options.device, scene);
   LoopOptions rules = loop_options(scene, device->info());
   if (options.no_wait && device->info().real_time)
@@ -293,6 +326,8 @@ void run(const RunOptions& options) {
     report_file->commit();
   }
   tell_tight_objects(options, scene, objects, session.report);
+  if (session.report.rendered().touching == 0 && loop.record().ticks() > 0)
+    tell_untouched_objects(options, objects);
   report(options, text_of(loop, session, json), json);
   if (session.not_recorded) std::rethrow_exception(session.not_recorded);
   stop_if_interrupted();

@@ -11,6 +11,7 @@
 #include "gliss/study/sweep_parts.h"
 #include "tools/cli/curvature.h"
 #include "tools/cli/outputs.h"
+#include "tools/cli/slips.h"
 #include "tools/cli/sweep_files.h"
 #include "tools/cli/sweep_report.h"
 #include "tools/cli/terminal.h"
@@ -81,6 +82,8 @@ std::uint64_t peak_memory() {
 }
 
 SweepOptions grid_of(const SweepingOptions& options, const PatchCache& cache) {
+  check_depths("--depth", options.sweep.depths, cache);
+  tell_soft_spring(options, options.sweep.stiffness, "--stiffness");
   SweepOptions grid = options.sweep;
   if (has(grid.methods, Method::kGregory))
     tell_tight_curvature(options, cache, *std::max_element(grid.depths.begin(), grid.depths.end()));
@@ -112,6 +115,18 @@ SweepResult watched_sweep(const SweepingOptions& options, const PatchCache& cach
       tell(fmt::format("gliss: '{}' was damaged, its part is computed again\n", path));
   }
   return result;
+}
+
+// Depths at which most HIPs have come out on the other side, or into another part.
+void tell_beyond_thickness(const SweepingOptions& options, const SweepResult& result) {
+  if (options.quiet) return;
+  for (const SweepStatistics& s : result.statistics) {
+    if (s.method != Method::kGregory || 2 * s.touching >= s.samples) continue;
+    tell(fmt::format(
+        "gliss: at {:.4g} mm only {:.2g} % of the HIPs feel a force: the mesh is "
+        "thinner than that\n",
+        s.depth * 1e3, 100 * static_cast<double>(s.touching) / static_cast<double>(s.samples)));
+  }
 }
 
 void run(const SweepingOptions& options) {
@@ -174,6 +189,7 @@ void run(const SweepingOptions& options) {
     summary->commit();
   }
   if (parts) parts->remove();
+  tell_beyond_thickness(options, result);
   report(options,
          text_of(result) +
              fmt::format("{} samples a depth ({} rings), {:.4g} contacts computed in {:.2f} s, "

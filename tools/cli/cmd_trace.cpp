@@ -8,6 +8,7 @@
 #include "gliss/tables/result_table.h"
 #include "tools/cli/curvature.h"
 #include "tools/cli/outputs.h"
+#include "tools/cli/slips.h"
 #include "tools/cli/surface_input.h"
 #include "tools/cli/watch.h"
 
@@ -109,6 +110,7 @@ void run(const TracingOptions& options) {
   const PointTable path = read_points(options.path, options.unit, {"step"}, stop_if_interrupted);
   const std::vector<double>* steps = path.table.find("step");
   const UnitChange across(path.unit, options.unit);
+  tell_soft_spring(options, options.trace.stiffness, "--stiffness");
   // As the loop has it: by way of metres, so that the forces have the same bytes.
   std::vector<Vec3> hips = points_in_metres(path);
   for (Vec3& hip : hips) hip /= cache.unit;
@@ -146,6 +148,13 @@ void run(const TracingOptions& options) {
   write(rows, outward, table);
   file->close();
   tell_tight_curvature(options, cache, deepest, "the deepest contact");
+  if (std::all_of(statistics.begin(), statistics.end(),
+                  [](const TraceStatistics& s) { return s.touching == 0; })) {
+    const Box box = cache.bounds();
+    const Box in_metres[] = {{box.low * cache.unit, box.high * cache.unit}};
+    tell_untouched(options, options.path, points_in_metres(path), in_metres,
+                   "say so by --unit, or by columns x_mm,y_mm,z_mm");
+  }
   report_statistics(options, statistics);
 }
 

@@ -47,9 +47,14 @@ void add_common_options(Command& command, CommonOptions& options) {
                  [&options](const std::string& text) {
                    options.backend = parse_name("--backend", text, kBackendNames);
                  });
-  command.option(
-      {"--device", "NAME", "OpenCL device: part of its name, or its number in gliss devices"},
-      options.device);
+  command.option({"--opencl-device", "NAME",
+                  "OpenCL device: part of its name, or its number in gliss devices"},
+                 options.device);
+  command.option({"--device", "NAME", "of version 0.1: --opencl-device"},
+                 [&options](const std::string& text) {
+                   options.device = text;
+                   options.has_old_device = true;
+                 });
   command.option({"--device-memory", "MIB", "memory of it to use at most; default: half of it"},
                  options.device_memory, 1, 1 << 24);
   add_common_options(command, static_cast<ReportOptions&>(options));
@@ -62,7 +67,10 @@ void add_mesh_options(Command& command, SurfaceOptions& options, const std::stri
                   true},
                  options.surface);
   command.option({"--unit", "UNIT", "unit of the coordinates: m (default), cm, mm, um, nm, in"},
-                 [&options](const std::string& text) { options.unit = parse_unit(text); });
+                 [&options](const std::string& text) {
+                   options.unit = parse_unit(text);
+                   options.has_unit = true;
+                 });
   command.flag("--strict", options.strict,
                "refuse what is no sound mesh, and weld nothing, instead of mending it");
   command.flag("--keep-non-manifold", options.keep_non_manifold,
@@ -204,7 +212,9 @@ Level parse_surface(const std::string& option, const std::string& name) {
 std::unique_ptr<Engine> make_engine(const CommonOptions& options) {
   const bool device = options.backend == "opencl" || options.backend == "auto";
   if (!device && (!options.device.empty() || options.device_memory > 0))
-    throw InputError("--device and --device-memory ask for --backend opencl or auto");
+    throw InputError("--opencl-device and --device-memory ask for --backend opencl or auto");
+  if (options.has_old_device && !options.quiet)
+    tell("gliss: --device: the OpenCL device is --opencl-device now; the old name will go\n");
   if (options.backend == "serial") return make_serial_engine();
   if (options.backend == "tbb") return make_tbb_engine(options.threads);
   OpenClOptions opencl;

@@ -38,8 +38,9 @@ struct ReportOptions {
 struct CommonOptions : ReportOptions {
   int threads = 0;  // 0: as many as the machine has
   std::string backend = "tbb";
-  std::string device;     // of opencl and auto
-  int device_memory = 0;  // MiB; 0: as OpenClOptions has it
+  std::string device;           // of opencl and auto
+  bool has_old_device = false;  // by the name that its option had in 0.1
+  int device_memory = 0;        // MiB; 0: as OpenClOptions has it
 };
 
 // Options of commands that read a mesh or a cache.
@@ -47,6 +48,7 @@ struct SurfaceOptions : CommonOptions {
   std::string surface;                       // path
   bool from_cache = false;                   // it must be a cache
   double unit = 1;                           // m, of coordinates read and written
+  bool has_unit = false;                     // it was given
   std::optional<Precision> precision;        // as the cache has it, or double
   std::optional<Level> level;                // as the cache has it, or exact
   std::optional<Construction> construction;  // as the cache has it, or the paper's

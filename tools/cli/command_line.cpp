@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <deque>
+#include <utility>
 
 namespace gliss::tools {
 namespace {
@@ -18,6 +20,42 @@ Command::Read read_number(const OptionText& text, Number& value, Number least, N
     if (value >= least && value <= most) return;  // NaN is not
     throw InputError(fmt::format("{}: {} is not between {} and {}", name, word, least, most));
   };
+}
+
+// The letters to change, add or leave out between two words (Levenshtein).
+std::size_t edits_between(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j < row.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = std::exchange(row[0], i);
+    for (std::size_t j = 1; j < row.size(); ++j) {
+      const std::size_t changed = diagonal + (a[i - 1] != b[j - 1]);
+      diagonal = std::exchange(row[j], std::min({row[j] + 1, row[j - 1] + 1, changed}));
+    }
+  }
+  return row.back();
+}
+
+// "there is no option '--deph'; did you mean --depth?" for the first word that looks like an option
+// and is none; "" where there is no such word.
+std::string unknown_option(const CLI::App& program) {
+  constexpr std::size_t kNear = 3;
+  const CLI::App* app = &program;
+  while (!app->get_subcommands().empty()) app = app->get_subcommands().back();
+  for (const std::string& word : program.remaining(true)) {
+    if (!word.starts_with("-") || word == "-" || word == "--") continue;
+    const std::string name = word.substr(0, word.find('='));
+    std::string nearest;
+    std::size_t least = kNear;
+    for (const CLI::Option* option : app->get_options()) {
+      const std::string other = option->get_name();
+      const std::size_t edits = edits_between(name, other);
+      if (edits < least) least = edits, nearest = other;
+    }
+    return fmt::format("there is no option '{}'{}", name,
+                       nearest.empty() ? "" : fmt::format("; did you mean {}?", nearest));
+  }
+  return "";
 }
 
 }  // namespace
@@ -99,6 +137,7 @@ void Command::run(int count, const char* const* words) {
   try {
     app->parse(count, words);
   } catch (const CLI::RequiredError& error) {
+    if (const std::string text = unknown_option(*app); !text.empty()) throw InputError(text);
     const bool command = error.what() == std::string("A subcommand is required");
     if (!command) throw InputError(error.what());
     const auto unknown = app->remaining(true);
@@ -107,7 +146,8 @@ void Command::run(int count, const char* const* words) {
             ? "a command is wanted; gliss --help lists them"
             : fmt::format("there is no command '{}'; gliss --help lists them", unknown.front()));
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() != 0) throw InputError(error.what());
+    const std::string text = unknown_option(*app);
+    if (error.get_exit_code() != 0) throw InputError(text.empty() ? error.what() : text);
     app->exit(error);  // prints help or version
   }
 }

@@ -11,6 +11,7 @@
 #include "gliss/files/mesh_file.h"
 #include "gliss/mesh/rounding.h"
 #include "gliss/surface/names.h"
+#include "tools/cli/slips.h"
 #include "tools/cli/terminal.h"
 #include "tools/cli/watch.h"
 
@@ -69,6 +70,7 @@ Mesh read_mesh(const SurfaceOptions& options, bool tells_of_creases) {
   std::vector<Finding> findings;
   Mesh mesh = load_mesh(options, findings);
   if (!options.quiet) tell(repairs_text(options, mesh, findings));
+  tell_odd_size(options, mesh);
   if (tells_of_creases) tell_plain_creases(options, mesh);
   round_creases(options, mesh);
   return mesh;
@@ -111,8 +113,11 @@ PatchCache open_surface(const SurfaceOptions& options, const Engine& engine) {
     throw InputError(
         fmt::format("{}: a cache has the creases that it was baked with; {} is for meshes",
                     options.surface, marks ? "--crease" : "--crease-radius"));
-  return load_cache_of(options.surface, {options.precision, options.level, options.construction},
-                       stop_if_interrupted);
+  PatchCache cache =
+      load_cache_of(options.surface, {options.precision, options.level, options.construction},
+                    stop_if_interrupted);
+  tell_edited_mesh(options, cache);
+  return cache;
 }
 
 std::unique_ptr<ResultFile> create_described_file(const std::string& path, const PatchCache& cache,

@@ -1,0 +1,150 @@
+// Likely slips: each ends in an error, or in a line on stderr, that names the cure.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <filesystem>
+
+#include "gliss/files/mesh_file.h"
+#include "gliss/generate/generate.h"
+#include "tests/support/gliss_process.h"
+#include "tests/support/run_files.h"
+#include "tests/support/scratch_folder.h"
+
+namespace gliss {
+namespace {
+
+using ::testing::AllOf, ::testing::HasSubstr, ::testing::IsEmpty, ::testing::Not;
+
+class Slips : public ::testing::Test {
+ protected:
+  Slips() {
+    save_obj(torus(24, 12).mesh, folder_ / "torus.obj");  // 80 mm across
+    folder_.write("touching.csv", "x_mm,y_mm,z_mm\n45,0,0\n38,0,0\n37,0,0\n");
+    folder_.write("far.csv", "x,y,z\n45,0,0\n38,0,0\n37,0,0\n");
+  }
+
+  test::Outcome run(const std::string& words) const {
+    std::vector<std::string> all = test::split(words, ' ');
+    return test::Process(folder_ / "", test::kProgram, all).wait();
+  }
+  // What stderr says of a command that ends well.
+  std::string told(const std::string& words) const {
+    const test::Outcome outcome = run(words);
+    EXPECT_EQ(outcome.code, 0) << words << '\n' << outcome.err;
+    return outcome.err;
+  }
+  // The one line of a command that is refused.
+  std::string refusal(const std::string& words, int code = 2) const {
+    const test::Outcome outcome = run(words);
+    EXPECT_EQ(outcome.code, code) << words;
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    return outcome.err;
+  }
+
+  test::ScratchFolder folder_;
+};
+
+TEST_F(Slips, an_option_that_there_is_not_comes_before_one_that_is_missing) {
+  EXPECT_EQ(refusal("sweep torus.obj --deph 2mm -o a.h5"),
+            "gliss: there is no option '--deph'; did you mean --depth?\n");
+  EXPECT_EQ(refusal("sweep torus.obj --deph=2mm -o a.h5"),
+            "gliss: there is no option '--deph'; did you mean --depth?\n");
+  EXPECT_EQ(refusal("check torus.obj --unti mm"),
+            "gliss: there is no option '--unti'; did you mean --unit?\n");
+  EXPECT_EQ(refusal("check torus.obj --frobnicate"), "gliss: there is no option '--frobnicate'\n");
+  EXPECT_EQ(refusal("sweep torus.obj -o a.h5"), "gliss: --depth is required\n");
+}
+
+TEST_F(Slips, units_have_names_as_people_write_them) {
+  for (const char* unit : {"mm", "millimetre", "millimeter"})
+    EXPECT_THAT(told(fmt::format("check torus.obj --unit {}", unit)), Not(HasSubstr("across")));
+  EXPECT_THAT(
+      told("info torus.obj"),
+      HasSubstr("torus.obj is 115 m across: '--unit mm' if its coordinates are millimetres"));
+  EXPECT_THAT(told("info torus.obj --unit m"), Not(HasSubstr("across")));
+  EXPECT_THAT(told("info torus.obj --unit nm"),
+              HasSubstr("torus.obj is 0.115 um across: is '--unit nm' right?"));
+  EXPECT_THAT(told("info torus.obj --quiet"), IsEmpty());
+}
+
+TEST_F(Slips, depths_beyond_the_mesh_are_refused_and_beyond_its_thickness_said) {
+  EXPECT_THAT(refusal("sweep torus.obj --unit mm --depth 2 -o a.csv --samples 500"),
+              AllOf(HasSubstr("a depth of 2 m is more than the 115 mm that the surface is across"),
+                    HasSubstr("'2mm' is two millimetres")));
+  const std::string sweep = "sweep torus.obj --unit mm -o a.csv --samples 500 --depth ";
+  EXPECT_THAT(told(sweep + "90mm"), HasSubstr("at 90 mm only 0 % of the HIPs feel a force"));
+  EXPECT_THAT(told(sweep + "2mm"), Not(HasSubstr("feel a force")));
+}
+
+TEST_F(Slips, springs_that_no_hand_feels_are_said) {
+  const std::string trace = "trace torus.obj --unit mm --path touching.csv -o t.csv --stiffness ";
+  EXPECT_THAT(told(trace + "0.5"), HasSubstr("--stiffness: 0.5 N/m gives 0.0005 N a millimetre"));
+  EXPECT_THAT(told(trace + "0.5N/mm"), Not(HasSubstr("no hand feels")));
+  folder_.write("soft.toml",
+                "[[object]]\nmesh = \"torus.obj\"\nunit = \"mm\"\nstiffness = \"0.5\"\n");
+  EXPECT_THAT(told("run soft.toml --device replay:touching.csv --no-wait"),
+              HasSubstr("torus.obj: 0.5 N/m gives"));
+}
+
+TEST_F(Slips, paths_that_never_touch_say_how_far_off_they_are) {
+  const std::string trace = "trace torus.obj --unit mm -o t.csv --path ";
+  EXPECT_THAT(told(trace + "touching.csv"), Not(HasSubstr("touches")));
+  EXPECT_THAT(told("trace torus.obj --unit m -o t.csv --path touching.csv"),
+              HasSubstr("touching.csv: no HIP touches the surface"));
+  folder_.write("scene.toml", "[[object]]\nmesh = \"torus.obj\"\nunit = \"mm\"\n");
+  const std::string replayed = told("run scene.toml --device replay:far.csv --no-wait");
+  EXPECT_THAT(replayed,
+              AllOf(HasSubstr("far.csv: no HIP touches the surface, and none comes nearer "
+                              "to its box than 37 m"),
+                    HasSubstr("if its numbers are millimetres, name the columns "
+                              "x_mm,y_mm,z_mm")));
+  EXPECT_THAT(told("run scene.toml --device replay:touching.csv --no-wait"),
+              Not(HasSubstr("no HIP touches")));
+}
+
+TEST_F(Slips, a_file_that_is_named_as_a_cache_and_is_none_ends_with_code_3) {
+  folder_.write("x.gliss", "hello\n");
+  EXPECT_THAT(refusal("info x.gliss", 3), HasSubstr("x.gliss: not a gliss cache"));
+}
+
+TEST_F(Slips, a_mesh_that_was_edited_after_its_cache_was_baked_is_said) {
+  namespace fs = std::filesystem;
+  told("bake torus.obj --unit mm -o torus.gliss");
+  EXPECT_THAT(told("info torus.gliss"), IsEmpty());
+  const auto later = fs::last_write_time(folder_ / "torus.gliss") + std::chrono::seconds(5);
+  fs::last_write_time(folder_ / "torus.obj", later);
+  EXPECT_THAT(told("info torus.gliss"), IsEmpty());  // written anew, but the same
+  save_obj(torus(24, 10).mesh, folder_ / "torus.obj");
+  fs::last_write_time(folder_ / "torus.obj", later);
+  EXPECT_THAT(told("info torus.gliss"),
+              HasSubstr("torus.obj has changed since torus.gliss was baked"));
+}
+
+// README and docs/cli.md promise these of all commands.
+TEST_F(Slips, every_command_has_the_options_that_all_share_and_no_device_that_it_does_not_use) {
+  const std::set<std::string> computing{"bake", "check",   "compare", "eval", "generate knot",
+                                        "info", "project", "sweep",   "trace"};
+  for (const std::string command :
+       {"bake", "check", "compare", "devices", "eval", "generate knot", "info", "judge", "project",
+        "report", "run", "serve", "sweep", "trace"}) {
+    SCOPED_TRACE(command);
+    const std::string help = run(command + " --help").out;
+    EXPECT_THAT(help,
+                AllOf(HasSubstr("--json "), HasSubstr("--quiet "), HasSubstr("Example: gliss ")));
+    EXPECT_EQ(help.find("--threads ") != help.npos,
+              computing.contains(command) || command == "run");
+    EXPECT_EQ(help.find("--opencl-device ") != help.npos, computing.contains(command));
+  }
+}
+
+TEST_F(Slips, the_old_name_of_the_opencl_device_is_said_to_go) {
+  EXPECT_THAT(refusal("info torus.obj --unit mm --opencl-device 0"),
+              HasSubstr("--opencl-device and --device-memory ask for --backend opencl"));
+  EXPECT_THAT(run("info torus.obj --unit mm --backend auto --device none").err,
+              HasSubstr("--device: the OpenCL device is --opencl-device now"));
+}
+
+}  // namespace
+}  // namespace gliss

@@ -1,0 +1,125 @@
+#include "tools/cli/slips.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <limits>
+
+#include "gliss/files/mesh_file.h"
+#include "tools/cli/interrupt.h"
+#include "tools/cli/terminal.h"
+#include "tools/cli/watch.h"
+
+namespace gliss::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kHouse = 10, kUnseen = 1e-4;  // m
+constexpr double kSoft = 5;                    // N/m
+
+double diagonal_of(const Box& box) { return (box.high - box.low).norm(); }
+
+Box box_of(std::span<const Vec3> points) {
+  Box box{points.front(), points.front()};
+  for (const Vec3& p : points) {
+    box.low = box.low.cwiseMin(p);
+    box.high = box.high.cwiseMax(p);
+  }
+  return box;
+}
+
+// How far a point is from a box.
+double distance(const Vec3& p, const Box& box) {
+  return (p - p.cwiseMax(box.low).cwiseMin(box.high)).norm();
+}
+
+double least_distance(std::span<const Vec3> points, std::span<const Box> boxes) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Vec3& p : points) {
+    for (const Box& box : boxes) least = std::min(least, distance(p, box));
+  }
+  return least;
+}
+
+std::string length_text(double metres) {
+  if (metres >= 1) return fmt::format("{:.3g} m", metres);
+  if (metres >= 1e-3) return fmt::format("{:.3g} mm", metres * 1e3);
+  return fmt::format("{:.3g} um", metres * 1e6);
+}
+
+}  // namespace
+
+void tell_odd_size(const SurfaceOptions& options, const Mesh& mesh) {
+  if (options.quiet || mesh.positions.empty()) return;
+  const double across = diagonal_of(box_of(mesh.positions)) * mesh.unit;
+  if (across > kHouse && !options.has_unit) {
+    tell(fmt::format("gliss: {} is {} across: '--unit mm' if its coordinates are millimetres\n",
+                     options.surface, length_text(across)));
+  } else if (across < kUnseen) {
+    tell(fmt::format("gliss: {} is {} across: is '--unit {}' right?\n", options.surface,
+                     length_text(across), unit_name(options.unit)));
+  }
+}
+
+void tell_edited_mesh(const SurfaceOptions& options, const PatchCache& cache) {
+  // Of rounded and sharp ones the hash holds more than the file.
+  if (options.quiet || cache.crease_count > 0) return;
+  std::error_code none;
+  for (const char* ending : {".obj", ".off", ".ply"}) {
+    const fs::path mesh = fs::path(options.surface).replace_extension(ending);
+    const auto written = fs::last_write_time(mesh, none);
+    if (none || written <= fs::last_write_time(options.surface, none) || none) continue;
+    try {
+      const LoadOptions as_baked{.unit = cache.unit, .poll = stop_if_interrupted};
+      if (hash_of(gliss::load_mesh(mesh.string(), as_baked)) == cache.mesh_hash) continue;
+    } catch (const MeshError&) {
+    }
+    tell(
+        fmt::format("gliss: {} has changed since {} was baked, or is another mesh: 'gliss bake' "
+                    "makes the cache anew\n",
+                    mesh.string(), options.surface));
+  }
+}
+
+void tell_soft_spring(const ReportOptions& options, double stiffness, const std::string& name) {
+  if (options.quiet || !(stiffness < kSoft)) return;
+  tell(
+      fmt::format("gliss: {}: {:.4g} N/m gives {:.2g} N a millimetre, which no hand feels; a bare "
+                  "number is N/m, and '0.5N/mm' is usual\n",
+                  name, stiffness, stiffness * 1e-3));
+}
+
+void check_depths(const std::string& option, std::span<const double> depths,
+                  const PatchCache& cache) {
+  const double across = diagonal_of(cache.bounds()) * cache.unit;
+  for (const double depth : depths) {
+    if (depth <= across) continue;
+    throw InputError(
+        fmt::format("{}: a depth of {} is more than the {} that the surface is across; a bare "
+                    "number is metres, and '2mm' is two millimetres",
+                    option, length_text(depth), length_text(across)));
+  }
+}
+
+void tell_untouched(const ReportOptions& options, const std::string& path,
+                    std::span<const Vec3> hips, std::span<const Box> boxes,
+                    const std::string& columns) {
+  if (options.quiet || hips.empty() || boxes.empty()) return;
+  std::string text = fmt::format("gliss: {}: no HIP touches the surface", path);
+  const double apart = least_distance(hips, boxes);
+  if (apart > 0)
+    text += fmt::format(", and none comes nearer to its box than {}", length_text(apart));
+  for (const auto& [name, factor] : {std::pair{"millimetres", 1e-3}, std::pair{"metres", 1e3}}) {
+    std::vector<Vec3> other(hips.begin(), hips.end());
+    for (Vec3& p : other) p *= factor;
+    if (apart > 0 && least_distance(other, boxes) == 0) {
+      text += fmt::format("; if its numbers are {}, {}", name, columns);
+      break;
+    }
+  }
+  tell(text + "\n");
+}
+
+}  // namespace gliss::tools

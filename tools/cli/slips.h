@@ -1,0 +1,31 @@
+// Lines on stderr that name the cure of what is likely a slip. With --quiet nothing is said.
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "gliss/surface/patch_cache.h"
+#include "tools/cli/command.h"
+
+namespace gliss::tools {
+
+// A mesh of the size of a house, read without --unit, or one that no eye sees.
+void tell_odd_size(const SurfaceOptions& options, const Mesh& mesh);
+
+// A mesh file of the same name beside a cache that is not what the cache was baked from.
+void tell_edited_mesh(const SurfaceOptions& options, const PatchCache& cache);
+
+// A spring (N/m) that no hand feels, as of "0.5" for "0.5N/mm". `name` is whose it is.
+void tell_soft_spring(const ReportOptions& options, double stiffness, const std::string& name);
+
+// Throws InputError where a depth (m) is more than the surface is across.
+void check_depths(const std::string& option, std::span<const double> depths,
+                  const PatchCache& cache);
+
+// A path (m) none of whose HIPs has touched the surfaces in the boxes (m): how far off it was, and
+// in which unit it may be meant. `columns`: how its units are said.
+void tell_untouched(const ReportOptions& options, const std::string& path,
+                    std::span<const Vec3> hips, std::span<const Box> boxes,
+                    const std::string& columns);
+
+}  // namespace gliss::tools
