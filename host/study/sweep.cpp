@@ -400,9 +400,6 @@ class Sweeper {
   }
 
   static void append(SweepBlock& block, const Felt& felt, std::size_t p) {
-    const auto byte = [](std::uint32_t count) {
-      return static_cast<std::uint8_t>(std::min(count, 255u));
-    };
     const Touch& contact = felt.touches[p];
     const DomainPoint& at = felt.points[p];
     block.face.push_back(at.face);
@@ -412,9 +409,9 @@ class Sweeper {
     block.scp.push_back(contact.scp);
     block.force.push_back(contact.force);
     block.residual_angle.push_back(static_cast<float>(contact.residual_angle));
-    block.iterations.push_back(byte(static_cast<std::uint32_t>(contact.iterations)));
-    block.crossings.push_back(byte(static_cast<std::uint32_t>(contact.crossings)));
-    block.flags.push_back(byte(contact.flags));
+    block.iterations.push_back(static_cast<std::uint32_t>(contact.iterations));
+    block.crossings.push_back(static_cast<std::uint32_t>(contact.crossings));
+    block.flags.push_back(static_cast<std::uint8_t>(contact.flags));
   }
 
   static void merge(const std::vector<SweepStatistics>& from, std::vector<SweepStatistics>& to) {

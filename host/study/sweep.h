@@ -89,7 +89,8 @@ struct SweepBlock {
   std::vector<double> xi, eta;
   std::vector<Vec3> hip, scp, force;
   std::vector<float> residual_angle;
-  std::vector<std::uint8_t> iterations, crossings, flags;  // counts stop at 255
+  std::vector<std::uint32_t> iterations, crossings;
+  std::vector<std::uint8_t> flags;
 };
 
 // Blocks arrive in order (chunk, depth, method), always from one thread at a time; null: only

@@ -24,7 +24,7 @@
 namespace gliss {
 namespace {
 
-constexpr std::uint32_t kPartFormat = 3;
+constexpr std::uint32_t kPartFormat = 4;
 constexpr std::string_view kMagic = "GLSPART\n", kEnding = ".part";
 static_assert(std::is_trivially_copyable_v<SweepStatistics>);
 

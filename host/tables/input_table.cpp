@@ -8,6 +8,7 @@
 
 #include "gliss/tables/csv_reader.h"
 #include "gliss/tables/hdf5_reader.h"
+#include "gliss/tables/npy_reader.h"
 
 namespace gliss {
 namespace {
@@ -113,6 +114,7 @@ class TableColumns {
 bool is_hdf5(const std::string& path) { return path.ends_with(".h5") || path.ends_with(".hdf5"); }
 
 InputTable read_table(const std::string& path, const TableRequest& request) {
+  if (is_npy(path)) return read_npy(path, request);
   if (!is_hdf5(path)) return read_csv(path, request);
   try {
     return TableColumns(path, request).take();

@@ -12,9 +12,10 @@ namespace gliss {
 std::unique_ptr<ResultFile> create_result_file(const std::string& path) {
   const std::string ending = std::filesystem::path(path).extension().string();
   if (ending == ".h5" || ending == ".hdf5") return create_hdf5_file(path);
+  if (ending == ".npy") return create_npy_file(path);
   if (ending == ".csv" || path == "-") return create_csv_file(path);
   throw std::runtime_error(
-      fmt::format("cannot write '{}': results are .h5, .hdf5 or .csv files", path));
+      fmt::format("cannot write '{}': results are .h5, .hdf5, .npy or .csv files", path));
 }
 
 std::size_t block_rows(const std::vector<Column>& columns, std::span<const ColumnData> block) {

@@ -1,5 +1,5 @@
-// Tables of figures on their way to a file: HDF5 (self-describing) or CSV, chosen by the file's
-// ending.
+// Tables of figures on their way to a file: HDF5 (self-describing), CSV or NumPy's .npy,
+// chosen by the file's ending.
 #pragma once
 
 #include <cstddef>
@@ -29,7 +29,7 @@ using ColumnData =
                  std::span<const std::uint8_t>, std::span<const std::string>>;
 
 // A fact about a whole file: command line, version, mesh hash, units. Written as HDF5
-// attributes of the root group; left out of CSV, whose first line is its header.
+// attributes of the root group; left out of CSV, whose first line is its header, and of .npy.
 struct Attribute {
   std::string name;
   std::variant<std::string, double, std::int64_t> value;
@@ -43,7 +43,7 @@ class GLISS_EXPORT ResultFile {
   using TableId = std::size_t;
   virtual ~ResultFile() = default;
   // `table` is a path such as "sweep/depth_2mm/gregory" (an HDF5 group with a 1-D dataset per
-  // column). A CSV file holds one table. Rows are appended in order. expected_rows = 0: unknown.
+  // column). A CSV or .npy file holds one table. Rows are appended in order. expected_rows = 0: unknown.
   virtual TableId add_table(const std::string& table, const std::vector<Column>& columns,
                             const std::vector<Attribute>& attributes = {},
                             std::uint64_t expected_rows = 0) = 0;
@@ -54,9 +54,9 @@ class GLISS_EXPORT ResultFile {
 
 // .h5 and .hdf5: HDF5, and behind its end a checksum (file_seal.h); .csv: CSV with the fewest
 // digits that read back as the same bits (at most 17 for float64, 9 for float32), "-": CSV on
-// standard output. Throws std::runtime_error that names the file on any failure (also a full disk:
+// standard output; .npy: one structured array, texts as bytes (S64). Throws std::runtime_error that names the file on any failure (also a full disk:
 // every return value is checked), std::logic_error on blocks that do not fit their table and on
-// texts that do not fit an HDF5 column.
+// texts that do not fit a column of HDF5 or .npy.
 GLISS_EXPORT std::unique_ptr<ResultFile> create_result_file(const std::string& path);
 
 }  // namespace gliss

@@ -7,6 +7,7 @@ namespace gliss {
 
 std::unique_ptr<ResultFile> create_hdf5_file(const std::string& path);
 std::unique_ptr<ResultFile> create_csv_file(const std::string& path);
+std::unique_ptr<ResultFile> create_npy_file(const std::string& path);
 
 // Rows of a block that fits the columns in number, types and lengths; throws std::logic_error
 // otherwise.

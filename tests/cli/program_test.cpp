@@ -421,6 +421,27 @@ TEST_F(Program, MeshesAreMendedAndEveryCommandSaysSoInOneLine) {
   EXPECT_THAT(run("bake bad.obj -o bad.gliss --weld -1").err, HasSubstr("'none' welds nothing"));
 }
 
+TEST_F(Program, ForcesAndColumnsComeWithNearestPoints) {
+  folder_.write("some.csv", "time,x_mm,y_mm,z_mm,id\n0.5,60,0,0,7\n0.25,58,1,0,9\n");
+  const std::string words = "project knot.obj --unit mm --hip some.csv ";
+  EXPECT_EQ(header_of(output_of(words + "--stiffness 0.5N/mm --keep id,time")),
+            std::string(kProjectHeader) + ",fx,fy,fz,id,time");
+  EXPECT_EQ(header_of(output_of(words)), kProjectHeader);
+  EXPECT_THAT(run(words + "--keep name").err, HasSubstr("--keep: some.csv has no column 'name'"));
+  // Through NumPy's format and back they are the same doubles.
+  output_of("project knot.obj --unit mm --hip some.csv --keep id -o near.npy");
+  output_of("project knot.obj --unit mm --hip some.csv --keep id -o near.csv");
+  for (const char* file : {"near.npy", "near.csv"}) {
+    const InputTable table =
+        read_table(folder_ / file, {.alternatives = {{"x", "distance"}}, .optional = {"id"}});
+    EXPECT_EQ(table.rows, 2u);
+    EXPECT_EQ((*table.find("id"))[1], 9);
+    EXPECT_EQ(*table.find("distance"),
+              *read_table(folder_ / "near.csv", {.alternatives = {{"distance"}}}).find("distance"));
+  }
+  EXPECT_EQ(json_of("eval knot.obj --unit mm --at points.csv -o points.npy")["points"], 4);
+}
+
 TEST_F(Program, CreasesAreListedAndKept) {
   output_of("generate cube -o cube.obj");
   folder_.write("edges.txt", "0 1\n");
@@ -526,13 +547,13 @@ for depth, name in ((2, 'depth_2mm'), (4.5, 'depth_4.5mm')):
     for method in ('gregory', 'shaded', 'flat'):
         g = f[name][method]
         assert g['patch'].shape == (144 * 4 * 6,) and g['patch'][-1] == 143
-        assert g['hip_x'].dtype == 'f8' and g['fx'].dtype == 'f4'
+        assert g['hip_x'].dtype == 'f8' and g['fx'].dtype == 'f8'
         assert text(g['hip_x'].attrs['unit']) == 'mm' and text(g['fx'].attrs['unit']) == 'N'
         assert numpy.isfinite(g['scp_z']).all()
         assert g['histogram']['residual'][:].sum() == len(g['patch'])
     g = f[name]['gregory']
-    force = numpy.sqrt(sum(g[c][:].astype('f8')**2 for c in ('fx', 'fy', 'fz')))
-    assert abs(force - 0.5 * depth).max() < 1e-6, force
+    force = numpy.sqrt(sum(g[c][:]**2 for c in ('fx', 'fy', 'fz')))
+    assert abs(force - 0.5 * depth).max() < 1e-8, force
 assert f['statistics']['samples'][0] == 144 * 4 * 6 and len(f['statistics']['depth']) == 6
 )");
   const std::string command = fmt::format("cd '{}' && /usr/bin/python3 read.py", folder_ / "");

@@ -57,9 +57,8 @@ inline std::string swept(const PatchCache& cache, const Engine& engine, const Sw
     for (const auto* numbers : {&block.xi, &block.eta}) append(bytes, *numbers);
     for (const auto* vectors : {&block.hip, &block.scp, &block.force}) append(bytes, *vectors);
     append(bytes, block.residual_angle);
-    for (const auto* counts : {&block.iterations, &block.crossings, &block.flags}) {
-      append(bytes, *counts);
-    }
+    for (const auto* counts : {&block.iterations, &block.crossings}) append(bytes, *counts);
+    append(bytes, block.flags);
   };
   const SweepResult result = sweep(cache, engine, options, sink, progress, parts);
   for (const SweepStatistics& s : result.statistics) {

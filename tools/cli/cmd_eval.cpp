@@ -15,6 +15,7 @@ namespace {
 
 struct EvalOptions : TableOptions {
   std::string points;
+  std::vector<std::string> keep;
 };
 
 void describe(Command& command, EvalOptions& options) {
@@ -22,6 +23,7 @@ void describe(Command& command, EvalOptions& options) {
   add_input_option(command, "--at", options.points,
                    "points: columns patch,xi,eta; a patch is the number of its face, from 0");
   add_output_option(command, options.output, "table to write; CSV on standard output without it");
+  add_keep_option(command, options.keep);
 }
 
 // The table keeps xi and eta.
@@ -36,10 +38,12 @@ struct DomainPoints {
   }
 };
 
-DomainPoints read_domain_points(const std::string& path, const PatchCache& cache) {
+DomainPoints read_domain_points(const EvalOptions& options, const PatchCache& cache) {
   DomainPoints points;
-  points.table =
-      read_table(path, {.alternatives = {{"patch", "xi", "eta"}}, .poll = stop_if_interrupted});
+  points.table = read_table(options.points, {.alternatives = {{"patch", "xi", "eta"}},
+                                             .optional = options.keep,
+                                             .poll = stop_if_interrupted});
+  check_kept(options.keep, points.table, options.points);
   const InputTable& table = points.table;
   const auto &patch = *table.find("patch"), &xi = *table.find("xi"), &eta = *table.find("eta");
   const auto refuse = [&](std::size_t row, const std::string& problem) {
@@ -79,17 +83,17 @@ void run(const EvalOptions& options) {
   check_outputs({options.output}, {options.surface, options.points});
   const auto engine = make_engine(options);
   const PatchCache cache = open_surface(options, *engine);
-  const DomainPoints points = read_domain_points(options.points, cache);
+  const DomainPoints points = read_domain_points(options, cache);
   const UnitChange length(cache.unit, options.unit);
   const auto file = create_described_file(options.output, cache, options);
-  ResultTable table(
-      *file, "",
-      Columns()
-          .add({"patch"}, ColumnType::kUint32)
-          .add({"xi", "eta"})
-          .add({"x", "y", "z", "dxi_x", "dxi_y", "dxi_z", "deta_x", "deta_y", "deta_z"},
-               ColumnType::kFloat64, unit_name(options.unit))
-          .add({"nx", "ny", "nz"}));
+  Columns columns;
+  columns.add({"patch"}, ColumnType::kUint32)
+      .add({"xi", "eta"})
+      .add({"x", "y", "z", "dxi_x", "dxi_y", "dxi_z", "deta_x", "deta_y", "deta_z"},
+           ColumnType::kFloat64, unit_name(options.unit))
+      .add({"nx", "ny", "nz"});
+  ResultTable table(*file, "", add_kept(columns, options.keep));
+  const Stopwatch clock;
   const auto surface = engine->reside(cache);
   for_blocks(options, "eval", points.table.rows, "points", [&](std::size_t begin, std::size_t end) {
     const std::size_t rows = end - begin;
@@ -106,9 +110,13 @@ void run(const EvalOptions& options) {
         for (double& x : column) x = length(x);
       }
     }
+    fill_kept(table, options.keep, points.table, begin, end);
     table.write();
   });
   file->close();
+  const double seconds = clock.seconds();
+  report(options, fmt::format("{} points, {:.2f} s\n", points.table.rows, seconds),
+         {{"points", points.table.rows}, {"seconds", seconds}}, options.output == "-");
 }
 
 }  // namespace

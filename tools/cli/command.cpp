@@ -122,9 +122,9 @@ void add_surface_options(Command& command, SurfaceOptions& options, const std::s
 
 void add_output_option(Command& command, std::string& output, const std::string& description) {
   command.option({"-o,--output", "FILE", description}, [&output](const std::string& path) {
-    const bool known =
-        path == "-" || path.ends_with(".csv") || path.ends_with(".h5") || path.ends_with(".hdf5");
-    if (!known) throw InputError(fmt::format("'{}' must end in .csv, .h5 or .hdf5", path));
+    const bool known = path == "-" || path.ends_with(".csv") || path.ends_with(".h5") ||
+                       path.ends_with(".hdf5") || path.ends_with(".npy");
+    if (!known) throw InputError(fmt::format("'{}' must end in .csv, .npy, .h5 or .hdf5", path));
     output = path;
   });
 }
@@ -145,12 +145,15 @@ void check_input(const std::string& name, const std::string& path) {
   if (is_directory(status)) throw InputError(fmt::format("{}: '{}' is a folder", name, path));
 }
 
+double positive_stiffness(const std::string& text) {
+  const double stiffness = parse_stiffness(text);
+  if (!(stiffness > 0)) throw InputError("--stiffness must be positive");
+  return stiffness;
+}
+
 void add_stiffness_option(Command& command, double& stiffness) {
   command.option({"--stiffness", "STIFFNESS", "force over depth; default 0.5N/mm"},
-                 [&stiffness](const std::string& text) {
-                   stiffness = parse_stiffness(text);
-                   if (!(stiffness > 0)) throw InputError("--stiffness must be positive");
-                 });
+                 [&stiffness](const std::string& text) { stiffness = positive_stiffness(text); });
 }
 
 void add_solver_options(Command& command, SolverOptions& options) {

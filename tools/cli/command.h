@@ -76,6 +76,7 @@ void add_input_option(Command& command, const std::string& name, std::string& pa
                       const std::string& description);
 // Throws InputError where it is no file that can be read.
 void check_input(const std::string& name, const std::string& path);
+double positive_stiffness(const std::string& text);  // N/m, of --stiffness
 void add_stiffness_option(Command& command, double& stiffness);
 // --settle TIME; `settle` is in ticks of 1 ms.
 void add_settle_option(Command& command, double& settle);

@@ -62,6 +62,34 @@ Mesh load_mesh(const SurfaceOptions& options, std::vector<Finding>& findings) {
                           &findings);
 }
 
+void add_keep_option(Command& command, std::vector<std::string>& names) {
+  command.option({"--keep", "LIST", "columns of numbers to carry along, as time,id"},
+                 [&names](const std::string& text) {
+                   names = parse_list("--keep", text, [](const std::string& name) { return name; });
+                 });
+}
+
+Columns& add_kept(Columns& columns, const std::vector<std::string>& names) {
+  for (const std::string& name : names) columns.add({name.c_str()});
+  return columns;
+}
+
+void fill_kept(ResultTable& table, const std::vector<std::string>& names, const InputTable& from,
+               std::size_t begin, std::size_t end) {
+  for (const std::string& name : names) {
+    const std::vector<double>& values = *from.find(name);
+    table.fill(end - begin, [&](std::size_t i) { return values[begin + i]; });
+  }
+}
+
+void check_kept(const std::vector<std::string>& names, const InputTable& table,
+                const std::string& path) {
+  for (const std::string& name : names) {
+    if (table.find(name) == nullptr)
+      throw InputError(fmt::format("--keep: {} has no column '{}'", path, name));
+  }
+}
+
 void round_creases(const SurfaceOptions& options, Mesh& mesh) {
   if (options.crease_radius > 0) gliss::round_creases(mesh, options.crease_radius);
 }

@@ -24,6 +24,16 @@ Mesh load_mesh(const SurfaceOptions& options, std::vector<Finding>& findings);
 // "removed faces 3,7, those behind have moved up", or "" where none is.
 std::string removed_text(const Mesh& mesh);
 
+// --keep LIST: columns of numbers that go from the table that is read to the one that is written.
+void add_keep_option(Command& command, std::vector<std::string>& names);
+// The rows [begin, end) of those columns; behind all others.
+Columns& add_kept(Columns& columns, const std::vector<std::string>& names);
+void fill_kept(ResultTable& table, const std::vector<std::string>& names, const InputTable& from,
+               std::size_t begin, std::size_t end);
+// Throws InputError for the first that the table has not.
+void check_kept(const std::vector<std::string>& names, const InputTable& table,
+                const std::string& path);
+
 // Rounds the marked creases where the options say so.
 void round_creases(const SurfaceOptions& options, Mesh& mesh);
 

@@ -18,9 +18,10 @@ Columns sample_columns(bool single, ColumnType real, const std::string& unit) {
   return columns.add({"patch"}, ColumnType::kUint32)
       .add({"xi", "eta"}, real)
       .add({"hip_x", "hip_y", "hip_z", "scp_x", "scp_y", "scp_z"}, real, unit)
-      .add({"fx", "fy", "fz"}, ColumnType::kFloat32, "N")
+      .add({"fx", "fy", "fz"}, real, "N")
       .add({"residual_angle"}, ColumnType::kFloat32, "rad")
-      .add({"iterations", "crossings", "flags"}, ColumnType::kUint8);
+      .add({"iterations", "crossings"}, ColumnType::kUint32)
+      .add({"flags"}, ColumnType::kUint8);
 }
 
 std::string group_name(const SweepOptions& sweep, std::size_t kind) {
@@ -35,7 +36,7 @@ SampleFile::SampleFile(const std::string& path, const PatchCache& cache, const S
     : sweep_(sweep),
       length_(cache.unit, options.unit),
       unit_(options.unit),
-      single_(path == "-" || path.ends_with(".csv")),
+      single_(path == "-" || path.ends_with(".csv") || path.ends_with(".npy")),
       file_(create_described_file(path, cache, options)) {
   file_->set_attribute({"stiffness_N_per_m", sweep.stiffness});
   file_->set_attribute({"rings", static_cast<std::int64_t>(sweep.rings)});
