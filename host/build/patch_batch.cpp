@@ -19,6 +19,7 @@ ValenceTables make_valence_tables(std::span<const char> used) {
   t.domain_begin.assign(used.size(), 0);
   t.probe_begin.assign(used.size(), 0);
   t.probe_count.assign(used.size(), 0);
+  t.cuts.resize(used.size());
   for (std::uint32_t n = 3; n < used.size(); ++n) {
     if (!used[n]) continue;
     append_domain(n, t.domain, t.domain_begin);
@@ -26,6 +27,7 @@ ValenceTables make_valence_tables(std::span<const char> used) {
     t.probe_begin[n] = static_cast<std::uint32_t>(t.probe.size());
     t.probe.resize(t.probe.size() + k.probe_reals(n));
     k.fill_probes(n, t.domain_of(n), &t.probe[t.probe_begin[n]]);
+    t.cuts[n] = tile_cuts_of(n);
   }
   return t;
 }

@@ -10,6 +10,7 @@
 
 #include "gliss/base/export.h"
 #include "gliss/base/parallel.h"
+#include "gliss/build/tile_cuts.h"
 
 namespace gliss {
 
@@ -20,6 +21,7 @@ struct ValenceTables {
   std::vector<std::uint32_t> domain_begin;  // [valence]
   std::vector<std::uint32_t> probe_begin;   // [valence], xi of all and then eta of all
   std::vector<std::uint32_t> probe_count;  // [valence], points; rows are longer (kernels/examine.h)
+  std::vector<std::vector<TileCut>> cuts;  // [valence]
 
   const double* domain_of(std::uint32_t n) const { return &domain[domain_begin[n]]; }
   const double* probes_of(std::uint32_t n) const { return &probe[probe_begin[n]]; }

@@ -153,6 +153,22 @@ struct Kernels {
   void (*examine)(const Real* domain, const Real* probes, std::uint32_t count, const Real* control,
                   std::uint32_t form, const Real* corners, const std::uint32_t* triangles,
                   const Real* frame, std::uint32_t n, Real* shape);
+  // In double only, null else: a patch is cut into tiles (kernels/cut.h) from samples at `count`
+  // points, `at` xi of all and eta of all, along its frame: rows [kCutRows][count]. Counts of
+  // samples and tiles are multiples of kCutPad. Returns the largest squared length of G_xi and
+  // G_eta.
+  Real (*sample)(const Real* domain, const Real* control, std::uint32_t form, const Real* frame,
+                 std::uint32_t n, const Real* at, std::uint32_t count, Real* rows);
+  // The least cosine between a normal of a tile and their mean; index [points][tiles]: samples.
+  Real (*least_cosine)(const Real* rows, std::uint32_t stride, const std::uint32_t* index,
+                       std::uint32_t points, std::uint32_t tiles);
+  // Tiles, from samples [kCutPoints][tiles]: rows [kCutOutRows][tiles], the first kTileUints of
+  // them their words. `transforms` [8][tiles]; box: low and high. Returns the largest curvature,
+  // `curvature` at least; relative to one, add_curves then completes the words.
+  Real (*cut)(const Real* rows, std::uint32_t stride, const std::uint32_t* index,
+              const Real* transforms, std::uint32_t tiles, const Real* box, Real stretch2,
+              Real curvature, Real* out);
+  void (*add_curves)(Real* out, std::uint32_t tiles, Real curvature);
   // Surface normal (not unit) along side data at t: n_c of eq. 10.
   void (*side_normal)(const Real* side, Real t, Real* out);
   // Global: the nearest point of each of `count` HIPs for each of the methods, which share the

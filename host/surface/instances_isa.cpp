@@ -40,6 +40,12 @@ namespace instance {
 
 namespace gliss::GLISS_ISA {
 
+#if GLISS_BITS == 64
+#define GLISS_IN_DOUBLE(f) f
+#else
+#define GLISS_IN_DOUBLE(f) nullptr
+#endif
+
 const Kernels<GLISS_SCALAR>& GLISS_TABLE() {
   static const Kernels<GLISS_SCALAR> table = {
       GLISS_STRING(GLISS_ISA),
@@ -66,6 +72,10 @@ const Kernels<GLISS_SCALAR>& GLISS_TABLE() {
       instance::place_points<double>,
       instance::place_points<float>,
       instance::wide::shape_of,
+      GLISS_IN_DOUBLE(instance::wide::sample),
+      GLISS_IN_DOUBLE(instance::wide::least_cosine_of),
+      GLISS_IN_DOUBLE(instance::wide::cut),
+      GLISS_IN_DOUBLE(instance::wide::add_curves),
       instance::side_normal_at,
       instance::nearest_each,
       instance::track_each,
