@@ -31,6 +31,8 @@ struct Chunk {
   PatchBatch batch;
   std::vector<PatchFrame> frame;        // [patch of the batch]
   std::vector<std::uint32_t> in_batch;  // [face of the chunk], its patch there; kNone: none
+  std::vector<PatchDraft> single;       // [face of the chunk], of those not in the batch
+  std::vector<DraftedFace> drafted;     // [face of the chunk]
 };
 
 // A patch as it goes into the cache.
@@ -82,15 +84,12 @@ class CacheBuilder {
 
   PatchCache build(BuildReport* report) {
     set_frame();
-    drafted_.resize(faces_.size());
     if (!base_only_) {
       make_tables();
       if (options_.level.construction == Construction::kFair)
         fair_.emplace(mesh_frame(), topology_, faces_, backend_.parallel);
-      draft_faces();
     }
-    if (report != nullptr) *report = report_of();
-    layout_ = lay_out(mesh_, topology_, faces_, drafted_, cache_);
+    layout_ = empty_layout(mesh_, cache_);
     if (options_.precision == Precision::kFloat) {
       cache_.surface.emplace<0>();
       fill(std::get<0>(cache_.surface));
@@ -98,6 +97,7 @@ class CacheBuilder {
       cache_.surface.emplace<1>();
       fill(std::get<1>(cache_.surface));
     }
+    if (report != nullptr) *report = std::move(report_);
     if (options_.like == nullptr) find_open_parts(cache_);
     return std::move(cache_);
   }
@@ -184,26 +184,27 @@ class CacheBuilder {
 
   // Calls body(chunk) for all faces, in order, with the paper's patches of those that need them.
   template <class Body>
-  void for_chunks(BatchStep step, Body body) {
+  void for_chunks(Body body) {
     Chunk c;
     c.batch.tables = &tables_;
     std::vector<std::uint32_t> valences;
     for (c.first = 0; c.first < faces_.size(); c.first += c.count) {
       c.count = std::min(backend_.chunk, faces_.size() - c.first);
       c.in_batch.assign(c.count, kNone);
+      c.drafted.assign(c.count, {});
       valences.clear();
       for (std::size_t i = 0; i < c.count; ++i) {
-        const bool is_drafted = !base_only_ && is_single(faces_[c.first + i]);
-        if (is_drafted || !drafted_[c.first + i].tamer.empty()) continue;
+        if (!base_only_ && is_single(faces_[c.first + i])) continue;
         c.in_batch[i] = static_cast<std::uint32_t>(valences.size());
         valences.push_back(cache_.face_valence[faces_[c.first + i]]);
       }
+      c.single.resize(valences.size() < c.count ? c.count : 0);
       c.batch.resize(valences);
       c.frame.resize(valences.size());
       for_faces(c, [&](std::size_t i) {
         if (c.in_batch[i] != kNone) place(c, c.in_batch[i], faces_[c.first + i]);
       });
-      if (!base_only_ && c.batch.size() > 0) backend_.build(c.batch, step, backend_.parallel);
+      if (!base_only_ && c.batch.size() > 0) backend_.build(c.batch, backend_.parallel);
       body(c);
     }
   }
@@ -224,20 +225,21 @@ class CacheBuilder {
     c.frame[p].store(&b.frame[p * kFrameReals]);
   }
 
-  void draft_faces() {
-    for_chunks(BatchStep::kExamine, [&](const Chunk& c) {
-      for_faces(c, [&](std::size_t i) {
-        const std::uint32_t face = faces_[c.first + i], p = c.in_batch[i];
-        if (p == kNone) {
-          const PatchDraft patch = draft(face_of(face));
-          judge(face, examine(patch, tables_), patch.soundness, drafted_[c.first + i]);
-        } else {
-          judge(face, shape_from(&c.batch.shape[p * kShapeReals], c.batch.valence(p)),
-                c.batch.soundness[p], drafted_[c.first + i]);
-        }
-      });
-      backend_.progress(c.first + c.count);
+  // Examines the patches of a chunk and finds tamer ones.
+  void judge_faces(Chunk& c) {
+    if (base_only_) return;
+    for_faces(c, [&](std::size_t i) {
+      const std::uint32_t face = faces_[c.first + i], p = c.in_batch[i];
+      DraftedFace& drafted = c.drafted[i];
+      if (p == kNone) {
+        c.single[i] = draft(face_of(face));
+        judge(face, examine(c.single[i], tables_), c.single[i].soundness, drafted);
+      } else {
+        judge(face, shape_from(&c.batch.shape[p * kShapeReals], c.batch.valence(p)),
+              c.batch.soundness[p], drafted);
+      }
     });
+    report(c);
   }
 
   static PatchDraft draft(const FaceCorners& face) {
@@ -258,61 +260,59 @@ class CacheBuilder {
     d.tamer = draft_tamer(corners, std::move(patch), tables_);
   }
 
-  BuildReport report_of() const {
-    BuildReport report;
-    for (std::size_t i = 0; i < faces_.size(); ++i) {
-      const DraftedFace& d = drafted_[i];
+  void report(const Chunk& c) {
+    for (std::size_t i = 0; i < c.count; ++i) {
+      const DraftedFace& d = c.drafted[i];
       if (!d.flagged()) continue;
-      report.flagged_faces.push_back(faces_[i]);
-      report.folded += d.folded;
-      report.degenerate += d.degenerate;
+      report_.flagged_faces.push_back(faces_[c.first + i]);
+      report_.folded += d.folded;
+      report_.degenerate += d.degenerate;
       if (d.tamer.empty()) continue;
       const bool bent = std::any_of(d.tamer.begin(), d.tamer.end(),
                                     [](const PatchDraft& p) { return p.kind == PatchKind::kBent; });
-      ++(bent ? report.bent : d.tamer.size() > 1 ? report.split : report.eased);
+      ++(bent ? report_.bent : d.tamer.size() > 1 ? report_.split : report_.eased);
     }
-    return report;
   }
 
   template <class Real>
   void fill(Surface<Real>& s) {
-    const std::size_t sides = layout_.side_twin.size(), patches = cache_.patch_count();
+    if (!base_only_) s.tile_begin.push_back(0);
+    std::vector<Box> boxes;
+    for_chunks([&](Chunk& c) {
+      judge_faces(c);
+      store_chunk(c, s, boxes);
+      backend_.progress(c.first + c.count);
+    });
+    const std::uint32_t patches = cache_.patch_count();
+    join_sides(mesh_, topology_, faces_, cache_, layout_);
     s.side_begin = std::move(layout_.side_begin);
     s.side_twin = std::move(layout_.side_twin);
-    s.side_patch.resize(sides);
+    s.side_patch.resize(s.side_twin.size());
     for (std::uint32_t p = 0; p < patches; ++p) {
       for (std::uint32_t side = s.side_begin[p]; side < s.side_begin[p + 1]; ++side)
         s.side_patch[side] = p;
     }
-    s.control_begin.resize(patches);
-    s.form.resize(patches);
-    if (!base_only_ && options_.level.kind == Level::kExact) s.control.reserve(exact_reals());
-    s.corner.resize(sides * 6);
-    s.patch.resize(patches * kPatchReals);
-    s.tile_begin.assign(patches + 1, 0);
-    s.triangle.resize(3 * (sides - 2 * patches));
-    cache_.rho_min.resize(patches);
     fill_domain(s);
-    std::vector<Box> boxes(patches);
-    for_chunks(BatchStep::kControl, [&](const Chunk& c) { store_chunk(c, s, boxes); });
-    s.control.shrink_to_fit();
-    s.tile.shrink_to_fit();
-    if (!base_only_) free_sharp_sides(s, backend_.parallel);
+    if (base_only_) {
+      s.control_begin.assign(patches, 0);
+      s.tile_begin.assign(patches + 1, 0);
+    } else {
+      free_sharp_sides(s, backend_.parallel);
+    }
     build_hierarchy(boxes, s.node, s.child, backend_.parallel);
     find_parts(boxes, s, [&] { backend_.progress(faces_.size()); });
   }
 
-  // Numbers of all control data, unless a level replaces them.
-  std::size_t exact_reals() const {
-    const Kernels<double>& k = kernels<double>();
-    std::size_t sum = 0;
-    for (std::size_t i = 0; i < faces_.size(); ++i) {
-      const std::vector<PatchDraft>& tamer = drafted_[i].tamer;
-      const std::uint32_t n = cache_.face_valence[faces_[i]];
-      if (tamer.empty()) sum += k.control_reals(is_fair(faces_[i]) ? fair_form(n) : kFormPaper, n);
-      for (const PatchDraft& d : tamer) sum += d.control.size();
+  // Resizes an array of the surface when all patches up to face `done` of faces_ are known. If it
+  // has to move it gets room for what the other faces will need, should they be like those: pages
+  // that are not used cost nothing.
+  template <class Array>
+  void grow(Array& array, std::size_t size, std::size_t done) const {
+    if (size > array.capacity()) {
+      const double others = static_cast<double>(faces_.size() - done) / static_cast<double>(done);
+      array.reserve(size + static_cast<std::size_t>(1.0625 * others * static_cast<double>(size)));
     }
-    return sum;
+    array.resize(size);
   }
 
   template <class Real>
@@ -330,51 +330,58 @@ class CacheBuilder {
   }
 
   template <class Real>
-  void store_chunk(const Chunk& c, Surface<Real>& s, std::vector<Box>& boxes) {
-    const std::uint32_t first = cache_.face_patch[faces_[c.first]];
-    const std::size_t next = c.first + c.count;
-    const std::uint32_t last =
-        next < faces_.size() ? cache_.face_patch[faces_[next]] : cache_.patch_count();
-    std::vector<FinishedPatch> finished(last - first);
-    // [face of the chunk], of single ones.
-    std::vector<PatchDraft> single(fair_ || !mesh_.tangents.empty() ? c.count : 0);
+  void store_chunk(Chunk& c, Surface<Real>& s, std::vector<Box>& boxes) {
+    const std::uint32_t first = cache_.patch_count();
+    number_patches(mesh_, {&faces_[c.first], c.count}, c.drafted, cache_, layout_);
+    std::vector<FinishedPatch> finished(cache_.patch_count() - first);
     for_faces(c, [&](std::size_t i) {
-      finish_face(c, i, single, &finished[cache_.face_patch[faces_[c.first + i]] - first]);
+      finish_face(c, i, &finished[cache_.face_patch[faces_[c.first + i]] - first]);
     });
     if (!base_only_) {
       backend_.parallel(finished.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) tile<Real>(finished[i]);
       });
     }
-    if (!base_only_) {
-      std::size_t end = s.control.size();
-      for (std::size_t i = 0; i < finished.size(); ++i) {
-        s.control_begin[first + i] = static_cast<std::uint32_t>(end / 3);
-        end += finished[i].real_count();
-      }
-      if (end / 3 >= kNone) throw MeshError(mesh_.source + ": too many sides for one cache");
-      s.control.resize(end);
-      for (std::size_t i = 0; i < finished.size(); ++i) {
-        const std::vector<std::uint32_t>& words = finished[i].tiles.words;
-        s.tile.insert(s.tile.end(), words.begin(), words.end());
-        if (s.tile.size() / kTileUints >= kNone)
-          throw MeshError(mesh_.source + ": too many sides for one cache");
-        s.tile_begin[first + i + 1] = static_cast<std::uint32_t>(s.tile.size() / kTileUints);
-      }
-    }
+    make_room(c, finished, s, boxes);
     backend_.parallel(finished.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
         store(finished[i], first + static_cast<std::uint32_t>(i), s, boxes);
     });
   }
 
-  // Finishes the patches of face i of a chunk, one after the other. A single one is drafted once
-  // more, into single[i]: to keep all drafts would take several times the memory of the cache.
-  void finish_face(const Chunk& c, std::size_t i, std::vector<PatchDraft>& single,
-                   FinishedPatch* out) const {
-    const std::uint32_t face = faces_[c.first + i], p = c.in_batch[i];
-    const DraftedFace& drafted = drafted_[c.first + i];
-    if (p != kNone) {
+  // Room for finished patches, after those before, in all arrays.
+  template <class Real>
+  void make_room(const Chunk& c, const std::vector<FinishedPatch>& finished, Surface<Real>& s,
+                 std::vector<Box>& boxes) {
+    const std::size_t done = c.first + c.count, patches = cache_.patch_count(),
+                      sides = layout_.side_begin.back(), before = patches - finished.size();
+    grow(boxes, patches, done);
+    grow(cache_.rho_min, patches, done);
+    grow(s.form, patches, done);
+    grow(s.patch, patches * kPatchReals, done);
+    grow(s.corner, sides * 6, done);
+    grow(s.triangle, 3 * (sides - 2 * patches), done);
+    if (base_only_) return;
+    grow(s.control_begin, patches, done);
+    grow(s.tile_begin, patches + 1, done);
+    std::size_t control = s.control.size(), tiles = s.tile.size() / kTileUints;
+    for (std::size_t i = 0; i < finished.size(); ++i) {
+      s.control_begin[before + i] = static_cast<std::uint32_t>(control / 3);
+      control += finished[i].real_count();
+      tiles += finished[i].tiles.words.size() / kTileUints;
+      if (control / 3 >= kNone || tiles >= kNone)
+        throw MeshError(mesh_.source + ": too many sides for one cache");
+      s.tile_begin[before + i + 1] = static_cast<std::uint32_t>(tiles);
+    }
+    grow(s.control, control, done);
+    grow(s.tile, tiles * kTileUints, done);
+  }
+
+  // Finishes the patches of face i of a chunk, one after the other.
+  void finish_face(Chunk& c, std::size_t i, FinishedPatch* out) const {
+    const std::uint32_t p = c.in_batch[i];
+    const DraftedFace& drafted = c.drafted[i];
+    if (p != kNone && drafted.tamer.empty()) {
       const PatchBatch& b = c.batch;
       *out = {b.valence(p),
               PatchKind::kPlain,
@@ -387,9 +394,8 @@ class CacheBuilder {
     }
     std::span<const PatchDraft> patches = drafted.tamer;
     if (patches.empty()) {
-      single[i] = draft(face_of(face));
-      single[i].shape = drafted.shape;
-      patches = {&single[i], 1};
+      c.single[i].shape = drafted.shape;
+      patches = {&c.single[i], 1};
     }
     for (const PatchDraft& d : patches) {
       *out = {d.valence(),     d.kind,           &d.frame,          d.shape,
@@ -427,13 +433,16 @@ class CacheBuilder {
   template <class Real>
   void store(const FinishedPatch& d, std::uint32_t patch, Surface<Real>& s,
              std::vector<Box>& boxes) {
-    const std::size_t first = s.side_begin[patch], n = d.valence;
+    const std::size_t first = layout_.side_begin[patch], n = d.valence;
     const auto narrow = [](const double* from, std::size_t count, Real* to) {
       for (std::size_t i = 0; i < count; ++i) to[i] = static_cast<Real>(from[i]);
     };
     s.form[patch] = d.form;
-    if (!base_only_)
+    if (!base_only_) {
       narrow(d.reals(), d.real_count(), &s.control[3 * std::size_t{s.control_begin[patch]}]);
+      std::copy(d.tiles.words.begin(), d.tiles.words.end(),
+                &s.tile[kTileUints * std::size_t{s.tile_begin[patch]}]);
+    }
     narrow(d.corner, n * 6, &s.corner[first * 6]);
     std::copy(d.triangle, d.triangle + 3 * (n - 2), &s.triangle[3 * (first - 2 * patch)]);
     Real* numbers = &s.patch[patch * kPatchReals];
@@ -463,8 +472,8 @@ class CacheBuilder {
   ValenceTables tables_;
   std::optional<FairSides> fair_;
   std::vector<std::uint32_t> faces_;
-  LargeArray<DraftedFace> drafted_;  // [faces_]
   PatchLayout layout_;
+  BuildReport report_;
 };
 
 }  // namespace

@@ -49,7 +49,7 @@ void PatchBatch::resize(std::span<const std::uint32_t> valences) {
   shape.resize(patches * kShapeReals);
 }
 
-void build_patches(PatchBatch& b, BatchStep step, const ParallelFor& parallel) {
+void build_patches(PatchBatch& b, const ParallelFor& parallel) {
   const Kernels<double>& k = kernels<double>();
   parallel(b.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t first = begin, last; first < end; first = last) {  // of one valence
@@ -59,7 +59,6 @@ void build_patches(PatchBatch& b, BatchStep step, const ParallelFor& parallel) {
       k.build_patches(&b.corner[side * 6], n, last - first, &b.control[side * kSideReals],
                       &b.soundness[first]);
     }
-    if (step == BatchStep::kControl) return;
     for (std::size_t p = begin; p < end; ++p) {
       const std::uint32_t n = b.valence(p);
       k.examine(b.tables->domain_of(n), b.tables->probes_of(n), b.tables->probe_count[n],

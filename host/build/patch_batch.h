@@ -42,7 +42,7 @@ struct GLISS_EXPORT PatchBatch {
   std::vector<double> corner;                // [side][2][3]: position (local frame), unit normal
   std::vector<std::uint32_t> triangle;       // [side_begin[p] - 2 p][3]
   std::vector<double> frame;  // [patch][kFrameReals]: unit normal, tangent of the base polygon
-  // Computed by a backend, as it is asked to:
+  // Computed by a backend:
   std::vector<double> control;    // [side][kSideReals]
   std::vector<double> soundness;  // [patch], of its weakest ribbon
   std::vector<double> shape;      // [patch][kShapeReals]
@@ -56,13 +56,11 @@ struct GLISS_EXPORT PatchBatch {
   void resize(std::span<const std::uint32_t> valences);
 };
 
-// A step of a batch: its control data, or its soundness and shapes.
-enum class BatchStep { kControl, kExamine };
-
-using BatchBuilder = std::function<void(PatchBatch&, BatchStep, const ParallelFor&)>;
+// Computes all that a batch has computed.
+using BatchBuilder = std::function<void(PatchBatch&, const ParallelFor&)>;
 
 // With the machine's best lanes.
-GLISS_EXPORT void build_patches(PatchBatch& batch, BatchStep step, const ParallelFor& parallel);
+GLISS_EXPORT void build_patches(PatchBatch& batch, const ParallelFor& parallel);
 
 // The backend that a build runs on.
 struct BuildBackend {
