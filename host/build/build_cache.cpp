@@ -24,17 +24,6 @@ namespace {
 // Faces that are built share nothing, so that they may be drafted in any order.
 constexpr std::size_t kGrain = 64;
 
-// faces_[first] to faces_[first + count - 1]. What the paper's construction makes of them is a
-// batch; the others have drafts of their own.
-struct Chunk {
-  std::size_t first = 0, count = 0;
-  PatchBatch batch;
-  std::vector<PatchFrame> frame;        // [patch of the batch]
-  std::vector<std::uint32_t> in_batch;  // [face of the chunk], its patch there; kNone: none
-  std::vector<PatchDraft> single;       // [face of the chunk], of those not in the batch
-  std::vector<DraftedFace> drafted;     // [face of the chunk]
-};
-
 // A patch as it goes into the cache.
 struct FinishedPatch {
   std::uint32_t valence;
@@ -49,6 +38,20 @@ struct FinishedPatch {
 
   const double* reals() const { return control.empty() ? drafted : control.data(); }
   std::size_t real_count() const { return kernels<double>().control_reals(form, valence); }
+};
+
+// faces_[first] to faces_[first + count - 1]. What the paper's construction makes of them is a
+// batch; the others have drafts of their own.
+struct Chunk {
+  std::size_t first = 0, count = 0;
+  PatchBatch batch;
+  std::vector<PatchFrame> frame;        // [patch of the batch]
+  std::vector<std::uint32_t> in_batch;  // [face of the chunk], its patch there; kNone: none
+  std::vector<PatchDraft> single;       // [face of the chunk], of those not in the batch
+  std::vector<DraftedFace> drafted;     // [face of the chunk]
+  // [face of the chunk], its own patch, or those that it becomes.
+  std::vector<FinishedPatch> plain;
+  std::vector<std::vector<FinishedPatch>> tamer;
 };
 
 // Lists the forms that a patch may have at a level. It takes the first in which it does not fold,
@@ -67,7 +70,7 @@ PatchShape base_shape(const PatchBatch& b, std::size_t p) {
   double reals[kShapeReals];
   kernels<double>().examine(nullptr, nullptr, 0, nullptr, kFormPaper,
                             &b.corner[b.side_begin[p] * 6], &b.triangle[3 * b.first_triangle(p)],
-                            &b.frame[p * kFrameReals], b.valence(p), reals);
+                            &b.frame[p * kFrameReals], b.valence(p), nullptr, nullptr, reals);
   return shape_from(reals, b.valence(p));
 }
 
@@ -192,6 +195,8 @@ class CacheBuilder {
       c.count = std::min(backend_.chunk, faces_.size() - c.first);
       c.in_batch.assign(c.count, kNone);
       c.drafted.assign(c.count, {});
+      c.plain.resize(c.count);
+      c.tamer.assign(c.count, {});
       valences.clear();
       for (std::size_t i = 0; i < c.count; ++i) {
         if (!base_only_ && is_single(faces_[c.first + i])) continue;
@@ -225,21 +230,46 @@ class CacheBuilder {
     c.frame[p].store(&b.frame[p * kFrameReals]);
   }
 
-  // Examines the patches of a chunk and finds tamer ones.
-  void judge_faces(Chunk& c) {
-    if (base_only_) return;
-    for_faces(c, [&](std::size_t i) {
-      const std::uint32_t face = faces_[c.first + i], p = c.in_batch[i];
-      DraftedFace& drafted = c.drafted[i];
-      if (p == kNone) {
-        c.single[i] = draft(face_of(face));
-        judge(face, examine(c.single[i], tables_), c.single[i].soundness, drafted);
-      } else {
-        judge(face, shape_from(&c.batch.shape[p * kShapeReals], c.batch.valence(p)),
-              c.batch.soundness[p], drafted);
-      }
-    });
-    report(c);
+  // Examines a face's patch, finds tamer ones if it folds, and finishes what the face becomes.
+  template <class Real>
+  void build_face(Chunk& c, std::size_t i) const {
+    thread_local PatchSamples samples;
+    const std::uint32_t face = faces_[c.first + i], p = c.in_batch[i];
+    DraftedFace& drafted = c.drafted[i];
+    const PatchBatch& b = c.batch;
+    if (p == kNone) {
+      PatchDraft& single = c.single[i];
+      single = draft(face_of(face));
+      judge(face, examine(single, tables_, &samples), single.soundness, drafted);
+      single.shape = drafted.shape;
+    } else if (base_only_) {
+      drafted.shape = base_shape(b, p);
+    } else {
+      judge(face, shape_from(&b.shape[p * kShapeReals], b.valence(p)), b.soundness[p], drafted);
+    }
+    for (const PatchDraft& d : drafted.tamer) {
+      c.tamer[i].push_back(to_finish(d));
+      finish<Real>(c.tamer[i].back(), samples, false);
+    }
+    if (!drafted.tamer.empty()) return;
+    FinishedPatch& plain = c.plain[i];
+    if (p == kNone) {
+      plain = to_finish(c.single[i]);
+    } else {
+      plain = {b.valence(p),
+               PatchKind::kPlain,
+               &c.frame[p],
+               drafted.shape,
+               &b.corner[b.side_begin[p] * 6],
+               &b.control[b.side_begin[p] * kSideReals],
+               &b.triangle[3 * b.first_triangle(p)]};
+    }
+    finish<Real>(plain, samples, p == kNone);
+  }
+
+  static FinishedPatch to_finish(const PatchDraft& d) {
+    return {d.valence(),     d.kind,           &d.frame,          d.shape,
+            d.corner.data(), d.control.data(), d.triangle.data(), d.form};
   }
 
   static PatchDraft draft(const FaceCorners& face) {
@@ -279,7 +309,8 @@ class CacheBuilder {
     if (!base_only_) s.tile_begin.push_back(0);
     std::vector<Box> boxes;
     for_chunks([&](Chunk& c) {
-      judge_faces(c);
+      for_faces(c, [&](std::size_t i) { build_face<Real>(c, i); });
+      report(c);
       store_chunk(c, s, boxes);
       backend_.progress(c.first + c.count);
     });
@@ -330,29 +361,26 @@ class CacheBuilder {
   }
 
   template <class Real>
-  void store_chunk(Chunk& c, Surface<Real>& s, std::vector<Box>& boxes) {
+  void store_chunk(const Chunk& c, Surface<Real>& s, std::vector<Box>& boxes) {
     const std::uint32_t first = cache_.patch_count();
     number_patches(mesh_, {&faces_[c.first], c.count}, c.drafted, cache_, layout_);
-    std::vector<FinishedPatch> finished(cache_.patch_count() - first);
-    for_faces(c, [&](std::size_t i) {
-      finish_face(c, i, &finished[cache_.face_patch[faces_[c.first + i]] - first]);
-    });
-    if (!base_only_) {
-      backend_.parallel(finished.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) tile<Real>(finished[i]);
-      });
+    std::vector<const FinishedPatch*> finished;
+    finished.reserve(cache_.patch_count() - first);
+    for (std::size_t i = 0; i < c.count; ++i) {
+      if (c.tamer[i].empty()) finished.push_back(&c.plain[i]);
+      for (const FinishedPatch& patch : c.tamer[i]) finished.push_back(&patch);
     }
     make_room(c, finished, s, boxes);
     backend_.parallel(finished.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
-        store(finished[i], first + static_cast<std::uint32_t>(i), s, boxes);
+        store(*finished[i], first + static_cast<std::uint32_t>(i), s, boxes);
     });
   }
 
   // Room for finished patches, after those before, in all arrays.
   template <class Real>
-  void make_room(const Chunk& c, const std::vector<FinishedPatch>& finished, Surface<Real>& s,
-                 std::vector<Box>& boxes) {
+  void make_room(const Chunk& c, const std::vector<const FinishedPatch*>& finished,
+                 Surface<Real>& s, std::vector<Box>& boxes) {
     const std::size_t done = c.first + c.count, patches = cache_.patch_count(),
                       sides = layout_.side_begin.back(), before = patches - finished.size();
     grow(boxes, patches, done);
@@ -367,8 +395,8 @@ class CacheBuilder {
     std::size_t control = s.control.size(), tiles = s.tile.size() / kTileUints;
     for (std::size_t i = 0; i < finished.size(); ++i) {
       s.control_begin[before + i] = static_cast<std::uint32_t>(control / 3);
-      control += finished[i].real_count();
-      tiles += finished[i].tiles.words.size() / kTileUints;
+      control += finished[i]->real_count();
+      tiles += finished[i]->tiles.words.size() / kTileUints;
       if (control / 3 >= kNone || tiles >= kNone)
         throw MeshError(mesh_.source + ": too many sides for one cache");
       s.tile_begin[before + i + 1] = static_cast<std::uint32_t>(tiles);
@@ -377,57 +405,31 @@ class CacheBuilder {
     grow(s.tile, tiles * kTileUints, done);
   }
 
-  // Finishes the patches of face i of a chunk, one after the other.
-  void finish_face(Chunk& c, std::size_t i, FinishedPatch* out) const {
-    const std::uint32_t p = c.in_batch[i];
-    const DraftedFace& drafted = c.drafted[i];
-    if (p != kNone && drafted.tamer.empty()) {
-      const PatchBatch& b = c.batch;
-      *out = {b.valence(p),
-              PatchKind::kPlain,
-              &c.frame[p],
-              base_only_ ? base_shape(b, p) : drafted.shape,
-              &b.corner[b.side_begin[p] * 6],
-              &b.control[b.side_begin[p] * kSideReals],
-              &b.triangle[3 * b.first_triangle(p)]};
-      return choose_form(*out);
-    }
-    std::span<const PatchDraft> patches = drafted.tamer;
-    if (patches.empty()) {
-      c.single[i].shape = drafted.shape;
-      patches = {&c.single[i], 1};
-    }
-    for (const PatchDraft& d : patches) {
-      *out = {d.valence(),     d.kind,           &d.frame,          d.shape,
-              d.corner.data(), d.control.data(), d.triangle.data(), d.form};
-      choose_form(*out++);
-    }
-  }
-
-  void choose_form(FinishedPatch& d) const {
+  // Takes a patch to the level that was asked for and cuts it into tiles. `samples`: those of the
+  // patch as drafted if it `has_samples`; they become those of its form.
+  template <class Real>
+  void finish(FinishedPatch& d, PatchSamples& samples, bool has_samples) const {
     if (base_only_) return;
     const Kernels<double>& k = kernels<double>();
+    d.control.clear();
     for (const std::uint32_t form : forms_of(options_.level, d)) {
-      d.control.resize(k.control_reals(form, d.valence));
+      std::vector<double> control(k.control_reals(form, d.valence));
       k.to_form(tables_.domain_of(d.valence), d.corner, d.drafted, d.form, form, d.valence,
-                d.control.data());
-      const PatchShape shape =
-          examine(*d.frame, d.corner, d.triangle, d.control.data(), form, d.valence, tables_);
+                control.data());
+      const PatchShape shape = examine(*d.frame, d.corner, d.triangle, control.data(), form,
+                                       d.valence, tables_, &samples);
       // A patch that folds whatever is done about it may as well fold in the form asked for.
-      if (is_folded(shape) && !is_folded(d.shape)) continue;
+      has_samples = !is_folded(shape) || is_folded(d.shape);
+      if (!has_samples) continue;
+      d.control = std::move(control);
       d.form = form;
       d.shape = shape;
-      return;
+      break;
     }
-    d.control.clear();
-  }
-
-  // Cuts a patch into tiles, in its box as it is stored.
-  template <class Real>
-  void tile(FinishedPatch& d) const {
+    // In its box as it is stored.
     d.tiles = cut_tiles(*d.frame, d.shape, d.shape.low.cast<Real>().template cast<double>(),
                         d.shape.high.cast<Real>().template cast<double>(), d.reals(), d.form,
-                        d.valence, tables_);
+                        d.valence, tables_, has_samples ? &samples : nullptr);
   }
 
   template <class Real>

@@ -20,17 +20,27 @@ bool is_finite(const FairVertex<double>& v) {
 FairSides::FairSides(const MeshFrame& frame, const Topology& topology,
                      std::span<const std::uint32_t> faces, const ParallelFor& parallel)
     : frame_(frame), mesh_(frame.mesh), topology_(topology) {
-  for (const std::uint32_t f : faces) {
-    if (mesh_.valence(f) > 4) continue;
-    for (std::uint32_t s = mesh_.face_begin[f]; s < mesh_.face_begin[f + 1]; ++s)
-      vertices_.push_back(mesh_.corner_vertex[s]);
+  const auto for_vertices = [&](auto body) {
+    for (const std::uint32_t f : faces) {
+      if (mesh_.valence(f) > 4) continue;
+      for (std::uint32_t s = mesh_.face_begin[f]; s < mesh_.face_begin[f + 1]; ++s)
+        body(mesh_.corner_vertex[s]);
+    }
+  };
+  if (faces.size() == mesh_.face_count()) {
+    has_shape_.resize(mesh_.positions.size());
+    for_vertices([&](std::uint32_t v) { has_shape_[v] = 1; });
+  } else {
+    for_vertices([&](std::uint32_t v) { vertices_.push_back(v); });
+    std::sort(vertices_.begin(), vertices_.end());
+    vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
+    has_shape_.resize(vertices_.size(), 1);
   }
-  std::sort(vertices_.begin(), vertices_.end());
-  vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
-  shapes_.resize(vertices_.size());
-  has_shape_.resize(vertices_.size());
-  parallel(vertices_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) find_shape(i);
+  shapes_.resize(has_shape_.size());
+  parallel(shapes_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (has_shape_[i]) has_shape_[i] = find_shape(i);
+    }
   });
 }
 
@@ -71,14 +81,16 @@ FairEdge<double> FairSides::edge(std::uint32_t side) const {
   return e;
 }
 
-void FairSides::find_shape(std::size_t i) {
-  const std::uint32_t first = topology_.vertex_side[vertices_[i]];
+bool FairSides::find_shape(std::size_t i) {
+  const std::uint32_t first =
+      topology_.vertex_side[vertices_.empty() ? static_cast<std::uint32_t>(i) : vertices_[i]];
   const auto normal = [&](std::uint32_t s) { return mesh_.normals[mesh_.corner_normal[s]]; };
-  std::vector<FairEdge<double>> edges;
+  thread_local std::vector<FairEdge<double>> edges;
+  edges.clear();
   for (std::uint32_t side = first; side != kNone;) {
-    if (normal(side) != normal(first)) return;
+    if (normal(side) != normal(first)) return false;
     // The arc of a rounded crease, which bends where the faces beside it do not.
-    if (!mesh_.strips.empty() && frame_.has_tangents(side)) return;
+    if (!mesh_.strips.empty() && frame_.has_tangents(side)) return false;
     edges.push_back(edge(side));
     const std::uint32_t last = prev_side(mesh_, topology_, side);
     side = next_around(mesh_, topology_, side);
@@ -91,14 +103,17 @@ void FairSides::find_shape(std::size_t i) {
     edges.push_back(e);
   }
   kernels<double>().fair_vertex(corner(first).reals, edges.data(), edges.size(), &shapes_[i]);
-  has_shape_[i] = is_finite(shapes_[i]);
+  return is_finite(shapes_[i]);
 }
 
 const FairVertex<double>* FairSides::shape_of(std::uint32_t vertex) const {
-  const auto at = std::lower_bound(vertices_.begin(), vertices_.end(), vertex);
-  if (at == vertices_.end() || *at != vertex) return nullptr;
-  const auto i = static_cast<std::size_t>(at - vertices_.begin());
-  return has_shape_[i] ? &shapes_[i] : nullptr;
+  std::size_t i = vertex;
+  if (!vertices_.empty()) {
+    const auto at = std::lower_bound(vertices_.begin(), vertices_.end(), vertex);
+    if (at == vertices_.end() || *at != vertex) return nullptr;
+    i = static_cast<std::size_t>(at - vertices_.begin());
+  }
+  return i < has_shape_.size() && has_shape_[i] ? &shapes_[i] : nullptr;
 }
 
 std::vector<double> FairSides::sides_of(std::uint32_t face) const {

@@ -33,15 +33,15 @@ class FairSides {
   End corner(std::uint32_t side) const;
   std::uint32_t joined_valence(std::uint32_t side) const;
   FairEdge<double> edge(std::uint32_t side) const;
-  void find_shape(std::size_t i);
+  bool find_shape(std::size_t i);  // false: none that its sides agree on
   const FairVertex<double>* shape_of(std::uint32_t vertex) const;
 
   const MeshFrame frame_;
   const Mesh& mesh_;
   const Topology& topology_;
-  std::vector<std::uint32_t> vertices_;     // ascending
+  std::vector<std::uint32_t> vertices_;     // ascending; empty: all
   std::vector<FairVertex<double>> shapes_;  // [vertices_]
-  std::vector<char> has_shape_;             // [vertices_], 0: none that its sides agree on
+  std::vector<char> has_shape_;             // [vertices_]
 };
 
 }  // namespace gliss

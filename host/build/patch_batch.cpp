@@ -29,7 +29,20 @@ ValenceTables make_valence_tables(std::span<const char> used) {
     k.fill_probes(n, t.domain_of(n), &t.probe[t.probe_begin[n]]);
     t.cuts[n] = tile_cuts_of(n);
   }
+  const auto fill = [&](std::uint32_t form, std::uint32_t n, std::vector<double>& table) {
+    if (n >= used.size() || !used[n]) return;
+    table.resize(k.second_reals(form, n));
+    k.fill_second(t.domain_of(n), form, n, t.probes_of(n), table.data());
+  };
+  fill(kFormSextic, 3, t.sextic);
+  fill(kFormBezier, 4, t.quad);
   return t;
+}
+
+const double* ValenceTables::second_of(std::uint32_t form, std::uint32_t n) const {
+  return form == kFormSextic             ? sextic.data()
+         : form == kFormBezier && n == 4 ? quad.data()
+                                         : nullptr;
 }
 
 DomainVec on_side(std::uint32_t n, std::uint32_t k, double t) {
@@ -64,7 +77,7 @@ void build_patches(PatchBatch& b, const ParallelFor& parallel) {
       k.examine(b.tables->domain_of(n), b.tables->probes_of(n), b.tables->probe_count[n],
                 &b.control[b.side_begin[p] * kSideReals], kFormPaper,
                 &b.corner[b.side_begin[p] * 6], &b.triangle[3 * b.first_triangle(p)],
-                &b.frame[p * kFrameReals], n, &b.shape[p * kShapeReals]);
+                &b.frame[p * kFrameReals], n, nullptr, nullptr, &b.shape[p * kShapeReals]);
     }
   });
 }

@@ -22,9 +22,12 @@ struct ValenceTables {
   std::vector<std::uint32_t> probe_begin;   // [valence], xi of all and then eta of all
   std::vector<std::uint32_t> probe_count;  // [valence], points; rows are longer (kernels/examine.h)
   std::vector<std::vector<TileCut>> cuts;  // [valence]
+  std::vector<double> sextic, quad;  // for second derivatives of those forms; empty: not in use
 
   const double* domain_of(std::uint32_t n) const { return &domain[domain_begin[n]]; }
   const double* probes_of(std::uint32_t n) const { return &probe[probe_begin[n]]; }
+  // Null: a form whose curvature is found by differences.
+  const double* second_of(std::uint32_t form, std::uint32_t n) const;
 };
 
 // `used`: [valence], 1 where tables are wanted.

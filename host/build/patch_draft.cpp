@@ -177,11 +177,18 @@ PatchDraft draft_patch(const FaceCorners& face, std::vector<std::uint32_t> face_
 
 PatchShape examine(const PatchFrame& frame, const double* corner, const std::uint32_t* triangle,
                    const double* control, std::uint32_t form, std::uint32_t n,
-                   const ValenceTables& tables) {
+                   const ValenceTables& tables, PatchSamples* samples) {
+  const Kernels<double>& k = kernels<double>();
   double axes[kFrameReals], reals[kShapeReals];
   frame.store(axes);
-  kernels<double>().examine(tables.domain_of(n), tables.probes_of(n), tables.probe_count[n],
-                            control, form, corner, triangle, axes, n, reals);
+  if (samples != nullptr) {
+    samples->count = static_cast<std::uint32_t>(k.probe_reals(n) / 2);
+    samples->rows.resize(kCutRows * samples->count);
+  }
+  k.examine(tables.domain_of(n), tables.probes_of(n), tables.probe_count[n], control, form, corner,
+            triangle, axes, n, tables.second_of(form, n),
+            samples == nullptr ? nullptr : samples->rows.data(), reals);
+  if (samples != nullptr) samples->stretch2 = reals[kShapeStretch2];
   return shape_from(reals, n);
 }
 
@@ -202,9 +209,9 @@ std::vector<Vec3> normals_of(const PatchDraft& d, const ValenceTables& tables,
   return normals;
 }
 
-PatchShape examine(const PatchDraft& d, const ValenceTables& tables) {
+PatchShape examine(const PatchDraft& d, const ValenceTables& tables, PatchSamples* samples) {
   PatchShape shape = examine(d.frame, d.corner.data(), d.triangle.data(), d.control.data(), d.form,
-                             d.valence(), tables);
+                             d.valence(), tables, samples);
   if (!(d.turned > 0)) shape.turn = -1;
   return shape;
 }

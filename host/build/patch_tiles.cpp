@@ -25,51 +25,49 @@ Vec2 domain_corner(std::uint32_t n, std::uint32_t k) {
   return {std::cos(angle), std::sin(angle)};
 }
 
-// The samples that tiles are cut from, for one patch after the other.
-struct Samples {
-  std::vector<double> rows, out;
-  std::uint32_t count = 0;
-  double stretch2 = 0;
-};
-
 }  // namespace
 
 PatchTiles cut_tiles(const PatchFrame& frame, const PatchShape& shape, const Vec3& low,
                      const Vec3& high, const double* control, std::uint32_t form, std::uint32_t n,
-                     const ValenceTables& tables) {
-  thread_local Samples s;
+                     const ValenceTables& tables, const PatchSamples* samples) {
+  thread_local PatchSamples own;
+  thread_local std::vector<double> out;
   static const double kLeastCosine = std::cos(kMostTurn);
   const Kernels<double>& k = kernels<double>();
-  double axes[kFrameReals];
-  frame.store(axes);
   const auto sample = [&](const double* at, std::uint32_t count) {
-    s.count = count;
-    s.rows.resize(kCutRows * count);
-    s.stretch2 = k.sample(tables.domain_of(n), control, form, axes, n, at, count, s.rows.data());
+    double axes[kFrameReals];
+    frame.store(axes);
+    own.count = count;
+    own.rows.resize(kCutRows * count);
+    own.stretch2 =
+        k.sample(tables.domain_of(n), control, form, axes, n, at, count, own.rows.data());
+    return &own;
   };
-  sample(tables.probes_of(n), static_cast<std::uint32_t>(k.probe_reals(n) / 2));
+  if (samples == nullptr)
+    samples = sample(tables.probes_of(n), static_cast<std::uint32_t>(k.probe_reals(n) / 2));
   // As few as keep the normals of each together.
   const TileCut* cut = &tables.cuts[n].front();
   for (; cut != &tables.cuts[n].back(); ++cut) {
-    if (k.least_cosine(s.rows.data(), s.count, cut->probe.data(), cut->probe_points, cut->padded) >=
-        kLeastCosine)
+    if (k.least_cosine(samples->rows.data(), samples->count, cut->probe.data(), cut->probe_points,
+                       cut->padded) >= kLeastCosine)
       break;
   }
-  if (!cut->at.empty()) sample(cut->at.data(), cut->samples);
-  s.out.resize(kCutOutRows * cut->padded);
+  if (!cut->at.empty()) samples = sample(cut->at.data(), cut->samples);
+  out.resize(kCutOutRows * cut->padded);
   const double box[] = {low.x(), low.y(), low.z(), high.x(), high.y(), high.z()};
-  const double curvature = k.cut(s.rows.data(), s.count, cut->sample.data(), cut->transform.data(),
-                                 cut->padded, box, s.stretch2, 1 / shape.rho_min, s.out.data());
+  const double curvature =
+      k.cut(samples->rows.data(), samples->count, cut->sample.data(), cut->transform.data(),
+            cut->padded, box, samples->stretch2, 1 / shape.rho_min, out.data());
   PatchTiles tiles;
   // A float's, so that it is the same number in both precisions.
   tiles.curvature =
       static_cast<double>(static_cast<float>(std::clamp(curvature, 1e-30, kMostCurvature)));
-  k.add_curves(s.out.data(), cut->padded, tiles.curvature);
+  k.add_curves(out.data(), cut->padded, tiles.curvature);
   tiles.words.resize(kTileUints * cut->tiles);
   for (std::uint32_t tile = 0; tile < cut->tiles; ++tile) {
     for (std::size_t word = 0; word < kTileUints; ++word)
       tiles.words[kTileUints * tile + word] =
-          static_cast<std::uint32_t>(s.out[word * cut->padded + tile]);
+          static_cast<std::uint32_t>(out[word * cut->padded + tile]);
   }
   return tiles;
 }

@@ -93,6 +93,11 @@ struct Kernels {
   std::uint32_t (*probe_count)(std::uint32_t n);
   std::size_t (*probe_reals)(std::uint32_t n);
   void (*fill_probes)(std::uint32_t n, const Real* domain, Real* table);
+  // What second derivatives at the probes are made from, in the forms that have them: numbers of
+  // their table; 0: none.
+  std::size_t (*second_reals)(std::uint32_t form, std::uint32_t n);
+  void (*fill_second)(const Real* domain, std::uint32_t form, std::uint32_t n, const Real* probes,
+                      Real* table);
   // Control data [count][n][kSideReals] of polygons from their corners [count][n][2][3] (position,
   // unit normal); the soundness [count] of their weakest ribbons: 0 where an edge is parallel to a
   // normal, 1 at right angles.
@@ -149,10 +154,11 @@ struct Kernels {
                       const SurfaceArrays<float>& out);
   // Samples a patch and gives its shape, kShapeReals numbers, from its base polygon's corners and
   // triangles, its frame (unit normal and tangent) and its control data; `count` probes, or none
-  // for the base polygon alone.
+  // for the base polygon alone. `table`: null, or that of the form's second derivatives. `rows`:
+  // null, or room for samples as `sample` makes them of the probes.
   void (*examine)(const Real* domain, const Real* probes, std::uint32_t count, const Real* control,
                   std::uint32_t form, const Real* corners, const std::uint32_t* triangles,
-                  const Real* frame, std::uint32_t n, Real* shape);
+                  const Real* frame, std::uint32_t n, const Real* table, Real* rows, Real* shape);
   // In double only, null else: a patch is cut into tiles (kernels/cut.h) from samples at `count`
   // points, `at` xi of all and eta of all, along its frame: rows [kCutRows][count]. Counts of
   // samples and tiles are multiples of kCutPad. Returns the largest squared length of G_xi and

@@ -56,6 +56,8 @@ const Kernels<GLISS_SCALAR>& GLISS_TABLE() {
       instance::probes_of,
       instance::probe_reals,
       instance::fill_probes,
+      instance::second_reals,
+      instance::fill_second_of,
       instance::build_patches,
       instance::build_sharp_patch,
       instance::ease_patch,

@@ -84,7 +84,8 @@ TEST(Examine, finds_what_the_oracle_finds_at_the_probes) {
     const double *xi = tables().probes_of(valence),
                  *eta = xi + kernels<double>().probe_reals(valence) / 2;
     kernels<double>().examine(tables().domain_of(valence), xi, count, d.control.data(), kFormPaper,
-                              d.corner.data(), d.triangle.data(), frame, valence, reals);
+                              d.corner.data(), d.triangle.data(), frame, valence, nullptr, nullptr,
+                              reals);
     const Polygon base = local(polygon, d.frame);
     Vec3 low = Vec3::Constant(kInfinity), high = -low, along_low = low, along_high = high;
     const auto widen = [&](const Vec3& p) {
@@ -168,7 +169,7 @@ TEST(Examine, no_probes_leave_the_base_polygon) {
   double frame[kFrameReals], reals[kShapeReals];
   d.frame.store(frame);
   kernels<double>().examine(nullptr, nullptr, 0, nullptr, kFormPaper, d.corner.data(),
-                            d.triangle.data(), frame, 5, reals);
+                            d.triangle.data(), frame, 5, nullptr, nullptr, reals);
   Vec3 low = Vec3::Constant(kInfinity), high = -low;
   for (std::size_t k = 0; k < 5; ++k) {
     low = low.cwiseMin(Vec3(&d.corner[6 * k]));
