@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <span>
 
@@ -142,24 +143,26 @@ class CacheBuilder {
 
   MeshFrame mesh_frame() const { return {mesh_, cache_.origin, cache_.scale}; }
 
-  FaceCorners corners_of(std::uint32_t face) const {
-    FaceCorners c;
+  void corners_of(std::uint32_t face, FaceCorners& c) const {
+    c.position.clear(), c.normal.clear(), c.tangent.clear(), c.side.clear();
     for (std::uint32_t s = mesh_.face_begin[face]; s < mesh_.face_begin[face + 1]; ++s) {
       c.position.push_back(mesh_frame().position(s));
       c.normal.push_back(mesh_frame().normal(s));
     }
-    if (is_sharp(face)) {
-      for (std::uint32_t s = mesh_.face_begin[face]; s < mesh_.face_begin[face + 1]; ++s) {
-        for (const std::uint32_t end : {0u, 1u}) c.tangent.push_back(mesh_frame().tangent(s, end));
-      }
+    if (!is_sharp(face)) return;
+    for (std::uint32_t s = mesh_.face_begin[face]; s < mesh_.face_begin[face + 1]; ++s) {
+      for (const std::uint32_t end : {0u, 1u}) c.tangent.push_back(mesh_frame().tangent(s, end));
     }
-    return c;
   }
 
   // Adds the sides of the fair construction to the corners, if it is that.
+  void face_of(std::uint32_t face, FaceCorners& c) const {
+    corners_of(face, c);
+    if (fair_) fair_->sides_of(face, c.side);
+  }
   FaceCorners face_of(std::uint32_t face) const {
-    FaceCorners c = corners_of(face);
-    if (fair_) c.side = fair_->sides_of(face);
+    FaceCorners c;
+    face_of(face, c);
     return c;
   }
 
@@ -223,10 +226,11 @@ class CacheBuilder {
   }
 
   void place(Chunk& c, std::size_t p, std::uint32_t face) const {
+    thread_local FaceCorners corners;
+    corners_of(face, corners);
     PatchBatch& b = c.batch;
-    c.frame[p] =
-        place_polygon(corners_of(face), all_corners(b.valence(p)), &b.corner[b.side_begin[p] * 6],
-                      &b.triangle[3 * b.first_triangle(p)]);
+    c.frame[p] = place_polygon(corners, all_corners(b.valence(p)), &b.corner[b.side_begin[p] * 6],
+                               &b.triangle[3 * b.first_triangle(p)]);
     c.frame[p].store(&b.frame[p * kFrameReals]);
   }
 
@@ -234,18 +238,28 @@ class CacheBuilder {
   template <class Real>
   void build_face(Chunk& c, std::size_t i) const {
     thread_local PatchSamples samples;
+    thread_local FaceCorners corners;
     const std::uint32_t face = faces_[c.first + i], p = c.in_batch[i];
     DraftedFace& drafted = c.drafted[i];
     const PatchBatch& b = c.batch;
     if (p == kNone) {
       PatchDraft& single = c.single[i];
-      single = draft(face_of(face));
+      face_of(face, corners);
+      single.face_corner.resize(corners.position.size());
+      std::iota(single.face_corner.begin(), single.face_corner.end(), 0u);
+      draft_patch(corners, single);
       judge(face, examine(single, tables_, &samples), single.soundness, drafted);
       single.shape = drafted.shape;
     } else if (base_only_) {
       drafted.shape = base_shape(b, p);
     } else {
-      judge(face, shape_from(&b.shape[p * kShapeReals], b.valence(p)), b.soundness[p], drafted);
+      judge(face,
+            b.shape.empty() ? examine(c.frame[p], &b.corner[b.side_begin[p] * 6],
+                                      &b.triangle[3 * b.first_triangle(p)],
+                                      &b.control[b.side_begin[p] * kSideReals], kFormPaper,
+                                      b.valence(p), tables_, &samples)
+                            : shape_from(&b.shape[p * kShapeReals], b.valence(p)),
+            b.soundness[p], drafted);
     }
     for (const PatchDraft& d : drafted.tamer) {
       c.tamer[i].push_back(to_finish(d));
@@ -264,7 +278,7 @@ class CacheBuilder {
                &b.control[b.side_begin[p] * kSideReals],
                &b.triangle[3 * b.first_triangle(p)]};
     }
-    finish<Real>(plain, samples, p == kNone);
+    finish<Real>(plain, samples, b.shape.empty());
   }
 
   static FinishedPatch to_finish(const PatchDraft& d) {

@@ -59,7 +59,7 @@ void PatchBatch::resize(std::span<const std::uint32_t> valences) {
   frame.resize(patches * kFrameReals);
   control.resize(sides * kSideReals);
   soundness.resize(patches);
-  shape.resize(patches * kShapeReals);
+  shape.clear();
 }
 
 void build_patches(PatchBatch& b, const ParallelFor& parallel) {
@@ -71,13 +71,6 @@ void build_patches(PatchBatch& b, const ParallelFor& parallel) {
       const std::size_t side = b.side_begin[first];
       k.build_patches(&b.corner[side * 6], n, last - first, &b.control[side * kSideReals],
                       &b.soundness[first]);
-    }
-    for (std::size_t p = begin; p < end; ++p) {
-      const std::uint32_t n = b.valence(p);
-      k.examine(b.tables->domain_of(n), b.tables->probes_of(n), b.tables->probe_count[n],
-                &b.control[b.side_begin[p] * kSideReals], kFormPaper,
-                &b.corner[b.side_begin[p] * 6], &b.triangle[3 * b.first_triangle(p)],
-                &b.frame[p * kFrameReals], n, nullptr, nullptr, &b.shape[p * kShapeReals]);
     }
   });
 }

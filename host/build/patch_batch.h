@@ -48,7 +48,9 @@ struct GLISS_EXPORT PatchBatch {
   // Computed by a backend:
   std::vector<double> control;    // [side][kSideReals]
   std::vector<double> soundness;  // [patch], of its weakest ribbon
-  std::vector<double> shape;      // [patch][kShapeReals]
+  // [patch][kShapeReals]; empty: a backend may leave them to the build, which samples patches
+  // anyway.
+  std::vector<double> shape;
 
   std::size_t size() const { return side_begin.size() - 1; }
   std::uint32_t valence(std::size_t patch) const {
@@ -59,7 +61,7 @@ struct GLISS_EXPORT PatchBatch {
   void resize(std::span<const std::uint32_t> valences);
 };
 
-// Computes all that a batch has computed.
+// Computes what of a batch is to be computed.
 using BatchBuilder = std::function<void(PatchBatch&, const ParallelFor&)>;
 
 // With the machine's best lanes.

@@ -64,6 +64,7 @@ class OpenClBuilder {
     upload(probe_, b.tables->probe);
     upload(domain_begin_, b.tables->domain_begin);
     upload(probe_begin_, b.tables->probe_begin);
+    b.shape.resize(patches * kShapeReals);
     shape_.resize(b.shape.size());
     kernels.push_back(examine_(queue_, patches, domain_.buffer(), domain_begin_.buffer(),
                                probe_.buffer(), probe_begin_.buffer(), begins_.buffer(),

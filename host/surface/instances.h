@@ -123,12 +123,9 @@ struct Kernels {
   void (*fair_vertex)(const Real* vertex, const FairEdge<Real>* edges, std::size_t count,
                       FairVertex<Real>* out);
   // A side, kFairReals numbers, from its start, its edge, and the vertices of its start and end or
-  // null.
-  void (*fair_side)(const Real* start, const FairEdge<Real>& edge, const FairVertex<Real>* vertices,
-                    Real* side);
-  // The turn of an edge between two quads, from the vertices of its start and end.
-  void (*smooth_turn)(const Real* start, const FairEdge<Real>& edge,
-                      const FairVertex<Real>* vertices, Real* turn);
+  // null; `is_smooth`: these tell how an edge between two quads turns, and no more.
+  void (*fair_side)(const Real* start, const FairEdge<Real>& edge, const FairVertex<Real>* from,
+                    const FairVertex<Real>* to, bool is_smooth, Real* side);
   // Control data from the sides of a triangle (FORM_SEXTIC) or a quad (FORM_BEZIER). Returns the
   // least share of a cross tangent that points into the face: 0 or less where the patch doubles
   // back. `flat`: null, or a unit normal that the cross tangents shall lie across,

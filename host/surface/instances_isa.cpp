@@ -67,7 +67,6 @@ const Kernels<GLISS_SCALAR>& GLISS_TABLE() {
       instance::turn_of,
       instance::shape_of_vertex,
       instance::side_of,
-      instance::smooth_turn_of,
       instance::fair_control_of,
       instance::wide::evaluate_points,
       instance::evaluate_each,

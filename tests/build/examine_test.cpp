@@ -206,12 +206,6 @@ TEST(PatchBatch, agrees_with_single_drafts) {
     EXPECT_EQ(std::memcmp(&b.control[b.side_begin[p] * kSideReals], d.control.data(),
                           d.control.size() * sizeof(double)),
               0);
-    const PatchShape s = shape_from(&b.shape[p * kShapeReals], b.valence(p));
-    EXPECT_EQ(s.turn, d.shape.turn);
-    EXPECT_EQ(s.rho_min, d.shape.rho_min);
-    EXPECT_EQ(s.sag, d.shape.sag);
-    EXPECT_EQ(s.box.low, d.shape.box.low);
-    EXPECT_EQ(s.high, d.shape.high);
   }
 }
 

@@ -38,7 +38,7 @@ class FairDrafts {
         face.position.push_back(frame_.position(s));
         face.normal.push_back(frame_.normal(s));
       }
-      face.side = sides_.sides_of(f);
+      sides_.sides_of(f, face.side);
       visit(draft_patch(face, all_corners(n)), f);
     }
   }
