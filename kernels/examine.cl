@@ -1,6 +1,6 @@
 // Samples patches: a work-item takes a patch, GLISS_LANES probes at a time.
-#include "kernels/kernels.h"
 #include "kernels/arguments.h"
+#include "kernels/kernels.h"
 
 __kernel GROUP void examine_patches(uint count, __global const scalar* domain,
                                     __global const uint* domain_begin, __global const scalar* probe,
@@ -12,8 +12,9 @@ __kernel GROUP void examine_patches(uint count, __global const scalar* domain,
   if (i >= count) return;
   const uint first = side_begin[i];
   const int n = (int)(side_begin[i + 1] - first);
-  store_shape(shape + (ulong)i * SHAPE_REALS,
-              examine(domain + domain_begin[n], probe + probe_begin[n], probe_count(n),
-                      control + (ulong)first * SIDE_REALS, FORM_PAPER, corner + 6 * (ulong)first,
-                      triangle + 3 * (ulong)(first - 2 * i), frame + (ulong)i * FRAME_REALS, n));
+  store_shape(
+      shape + (ulong)i * SHAPE_REALS,
+      examine(domain + domain_begin[n], probe + probe_begin[n], probe_count(n),
+              control + (ulong)first * SIDE_REALS, FORM_PAPER, corner + 6 * (ulong)first,
+              triangle + 3 * (ulong)(first - 2 * i), frame + (ulong)i * FRAME_REALS, n, 0, 0));
 }

@@ -25,8 +25,12 @@ FN real3 larger3(real3 a, real3 b) {
   return make3(larger(a.x, b.x), larger(a.y, b.y), larger(a.z, b.z));
 }
 
-FN patch_shape widen(patch_shape s, real3 p, real3 normal, real3 tangent) {
-  const real3 along = make3(dot3(p, tangent), dot3(p, cross3(normal, tangent)), dot3(p, normal));
+// Along tangent, normal x tangent and normal of the base polygon.
+FN real3 along_frame(real3 p, real3 normal, real3 tangent) {
+  return make3(dot3(p, tangent), dot3(p, cross3(normal, tangent)), dot3(p, normal));
+}
+
+FN patch_shape widen(patch_shape s, real3 p, real3 along) {
   s.low = smaller3(p, s.low);
   s.high = larger3(p, s.high);
   s.along_low = smaller3(along, s.along_low);
@@ -74,38 +78,130 @@ FN real corner_turn(GLOBAL scalar* control, GLOBAL scalar* corner, int n, real3 
   return least;
 }
 
-// `count` 0: of the base polygon alone.
+// A probe: the patch, its unit normal and its second fundamental form.
+typedef struct {
+  patch_point p;
+  real3 normal, second;
+} patch_probe;
+
+// By second derivatives where the form has them and `table` is theirs (second.h), else by
+// differences.
+FN_LARGE patch_probe probe_patch(GLOBAL scalar* domain, GLOBAL scalar* control, uint form, int n,
+                                 real xi, real eta, GLOBAL scalar* table) {
+  patch_probe r;
+  if (table && (IS_FORM(form, FORM_BEZIER) || IS_FORM(form, FORM_SEXTIC))) {
+    const patch_jet g = IS_FORM(form, FORM_SEXTIC)
+                            ? triangle_jet(domain, control, table, PROBE_STRIDE(3))
+                            : quad_jet(control, xi, eta, table, PROBE_STRIDE(4));
+    r.p = g.p;
+    r.normal = unit3(patch_normal(g.p));
+    r.second = make3(dot3(r.normal, g.xixi), dot3(r.normal, g.xieta), dot3(r.normal, g.etaeta));
+    return r;
+  }
+  real3 normal[3];  // unit: here, a step along xi, a step along eta
+  for (int i = 2; i >= 0; --i) {
+    const scalar dxi = i == 1 ? PROBE_STEP : K(0), deta = i == 2 ? PROBE_STEP : K(0);
+    r.p = evaluate_form(domain, control, form, n, xi + dxi, eta + deta);
+    normal[i] = unit3(patch_normal(r.p));
+  }
+  const real over = splat(K(1) / PROBE_STEP);
+  r.normal = normal[0];
+  r.second = second_form(r.p, mul3(over, sub3(normal[1], normal[0])),
+                         mul3(over, sub3(normal[2], normal[0])));
+  return r;
+}
+
+// A triangle's corner, two of its sides and the vectors that take a point to its coordinates along
+// them.
+typedef struct {
+  real3 a, ab, ac, to_b, to_c;
+} triangle_frame;
+
+FN triangle_frame triangle_frame_of(real3 a, real3 b, real3 c) {
+  triangle_frame t;
+  t.a = a;
+  t.ab = sub3(b, a);
+  t.ac = sub3(c, a);
+  const real e = dot3(t.ab, t.ab), f = dot3(t.ab, t.ac), g = dot3(t.ac, t.ac);
+  const real over = K(1) / (e * g - f * f);
+  t.to_b = mul3(over, sub3(mul3(g, t.ab), mul3(f, t.ac)));
+  t.to_c = mul3(over, sub3(mul3(e, t.ac), mul3(f, t.ab)));
+  return t;
+}
+
+// Squared distance of x to a point of the triangle: the nearest one where its foot lies inside.
+FN real near_triangle2(const triangle_frame* t, real3 x) {
+  const real zero = splat(K(0)), one = splat(K(1));
+  const real3 away = sub3(x, t->a);
+  const real v = larger(smaller(dot3(away, t->to_b), one), zero),
+             w = larger(smaller(dot3(away, t->to_c), one - v), zero);
+  const real3 rest = fma3(-v, t->ab, fma3(-w, t->ac, away));
+  return dot3(rest, rest);
+}
+
+// Squared distances of probes to the base polygon, the largest of them.
+#define SAG_TRIANGLES (UNROLLED_VALENCE - 2)
+typedef struct {
+  triangle_frame triangle[SAG_TRIANGLES];
+  int count;  // 0: more than these
+} sag_frame;
+
+FN sag_frame sag_frame_of(GLOBAL scalar* corner, GLOBAL uint* triangle, int n) {
+  sag_frame s;
+  s.count = n - 2 <= SAG_TRIANGLES ? n - 2 : 0;
+  for (int t = 0; t < s.count; ++t) {
+    s.triangle[t] = triangle_frame_of(load3(corner, 2 * (int)triangle[3 * t]),
+                                      load3(corner, 2 * (int)triangle[3 * t + 1]),
+                                      load3(corner, 2 * (int)triangle[3 * t + 2]));
+  }
+  return s;
+}
+
+// Looks for the nearest point only where a point of the polygon that is quickly found is farther
+// than the largest distance so far.
+FN real larger_sag2(real sag2, const sag_frame* s, GLOBAL scalar* corner, GLOBAL uint* triangle,
+                    int n, real3 x) {
+  real near = splat(K(INFINITY));
+  for (int t = 0; t < s->count; ++t) near = smaller(near_triangle2(s->triangle + t, x), near);
+  if (!any(near > sag2)) return sag2;
+  return larger(smaller(near, polygon_distance2(corner, triangle, n, x)), sag2);
+}
+
+// `count` 0: of the base polygon alone. `table`: null, or that of second.h. `rows`: null, or where
+// samples go for tiles to be cut from (cut.h).
 FN_LARGE patch_shape examine(GLOBAL scalar* domain, GLOBAL scalar* probe, int count,
                              GLOBAL scalar* control, uint form, GLOBAL scalar* corner,
-                             GLOBAL uint* triangle, GLOBAL scalar* frame, int n) {
+                             GLOBAL uint* triangle, GLOBAL scalar* frame, int n,
+                             GLOBAL scalar* table, GLOBAL_OUT scalar* rows) {
   const real zero = splat(K(0)), one = splat(K(1)), far = splat(K(INFINITY));
   const real3 nothing = make3(zero, zero, zero), most = make3(far, far, far);
-  const real3 along = load3(frame, FRAME_NORMAL), tangent = load3(frame, FRAME_TANGENT);
+  const real3 normal = load3(frame, FRAME_NORMAL), tangent = load3(frame, FRAME_TANGENT);
+  const sag_frame base = sag_frame_of(corner, triangle, n);
   patch_shape r = {
       most, sub3(nothing, most), most, sub3(nothing, most), nothing, one, zero, zero, zero, one};
-  for (int k = 0; k < n; ++k) r = widen(r, load3(corner, 2 * k), along, tangent);
-  if (count > 0 && form == FORM_PAPER) r.turn = corner_turn(control, corner, n, along);
+  for (int k = 0; k < n; ++k) {
+    const real3 p = load3(corner, 2 * k);
+    r = widen(r, p, along_frame(p, normal, tangent));
+  }
+  if (count > 0 && form == FORM_PAPER) r.turn = corner_turn(control, corner, n, normal);
   for (int first = 0; first < count; first += GLISS_LANES) {
     const real xi = load_lanes(probe + first), eta = load_lanes(probe + PROBE_STRIDE(n) + first);
-    patch_point p;
-    real3 normal[3];  // unit: here, a step along xi, a step along eta
-    for (int i = 2; i >= 0; --i) {
-      const scalar dxi = i == 1 ? PROBE_STEP : K(0), deta = i == 2 ? PROBE_STEP : K(0);
-      p = evaluate_form(domain, control, form, n, xi + dxi, eta + deta);
-      normal[i] = unit3(patch_normal(p));
+    const patch_probe at =
+        probe_patch(domain, control, form, n, xi, eta, table ? table + first : 0);
+    const real3 along = along_frame(at.p.g, normal, tangent);
+    if (first == 0) r.bend = at.second;
+    r = widen(r, at.p.g, along);
+    r.turn = smaller(dot3(at.normal, normal), r.turn);
+    r.curvature = larger(largest_curvature(at.p, at.second), r.curvature);
+    r.stretch2 = larger(dot3(at.p.g_xi, at.p.g_xi), r.stretch2);
+    r.stretch2 = larger(dot3(at.p.g_eta, at.p.g_eta), r.stretch2);
+    r.sag2 = larger_sag2(r.sag2, &base, corner, triangle, n, at.p.g);
+    r.finite = pick(zero_if_finite(at.p.g) + zero_if_finite(at.normal) == zero, r.finite, zero);
+    if (rows) {
+      store3(rows + first, (ulong)PROBE_STRIDE(n), along);
+      store3(rows + 3 * PROBE_STRIDE(n) + first, (ulong)PROBE_STRIDE(n),
+             along_frame(at.normal, normal, tangent));
     }
-    const real over = splat(K(1) / PROBE_STEP);
-    const real3 n_xi = mul3(over, sub3(normal[1], normal[0])),
-                n_eta = mul3(over, sub3(normal[2], normal[0]));
-    const real3 second = second_form(p, n_xi, n_eta);
-    if (first == 0) r.bend = second;
-    r = widen(r, p.g, along, tangent);
-    r.turn = smaller(dot3(normal[0], along), r.turn);
-    r.curvature = larger(largest_curvature(p, second), r.curvature);
-    r.stretch2 = larger(dot3(p.g_xi, p.g_xi), r.stretch2);
-    r.stretch2 = larger(dot3(p.g_eta, p.g_eta), r.stretch2);
-    r.sag2 = larger(polygon_distance2(corner, triangle, n, p.g), r.sag2);
-    r.finite = pick(zero_if_finite(p.g) + zero_if_finite(normal[0]) == zero, r.finite, zero);
   }
   return r;
 }

@@ -22,6 +22,7 @@
 #ifndef GLISS_PACKED
 #include "kernels/view.h"
 #include "kernels/triangle.h"
+#include "kernels/second.h"
 #include "kernels/examine.h"
 #endif
 #if GLISS_LANES == 1

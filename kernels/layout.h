@@ -115,6 +115,19 @@
 #define TILE_BEND 4
 #define TILE_UINTS 5
 
+// What tiles are cut from (cut.h). Samples: rows of the position and of the unit normal along
+// tangent, normal x tangent and normal of the base polygon; CUT_POINTS of them in a tile,
+// CUT_RINGS to a side.
+#define CUT_ROWS 6
+#define CUT_RINGS 4
+#define CUT_POINTS 15
+// Rows of the two transforms from a tile's small triangles to the domain.
+#define CUT_TRANSFORMS 8
+// Rows of tiles: TILE_UINTS words, the least and the largest curvature.
+#define CUT_OUT_ROWS 7
+// Counts of samples and of tiles are multiples of it.
+#define CUT_PAD 16
+
 // Methods and solvers.
 #define METHOD_GREGORY 0  // this library's
 #define METHOD_SHADED 1   // force shading on the base polygons (Morgenbesser and Srinivasan 1996)

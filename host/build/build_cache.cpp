@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <span>
 
@@ -24,15 +25,6 @@ namespace {
 // Faces that are built share nothing, so that they may be drafted in any order.
 constexpr std::size_t kGrain = 64;
 
-// faces_[first] to faces_[first + count - 1]. What the paper's construction makes of them is a
-// batch; the others have drafts of their own.
-struct Chunk {
-  std::size_t first = 0, count = 0;
-  PatchBatch batch;
-  std::vector<PatchFrame> frame;        // [patch of the batch]
-  std::vector<std::uint32_t> in_batch;  // [face of the chunk], its patch there; kNone: none
-};
-
 // A patch as it goes into the cache.
 struct FinishedPatch {
   std::uint32_t valence;
@@ -47,6 +39,20 @@ struct FinishedPatch {
 
   const double* reals() const { return control.empty() ? drafted : control.data(); }
   std::size_t real_count() const { return kernels<double>().control_reals(form, valence); }
+};
+
+// faces_[first] to faces_[first + count - 1]. What the paper's construction makes of them is a
+// batch; the others have drafts of their own.
+struct Chunk {
+  std::size_t first = 0, count = 0;
+  PatchBatch batch;
+  std::vector<PatchFrame> frame;        // [patch of the batch]
+  std::vector<std::uint32_t> in_batch;  // [face of the chunk], its patch there; kNone: none
+  std::vector<PatchDraft> single;       // [face of the chunk], of those not in the batch
+  std::vector<DraftedFace> drafted;     // [face of the chunk]
+  // [face of the chunk], its own patch, or those that it becomes.
+  std::vector<FinishedPatch> plain;
+  std::vector<std::vector<FinishedPatch>> tamer;
 };
 
 // Lists the forms that a patch may have at a level. It takes the first in which it does not fold,
@@ -65,7 +71,7 @@ PatchShape base_shape(const PatchBatch& b, std::size_t p) {
   double reals[kShapeReals];
   kernels<double>().examine(nullptr, nullptr, 0, nullptr, kFormPaper,
                             &b.corner[b.side_begin[p] * 6], &b.triangle[3 * b.first_triangle(p)],
-                            &b.frame[p * kFrameReals], b.valence(p), reals);
+                            &b.frame[p * kFrameReals], b.valence(p), nullptr, nullptr, reals);
   return shape_from(reals, b.valence(p));
 }
 
@@ -82,15 +88,12 @@ class CacheBuilder {
 
   PatchCache build(BuildReport* report) {
     set_frame();
-    drafted_.resize(faces_.size());
     if (!base_only_) {
       make_tables();
       if (options_.level.construction == Construction::kFair)
         fair_.emplace(mesh_frame(), topology_, faces_, backend_.parallel);
-      draft_faces();
     }
-    if (report != nullptr) *report = report_of();
-    layout_ = lay_out(mesh_, topology_, faces_, drafted_, cache_);
+    layout_ = empty_layout(mesh_, cache_);
     if (options_.precision == Precision::kFloat) {
       cache_.surface.emplace<0>();
       fill(std::get<0>(cache_.surface));
@@ -98,6 +101,7 @@ class CacheBuilder {
       cache_.surface.emplace<1>();
       fill(std::get<1>(cache_.surface));
     }
+    if (report != nullptr) *report = std::move(report_);
     if (options_.like == nullptr) find_open_parts(cache_);
     return std::move(cache_);
   }
@@ -139,24 +143,26 @@ class CacheBuilder {
 
   MeshFrame mesh_frame() const { return {mesh_, cache_.origin, cache_.scale}; }
 
-  FaceCorners corners_of(std::uint32_t face) const {
-    FaceCorners c;
+  void corners_of(std::uint32_t face, FaceCorners& c) const {
+    c.position.clear(), c.normal.clear(), c.tangent.clear(), c.side.clear();
     for (std::uint32_t s = mesh_.face_begin[face]; s < mesh_.face_begin[face + 1]; ++s) {
       c.position.push_back(mesh_frame().position(s));
       c.normal.push_back(mesh_frame().normal(s));
     }
-    if (is_sharp(face)) {
-      for (std::uint32_t s = mesh_.face_begin[face]; s < mesh_.face_begin[face + 1]; ++s) {
-        for (const std::uint32_t end : {0u, 1u}) c.tangent.push_back(mesh_frame().tangent(s, end));
-      }
+    if (!is_sharp(face)) return;
+    for (std::uint32_t s = mesh_.face_begin[face]; s < mesh_.face_begin[face + 1]; ++s) {
+      for (const std::uint32_t end : {0u, 1u}) c.tangent.push_back(mesh_frame().tangent(s, end));
     }
-    return c;
   }
 
   // Adds the sides of the fair construction to the corners, if it is that.
+  void face_of(std::uint32_t face, FaceCorners& c) const {
+    corners_of(face, c);
+    if (fair_) fair_->sides_of(face, c.side);
+  }
   FaceCorners face_of(std::uint32_t face) const {
-    FaceCorners c = corners_of(face);
-    if (fair_) c.side = fair_->sides_of(face);
+    FaceCorners c;
+    face_of(face, c);
     return c;
   }
 
@@ -184,26 +190,29 @@ class CacheBuilder {
 
   // Calls body(chunk) for all faces, in order, with the paper's patches of those that need them.
   template <class Body>
-  void for_chunks(BatchStep step, Body body) {
+  void for_chunks(Body body) {
     Chunk c;
     c.batch.tables = &tables_;
     std::vector<std::uint32_t> valences;
     for (c.first = 0; c.first < faces_.size(); c.first += c.count) {
       c.count = std::min(backend_.chunk, faces_.size() - c.first);
       c.in_batch.assign(c.count, kNone);
+      c.drafted.assign(c.count, {});
+      c.plain.resize(c.count);
+      c.tamer.assign(c.count, {});
       valences.clear();
       for (std::size_t i = 0; i < c.count; ++i) {
-        const bool is_drafted = !base_only_ && is_single(faces_[c.first + i]);
-        if (is_drafted || !drafted_[c.first + i].tamer.empty()) continue;
+        if (!base_only_ && is_single(faces_[c.first + i])) continue;
         c.in_batch[i] = static_cast<std::uint32_t>(valences.size());
         valences.push_back(cache_.face_valence[faces_[c.first + i]]);
       }
+      c.single.resize(valences.size() < c.count ? c.count : 0);
       c.batch.resize(valences);
       c.frame.resize(valences.size());
       for_faces(c, [&](std::size_t i) {
         if (c.in_batch[i] != kNone) place(c, c.in_batch[i], faces_[c.first + i]);
       });
-      if (!base_only_ && c.batch.size() > 0) backend_.build(c.batch, step, backend_.parallel);
+      if (!base_only_ && c.batch.size() > 0) backend_.build(c.batch, backend_.parallel);
       body(c);
     }
   }
@@ -217,27 +226,64 @@ class CacheBuilder {
   }
 
   void place(Chunk& c, std::size_t p, std::uint32_t face) const {
+    thread_local FaceCorners corners;
+    corners_of(face, corners);
     PatchBatch& b = c.batch;
-    c.frame[p] =
-        place_polygon(corners_of(face), all_corners(b.valence(p)), &b.corner[b.side_begin[p] * 6],
-                      &b.triangle[3 * b.first_triangle(p)]);
+    c.frame[p] = place_polygon(corners, all_corners(b.valence(p)), &b.corner[b.side_begin[p] * 6],
+                               &b.triangle[3 * b.first_triangle(p)]);
     c.frame[p].store(&b.frame[p * kFrameReals]);
   }
 
-  void draft_faces() {
-    for_chunks(BatchStep::kExamine, [&](const Chunk& c) {
-      for_faces(c, [&](std::size_t i) {
-        const std::uint32_t face = faces_[c.first + i], p = c.in_batch[i];
-        if (p == kNone) {
-          const PatchDraft patch = draft(face_of(face));
-          judge(face, examine(patch, tables_), patch.soundness, drafted_[c.first + i]);
-        } else {
-          judge(face, shape_from(&c.batch.shape[p * kShapeReals], c.batch.valence(p)),
-                c.batch.soundness[p], drafted_[c.first + i]);
-        }
-      });
-      backend_.progress(c.first + c.count);
-    });
+  // Examines a face's patch, finds tamer ones if it folds, and finishes what the face becomes.
+  template <class Real>
+  void build_face(Chunk& c, std::size_t i) const {
+    thread_local PatchSamples samples;
+    thread_local FaceCorners corners;
+    const std::uint32_t face = faces_[c.first + i], p = c.in_batch[i];
+    DraftedFace& drafted = c.drafted[i];
+    const PatchBatch& b = c.batch;
+    if (p == kNone) {
+      PatchDraft& single = c.single[i];
+      face_of(face, corners);
+      single.face_corner.resize(corners.position.size());
+      std::iota(single.face_corner.begin(), single.face_corner.end(), 0u);
+      draft_patch(corners, single);
+      judge(face, examine(single, tables_, &samples), single.soundness, drafted);
+      single.shape = drafted.shape;
+    } else if (base_only_) {
+      drafted.shape = base_shape(b, p);
+    } else {
+      judge(face,
+            b.shape.empty() ? examine(c.frame[p], &b.corner[b.side_begin[p] * 6],
+                                      &b.triangle[3 * b.first_triangle(p)],
+                                      &b.control[b.side_begin[p] * kSideReals], kFormPaper,
+                                      b.valence(p), tables_, &samples)
+                            : shape_from(&b.shape[p * kShapeReals], b.valence(p)),
+            b.soundness[p], drafted);
+    }
+    for (const PatchDraft& d : drafted.tamer) {
+      c.tamer[i].push_back(to_finish(d));
+      finish<Real>(c.tamer[i].back(), samples, false);
+    }
+    if (!drafted.tamer.empty()) return;
+    FinishedPatch& plain = c.plain[i];
+    if (p == kNone) {
+      plain = to_finish(c.single[i]);
+    } else {
+      plain = {b.valence(p),
+               PatchKind::kPlain,
+               &c.frame[p],
+               drafted.shape,
+               &b.corner[b.side_begin[p] * 6],
+               &b.control[b.side_begin[p] * kSideReals],
+               &b.triangle[3 * b.first_triangle(p)]};
+    }
+    finish<Real>(plain, samples, b.shape.empty());
+  }
+
+  static FinishedPatch to_finish(const PatchDraft& d) {
+    return {d.valence(),     d.kind,           &d.frame,          d.shape,
+            d.corner.data(), d.control.data(), d.triangle.data(), d.form};
   }
 
   static PatchDraft draft(const FaceCorners& face) {
@@ -258,61 +304,60 @@ class CacheBuilder {
     d.tamer = draft_tamer(corners, std::move(patch), tables_);
   }
 
-  BuildReport report_of() const {
-    BuildReport report;
-    for (std::size_t i = 0; i < faces_.size(); ++i) {
-      const DraftedFace& d = drafted_[i];
+  void report(const Chunk& c) {
+    for (std::size_t i = 0; i < c.count; ++i) {
+      const DraftedFace& d = c.drafted[i];
       if (!d.flagged()) continue;
-      report.flagged_faces.push_back(faces_[i]);
-      report.folded += d.folded;
-      report.degenerate += d.degenerate;
+      report_.flagged_faces.push_back(faces_[c.first + i]);
+      report_.folded += d.folded;
+      report_.degenerate += d.degenerate;
       if (d.tamer.empty()) continue;
       const bool bent = std::any_of(d.tamer.begin(), d.tamer.end(),
                                     [](const PatchDraft& p) { return p.kind == PatchKind::kBent; });
-      ++(bent ? report.bent : d.tamer.size() > 1 ? report.split : report.eased);
+      ++(bent ? report_.bent : d.tamer.size() > 1 ? report_.split : report_.eased);
     }
-    return report;
   }
 
   template <class Real>
   void fill(Surface<Real>& s) {
-    const std::size_t sides = layout_.side_twin.size(), patches = cache_.patch_count();
+    if (!base_only_) s.tile_begin.push_back(0);
+    std::vector<Box> boxes;
+    for_chunks([&](Chunk& c) {
+      for_faces(c, [&](std::size_t i) { build_face<Real>(c, i); });
+      report(c);
+      store_chunk(c, s, boxes);
+      backend_.progress(c.first + c.count);
+    });
+    const std::uint32_t patches = cache_.patch_count();
+    join_sides(mesh_, topology_, faces_, cache_, layout_);
     s.side_begin = std::move(layout_.side_begin);
     s.side_twin = std::move(layout_.side_twin);
-    s.side_patch.resize(sides);
+    s.side_patch.resize(s.side_twin.size());
     for (std::uint32_t p = 0; p < patches; ++p) {
       for (std::uint32_t side = s.side_begin[p]; side < s.side_begin[p + 1]; ++side)
         s.side_patch[side] = p;
     }
-    s.control_begin.resize(patches);
-    s.form.resize(patches);
-    if (!base_only_ && options_.level.kind == Level::kExact) s.control.reserve(exact_reals());
-    s.corner.resize(sides * 6);
-    s.patch.resize(patches * kPatchReals);
-    s.tile_begin.assign(patches + 1, 0);
-    s.triangle.resize(3 * (sides - 2 * patches));
-    cache_.rho_min.resize(patches);
     fill_domain(s);
-    std::vector<Box> boxes(patches);
-    for_chunks(BatchStep::kControl, [&](const Chunk& c) { store_chunk(c, s, boxes); });
-    s.control.shrink_to_fit();
-    s.tile.shrink_to_fit();
-    if (!base_only_) free_sharp_sides(s, backend_.parallel);
+    if (base_only_) {
+      s.control_begin.assign(patches, 0);
+      s.tile_begin.assign(patches + 1, 0);
+    } else {
+      free_sharp_sides(s, backend_.parallel);
+    }
     build_hierarchy(boxes, s.node, s.child, backend_.parallel);
     find_parts(boxes, s, [&] { backend_.progress(faces_.size()); });
   }
 
-  // Numbers of all control data, unless a level replaces them.
-  std::size_t exact_reals() const {
-    const Kernels<double>& k = kernels<double>();
-    std::size_t sum = 0;
-    for (std::size_t i = 0; i < faces_.size(); ++i) {
-      const std::vector<PatchDraft>& tamer = drafted_[i].tamer;
-      const std::uint32_t n = cache_.face_valence[faces_[i]];
-      if (tamer.empty()) sum += k.control_reals(is_fair(faces_[i]) ? fair_form(n) : kFormPaper, n);
-      for (const PatchDraft& d : tamer) sum += d.control.size();
+  // Resizes an array of the surface when all patches up to face `done` of faces_ are known. If it
+  // has to move it gets room for what the other faces will need, should they be like those: pages
+  // that are not used cost nothing.
+  template <class Array>
+  void grow(Array& array, std::size_t size, std::size_t done) const {
+    if (size > array.capacity()) {
+      const double others = static_cast<double>(faces_.size() - done) / static_cast<double>(done);
+      array.reserve(size + static_cast<std::size_t>(1.0625 * others * static_cast<double>(size)));
     }
-    return sum;
+    array.resize(size);
   }
 
   template <class Real>
@@ -331,109 +376,89 @@ class CacheBuilder {
 
   template <class Real>
   void store_chunk(const Chunk& c, Surface<Real>& s, std::vector<Box>& boxes) {
-    const std::uint32_t first = cache_.face_patch[faces_[c.first]];
-    const std::size_t next = c.first + c.count;
-    const std::uint32_t last =
-        next < faces_.size() ? cache_.face_patch[faces_[next]] : cache_.patch_count();
-    std::vector<FinishedPatch> finished(last - first);
-    // [face of the chunk], of single ones.
-    std::vector<PatchDraft> single(fair_ || !mesh_.tangents.empty() ? c.count : 0);
-    for_faces(c, [&](std::size_t i) {
-      finish_face(c, i, single, &finished[cache_.face_patch[faces_[c.first + i]] - first]);
-    });
-    if (!base_only_) {
-      backend_.parallel(finished.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) tile<Real>(finished[i]);
-      });
+    const std::uint32_t first = cache_.patch_count();
+    number_patches(mesh_, {&faces_[c.first], c.count}, c.drafted, cache_, layout_);
+    std::vector<const FinishedPatch*> finished;
+    finished.reserve(cache_.patch_count() - first);
+    for (std::size_t i = 0; i < c.count; ++i) {
+      if (c.tamer[i].empty()) finished.push_back(&c.plain[i]);
+      for (const FinishedPatch& patch : c.tamer[i]) finished.push_back(&patch);
     }
-    if (!base_only_) {
-      std::size_t end = s.control.size();
-      for (std::size_t i = 0; i < finished.size(); ++i) {
-        s.control_begin[first + i] = static_cast<std::uint32_t>(end / 3);
-        end += finished[i].real_count();
-      }
-      if (end / 3 >= kNone) throw MeshError(mesh_.source + ": too many sides for one cache");
-      s.control.resize(end);
-      for (std::size_t i = 0; i < finished.size(); ++i) {
-        const std::vector<std::uint32_t>& words = finished[i].tiles.words;
-        s.tile.insert(s.tile.end(), words.begin(), words.end());
-        if (s.tile.size() / kTileUints >= kNone)
-          throw MeshError(mesh_.source + ": too many sides for one cache");
-        s.tile_begin[first + i + 1] = static_cast<std::uint32_t>(s.tile.size() / kTileUints);
-      }
-    }
+    make_room(c, finished, s, boxes);
     backend_.parallel(finished.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
-        store(finished[i], first + static_cast<std::uint32_t>(i), s, boxes);
+        store(*finished[i], first + static_cast<std::uint32_t>(i), s, boxes);
     });
   }
 
-  // Finishes the patches of face i of a chunk, one after the other. A single one is drafted once
-  // more, into single[i]: to keep all drafts would take several times the memory of the cache.
-  void finish_face(const Chunk& c, std::size_t i, std::vector<PatchDraft>& single,
-                   FinishedPatch* out) const {
-    const std::uint32_t face = faces_[c.first + i], p = c.in_batch[i];
-    const DraftedFace& drafted = drafted_[c.first + i];
-    if (p != kNone) {
-      const PatchBatch& b = c.batch;
-      *out = {b.valence(p),
-              PatchKind::kPlain,
-              &c.frame[p],
-              base_only_ ? base_shape(b, p) : drafted.shape,
-              &b.corner[b.side_begin[p] * 6],
-              &b.control[b.side_begin[p] * kSideReals],
-              &b.triangle[3 * b.first_triangle(p)]};
-      return choose_form(*out);
+  // Room for finished patches, after those before, in all arrays.
+  template <class Real>
+  void make_room(const Chunk& c, const std::vector<const FinishedPatch*>& finished,
+                 Surface<Real>& s, std::vector<Box>& boxes) {
+    const std::size_t done = c.first + c.count, patches = cache_.patch_count(),
+                      sides = layout_.side_begin.back(), before = patches - finished.size();
+    grow(boxes, patches, done);
+    grow(cache_.rho_min, patches, done);
+    grow(s.form, patches, done);
+    grow(s.patch, patches * kPatchReals, done);
+    grow(s.corner, sides * 6, done);
+    grow(s.triangle, 3 * (sides - 2 * patches), done);
+    if (base_only_) return;
+    grow(s.control_begin, patches, done);
+    grow(s.tile_begin, patches + 1, done);
+    std::size_t control = s.control.size(), tiles = s.tile.size() / kTileUints;
+    for (std::size_t i = 0; i < finished.size(); ++i) {
+      s.control_begin[before + i] = static_cast<std::uint32_t>(control / 3);
+      control += finished[i]->real_count();
+      tiles += finished[i]->tiles.words.size() / kTileUints;
+      if (control / 3 >= kNone || tiles >= kNone)
+        throw MeshError(mesh_.source + ": too many sides for one cache");
+      s.tile_begin[before + i + 1] = static_cast<std::uint32_t>(tiles);
     }
-    std::span<const PatchDraft> patches = drafted.tamer;
-    if (patches.empty()) {
-      single[i] = draft(face_of(face));
-      single[i].shape = drafted.shape;
-      patches = {&single[i], 1};
-    }
-    for (const PatchDraft& d : patches) {
-      *out = {d.valence(),     d.kind,           &d.frame,          d.shape,
-              d.corner.data(), d.control.data(), d.triangle.data(), d.form};
-      choose_form(*out++);
-    }
+    grow(s.control, control, done);
+    grow(s.tile, tiles * kTileUints, done);
   }
 
-  void choose_form(FinishedPatch& d) const {
+  // Takes a patch to the level that was asked for and cuts it into tiles. `samples`: those of the
+  // patch as drafted if it `has_samples`; they become those of its form.
+  template <class Real>
+  void finish(FinishedPatch& d, PatchSamples& samples, bool has_samples) const {
     if (base_only_) return;
     const Kernels<double>& k = kernels<double>();
+    d.control.clear();
     for (const std::uint32_t form : forms_of(options_.level, d)) {
-      d.control.resize(k.control_reals(form, d.valence));
+      std::vector<double> control(k.control_reals(form, d.valence));
       k.to_form(tables_.domain_of(d.valence), d.corner, d.drafted, d.form, form, d.valence,
-                d.control.data());
-      const PatchShape shape =
-          examine(*d.frame, d.corner, d.triangle, d.control.data(), form, d.valence, tables_);
+                control.data());
+      const PatchShape shape = examine(*d.frame, d.corner, d.triangle, control.data(), form,
+                                       d.valence, tables_, &samples);
       // A patch that folds whatever is done about it may as well fold in the form asked for.
-      if (is_folded(shape) && !is_folded(d.shape)) continue;
+      has_samples = !is_folded(shape) || is_folded(d.shape);
+      if (!has_samples) continue;
+      d.control = std::move(control);
       d.form = form;
       d.shape = shape;
-      return;
+      break;
     }
-    d.control.clear();
-  }
-
-  // Cuts a patch into tiles, in its box as it is stored.
-  template <class Real>
-  void tile(FinishedPatch& d) const {
+    // In its box as it is stored.
     d.tiles = cut_tiles(*d.frame, d.shape, d.shape.low.cast<Real>().template cast<double>(),
                         d.shape.high.cast<Real>().template cast<double>(), d.reals(), d.form,
-                        d.valence, tables_);
+                        d.valence, tables_, has_samples ? &samples : nullptr);
   }
 
   template <class Real>
   void store(const FinishedPatch& d, std::uint32_t patch, Surface<Real>& s,
              std::vector<Box>& boxes) {
-    const std::size_t first = s.side_begin[patch], n = d.valence;
+    const std::size_t first = layout_.side_begin[patch], n = d.valence;
     const auto narrow = [](const double* from, std::size_t count, Real* to) {
       for (std::size_t i = 0; i < count; ++i) to[i] = static_cast<Real>(from[i]);
     };
     s.form[patch] = d.form;
-    if (!base_only_)
+    if (!base_only_) {
       narrow(d.reals(), d.real_count(), &s.control[3 * std::size_t{s.control_begin[patch]}]);
+      std::copy(d.tiles.words.begin(), d.tiles.words.end(),
+                &s.tile[kTileUints * std::size_t{s.tile_begin[patch]}]);
+    }
     narrow(d.corner, n * 6, &s.corner[first * 6]);
     std::copy(d.triangle, d.triangle + 3 * (n - 2), &s.triangle[3 * (first - 2 * patch)]);
     Real* numbers = &s.patch[patch * kPatchReals];
@@ -463,8 +488,8 @@ class CacheBuilder {
   ValenceTables tables_;
   std::optional<FairSides> fair_;
   std::vector<std::uint32_t> faces_;
-  LargeArray<DraftedFace> drafted_;  // [faces_]
   PatchLayout layout_;
+  BuildReport report_;
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "gliss/base/large_array.h"
 #include "gliss/base/parallel.h"
 #include "gliss/build/mesh_frame.h"
 #include "gliss/mesh/topology.h"
@@ -22,8 +23,8 @@ class FairSides {
   FairSides(const MeshFrame& frame, const Topology& topology, std::span<const std::uint32_t> faces,
             const ParallelFor& parallel);
 
-  // The sides of a face: kFairReals numbers each, in the mesh frame.
-  std::vector<double> sides_of(std::uint32_t face) const;
+  // Writes the sides of a face: kFairReals numbers each, in the mesh frame.
+  void sides_of(std::uint32_t face, std::vector<double>& sides) const;
 
  private:
   struct End {
@@ -32,16 +33,20 @@ class FairSides {
 
   End corner(std::uint32_t side) const;
   std::uint32_t joined_valence(std::uint32_t side) const;
-  FairEdge<double> edge(std::uint32_t side) const;
-  void find_shape(std::size_t i);
+  void find_turns(const ParallelFor& parallel);
+  Vec3 find_turn(std::uint32_t side) const;
+  FairEdge<double> edge(std::uint32_t side, std::uint32_t joined, const End& end) const;
+  bool find_shape(std::size_t i);  // false: none that its sides agree on
   const FairVertex<double>* shape_of(std::uint32_t vertex) const;
 
   const MeshFrame frame_;
   const Mesh& mesh_;
   const Topology& topology_;
-  std::vector<std::uint32_t> vertices_;     // ascending
+  // [side], the turn of an edge between two triangles, at the lesser of its sides; empty: not kept.
+  LargeArray<Vec3> turn_;
+  std::vector<std::uint32_t> vertices_;     // ascending; empty: all
   std::vector<FairVertex<double>> shapes_;  // [vertices_]
-  std::vector<char> has_shape_;             // [vertices_], 0: none that its sides agree on
+  std::vector<char> has_shape_;             // [vertices_]
 };
 
 }  // namespace gliss

@@ -19,6 +19,7 @@ ValenceTables make_valence_tables(std::span<const char> used) {
   t.domain_begin.assign(used.size(), 0);
   t.probe_begin.assign(used.size(), 0);
   t.probe_count.assign(used.size(), 0);
+  t.cuts.resize(used.size());
   for (std::uint32_t n = 3; n < used.size(); ++n) {
     if (!used[n]) continue;
     append_domain(n, t.domain, t.domain_begin);
@@ -26,8 +27,22 @@ ValenceTables make_valence_tables(std::span<const char> used) {
     t.probe_begin[n] = static_cast<std::uint32_t>(t.probe.size());
     t.probe.resize(t.probe.size() + k.probe_reals(n));
     k.fill_probes(n, t.domain_of(n), &t.probe[t.probe_begin[n]]);
+    t.cuts[n] = tile_cuts_of(n);
   }
+  const auto fill = [&](std::uint32_t form, std::uint32_t n, std::vector<double>& table) {
+    if (n >= used.size() || !used[n]) return;
+    table.resize(k.second_reals(form, n));
+    k.fill_second(t.domain_of(n), form, n, t.probes_of(n), table.data());
+  };
+  fill(kFormSextic, 3, t.sextic);
+  fill(kFormBezier, 4, t.quad);
   return t;
+}
+
+const double* ValenceTables::second_of(std::uint32_t form, std::uint32_t n) const {
+  return form == kFormSextic             ? sextic.data()
+         : form == kFormBezier && n == 4 ? quad.data()
+                                         : nullptr;
 }
 
 DomainVec on_side(std::uint32_t n, std::uint32_t k, double t) {
@@ -44,10 +59,10 @@ void PatchBatch::resize(std::span<const std::uint32_t> valences) {
   frame.resize(patches * kFrameReals);
   control.resize(sides * kSideReals);
   soundness.resize(patches);
-  shape.resize(patches * kShapeReals);
+  shape.clear();
 }
 
-void build_patches(PatchBatch& b, BatchStep step, const ParallelFor& parallel) {
+void build_patches(PatchBatch& b, const ParallelFor& parallel) {
   const Kernels<double>& k = kernels<double>();
   parallel(b.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t first = begin, last; first < end; first = last) {  // of one valence
@@ -56,14 +71,6 @@ void build_patches(PatchBatch& b, BatchStep step, const ParallelFor& parallel) {
       const std::size_t side = b.side_begin[first];
       k.build_patches(&b.corner[side * 6], n, last - first, &b.control[side * kSideReals],
                       &b.soundness[first]);
-    }
-    if (step == BatchStep::kControl) return;
-    for (std::size_t p = begin; p < end; ++p) {
-      const std::uint32_t n = b.valence(p);
-      k.examine(b.tables->domain_of(n), b.tables->probes_of(n), b.tables->probe_count[n],
-                &b.control[b.side_begin[p] * kSideReals], kFormPaper,
-                &b.corner[b.side_begin[p] * 6], &b.triangle[3 * b.first_triangle(p)],
-                &b.frame[p * kFrameReals], n, &b.shape[p * kShapeReals]);
     }
   });
 }

@@ -10,6 +10,7 @@
 
 #include "gliss/base/export.h"
 #include "gliss/base/parallel.h"
+#include "gliss/build/tile_cuts.h"
 
 namespace gliss {
 
@@ -20,9 +21,13 @@ struct ValenceTables {
   std::vector<std::uint32_t> domain_begin;  // [valence]
   std::vector<std::uint32_t> probe_begin;   // [valence], xi of all and then eta of all
   std::vector<std::uint32_t> probe_count;  // [valence], points; rows are longer (kernels/examine.h)
+  std::vector<std::vector<TileCut>> cuts;  // [valence]
+  std::vector<double> sextic, quad;  // for second derivatives of those forms; empty: not in use
 
   const double* domain_of(std::uint32_t n) const { return &domain[domain_begin[n]]; }
   const double* probes_of(std::uint32_t n) const { return &probe[probe_begin[n]]; }
+  // Null: a form whose curvature is found by differences.
+  const double* second_of(std::uint32_t form, std::uint32_t n) const;
 };
 
 // `used`: [valence], 1 where tables are wanted.
@@ -40,10 +45,12 @@ struct GLISS_EXPORT PatchBatch {
   std::vector<double> corner;                // [side][2][3]: position (local frame), unit normal
   std::vector<std::uint32_t> triangle;       // [side_begin[p] - 2 p][3]
   std::vector<double> frame;  // [patch][kFrameReals]: unit normal, tangent of the base polygon
-  // Computed by a backend, as it is asked to:
+  // Computed by a backend:
   std::vector<double> control;    // [side][kSideReals]
   std::vector<double> soundness;  // [patch], of its weakest ribbon
-  std::vector<double> shape;      // [patch][kShapeReals]
+  // [patch][kShapeReals]; empty: a backend may leave them to the build, which samples patches
+  // anyway.
+  std::vector<double> shape;
 
   std::size_t size() const { return side_begin.size() - 1; }
   std::uint32_t valence(std::size_t patch) const {
@@ -54,13 +61,11 @@ struct GLISS_EXPORT PatchBatch {
   void resize(std::span<const std::uint32_t> valences);
 };
 
-// A step of a batch: its control data, or its soundness and shapes.
-enum class BatchStep { kControl, kExamine };
-
-using BatchBuilder = std::function<void(PatchBatch&, BatchStep, const ParallelFor&)>;
+// Computes what of a batch is to be computed.
+using BatchBuilder = std::function<void(PatchBatch&, const ParallelFor&)>;
 
 // With the machine's best lanes.
-GLISS_EXPORT void build_patches(PatchBatch& batch, BatchStep step, const ParallelFor& parallel);
+GLISS_EXPORT void build_patches(PatchBatch& batch, const ParallelFor& parallel);
 
 // The backend that a build runs on.
 struct BuildBackend {

@@ -37,8 +37,9 @@ PatchFrame place_polygon(const FaceCorners& face, std::span<const std::uint32_t>
                          double* corner, std::uint32_t* triangle) {
   PatchFrame frame;
   const std::size_t n = face_corner.size();
-  std::vector<Vec3> position;
-  position.reserve(n);
+  thread_local std::vector<Vec3> position;
+  thread_local std::vector<std::uint32_t> triangles;
+  position.clear(), triangles.clear();
   Box box{face.position[face_corner[0]], face.position[face_corner[0]]};
   for (const std::uint32_t c : face_corner) {
     position.push_back(face.position[c]);
@@ -56,7 +57,6 @@ PatchFrame place_polygon(const FaceCorners& face, std::span<const std::uint32_t>
     std::copy_n(face.normal[face_corner[k]].data(), 3, corner + 6 * k + 3);
   }
   for (std::size_t k = 0; k < n; ++k) frame.normal += position[k].cross(position[(k + 1) % n]);
-  std::vector<std::uint32_t> triangles;
   triangulate(position, frame.normal, triangles);
   std::copy(triangles.begin(), triangles.end(), triangle);
   // The polygon's area vanishes: any direction that its vertex normals agree on.
@@ -115,7 +115,7 @@ std::array<double, kFairReals> fair_side(const FaceCorners& face, std::uint32_t 
   };
   put(start, from);
   put(end, edge.end);
-  kernels<double>().fair_side(from, edge, nullptr, side.data());
+  kernels<double>().fair_side(from, edge, nullptr, nullptr, false, side.data());
   return side;
 }
 
@@ -158,30 +158,39 @@ void draft_fair(const FaceCorners& face, PatchDraft& d) {
 PatchDraft draft_patch(const FaceCorners& face, std::vector<std::uint32_t> face_corner) {
   PatchDraft d;
   d.face_corner = std::move(face_corner);
+  draft_patch(face, d);
+  return d;
+}
+
+void draft_patch(const FaceCorners& face, PatchDraft& d) {
   const std::size_t n = d.face_corner.size();
+  d.kind = PatchKind::kPlain;
+  d.form = kFormPaper;
+  d.soundness = d.turned = 1;
+  d.side.clear();
   d.corner.resize(n * 6);
   d.triangle.resize(3 * (n - 2));
   d.frame = place_polygon(face, d.face_corner, d.corner.data(), d.triangle.data());
-  if (face.is_fair() && n <= 4) {
-    draft_fair(face, d);
-    return d;
-  }
+  if (face.is_fair() && n <= 4) return draft_fair(face, d);
   d.control.resize(n * kSideReals);
-  if (!face.tangent.empty()) {
-    draft_sharp(face, d);
-    return d;
-  }
+  if (!face.tangent.empty()) return draft_sharp(face, d);
   kernels<double>().build_patches(d.corner.data(), d.valence(), 1, d.control.data(), &d.soundness);
-  return d;
 }
 
 PatchShape examine(const PatchFrame& frame, const double* corner, const std::uint32_t* triangle,
                    const double* control, std::uint32_t form, std::uint32_t n,
-                   const ValenceTables& tables) {
+                   const ValenceTables& tables, PatchSamples* samples) {
+  const Kernels<double>& k = kernels<double>();
   double axes[kFrameReals], reals[kShapeReals];
   frame.store(axes);
-  kernels<double>().examine(tables.domain_of(n), tables.probes_of(n), tables.probe_count[n],
-                            control, form, corner, triangle, axes, n, reals);
+  if (samples != nullptr) {
+    samples->count = static_cast<std::uint32_t>(k.probe_reals(n) / 2);
+    samples->rows.resize(kCutRows * samples->count);
+  }
+  k.examine(tables.domain_of(n), tables.probes_of(n), tables.probe_count[n], control, form, corner,
+            triangle, axes, n, tables.second_of(form, n),
+            samples == nullptr ? nullptr : samples->rows.data(), reals);
+  if (samples != nullptr) samples->stretch2 = reals[kShapeStretch2];
   return shape_from(reals, n);
 }
 
@@ -202,9 +211,9 @@ std::vector<Vec3> normals_of(const PatchDraft& d, const ValenceTables& tables,
   return normals;
 }
 
-PatchShape examine(const PatchDraft& d, const ValenceTables& tables) {
+PatchShape examine(const PatchDraft& d, const ValenceTables& tables, PatchSamples* samples) {
   PatchShape shape = examine(d.frame, d.corner.data(), d.triangle.data(), d.control.data(), d.form,
-                             d.valence(), tables);
+                             d.valence(), tables, samples);
   if (!(d.turned > 0)) shape.turn = -1;
   return shape;
 }

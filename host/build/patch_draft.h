@@ -52,6 +52,13 @@ struct PatchShape {
   double unseen = 0;   // rad, by which the normal may turn between two samples
 };
 
+// Samples of one patch along its frame: kCutRows rows of `count`.
+struct PatchSamples {
+  std::vector<double> rows;
+  std::uint32_t count = 0;
+  double stretch2 = 0;  // the largest squared length of G_xi and G_eta
+};
+
 // From kShapeReals numbers of a patch of n sides: bounds are widened by what lies between samples.
 PatchShape shape_from(const double* reals, std::uint32_t n);
 
@@ -87,14 +94,18 @@ constexpr std::uint32_t fair_form(std::uint32_t n) { return n == 3 ? kFormSextic
 // The patch of some corners of a face, not yet examined: a fair one where the face has fair sides
 // and there are three or four corners, else the paper's.
 PatchDraft draft_patch(const FaceCorners& face, std::vector<std::uint32_t> face_corner);
+// The same in a draft that has its face_corner and may be one of before, whose memory it takes.
+void draft_patch(const FaceCorners& face, PatchDraft& draft);
 // Normals, of any length, at `at`: domain points.
 std::vector<Vec3> normals_of(const PatchDraft& draft, const ValenceTables& tables,
                              std::span<const Eigen::Vector2d> at);
-PatchShape examine(const PatchDraft& draft, const ValenceTables& tables);
+// `samples`: null, or what becomes of the probes for tiles to be cut from (patch_tiles.h).
+PatchShape examine(const PatchDraft& draft, const ValenceTables& tables,
+                   PatchSamples* samples = nullptr);
 // The shape of a patch in any form, from its pieces.
 PatchShape examine(const PatchFrame& frame, const double* corner, const std::uint32_t* triangle,
                    const double* control, std::uint32_t form, std::uint32_t n,
-                   const ValenceTables& tables);
+                   const ValenceTables& tables, PatchSamples* samples = nullptr);
 // PatchShape::turn of more samples.
 double closer_turn(const PatchDraft& draft, const ValenceTables& tables);
 

@@ -49,11 +49,13 @@ std::uint32_t patch_side(const Mesh& mesh, const Topology& topology, const Patch
 
 }  // namespace
 
-PatchLayout lay_out(const Mesh& mesh, const Topology& topology,
-                    const std::vector<std::uint32_t>& faces, const LargeArray<DraftedFace>& drafted,
-                    PatchCache& cache) {
-  PatchLayout l;
+PatchLayout empty_layout(const Mesh& mesh, PatchCache& cache) {
   cache.face_patch.assign(mesh.face_count(), kNone);
+  return {};
+}
+
+void number_patches(const Mesh& mesh, std::span<const std::uint32_t> faces,
+                    std::span<const DraftedFace> drafted, PatchCache& cache, PatchLayout& l) {
   for (std::size_t i = 0; i < faces.size(); ++i) {
     const std::uint32_t face = faces[i], n = mesh.valence(face);
     const DraftedFace& d = drafted[i];
@@ -61,19 +63,19 @@ PatchLayout lay_out(const Mesh& mesh, const Topology& topology,
     for (std::size_t t = 0; t < std::max<std::size_t>(d.tamer.size(), 1); ++t) {
       const PatchDraft* draft = d.tamer.empty() ? nullptr : &d.tamer[t];
       const std::size_t valence = draft == nullptr ? n : draft->face_corner.size();
-      for (std::size_t k = 0; k < valence; ++k) {
-        const auto corner = [&](std::size_t j) {
-          return draft == nullptr ? static_cast<std::uint32_t>(j % n)
-                                  : draft->face_corner[j % valence];
-        };
-        cache.corner_of_face.push_back(corner(k));
-      }
+      for (std::size_t k = 0; k < valence; ++k)
+        cache.corner_of_face.push_back(draft == nullptr ? static_cast<std::uint32_t>(k)
+                                                        : draft->face_corner[k]);
       l.side_begin.push_back(static_cast<std::uint32_t>(cache.corner_of_face.size()));
       cache.patch_face.push_back(face);
       cache.kind.push_back(draft == nullptr ? PatchKind::kPlain : draft->kind);
       cache.folded.push_back(d.flagged());
     }
   }
+}
+
+void join_sides(const Mesh& mesh, const Topology& topology, std::span<const std::uint32_t> faces,
+                const PatchCache& cache, PatchLayout& l) {
   l.side_twin.assign(cache.corner_of_face.size(), kNone);
   for (const std::uint32_t face : faces) {
     for (std::uint32_t s = mesh.face_begin[face]; s < mesh.face_begin[face + 1]; ++s) {
@@ -84,7 +86,6 @@ PatchLayout lay_out(const Mesh& mesh, const Topology& topology,
     }
   }
   join_diagonals(cache, l);
-  return l;
 }
 
 }  // namespace gliss

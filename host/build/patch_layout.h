@@ -1,6 +1,7 @@
 // Lays out the patches of a cache: which is where, and which sides meet.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "gliss/base/large_array.h"
@@ -23,10 +24,16 @@ struct PatchLayout {
   LargeArray<std::uint32_t> side_twin;      // [side]
 };
 
-// Numbers the patches of `faces`, which are `drafted` in the same order, and fills what the cache
-// knows of each besides its shape.
-PatchLayout lay_out(const Mesh& mesh, const Topology& topology,
-                    const std::vector<std::uint32_t>& faces, const LargeArray<DraftedFace>& drafted,
-                    PatchCache& cache);
+// No patch yet.
+PatchLayout empty_layout(const Mesh& mesh, PatchCache& cache);
+
+// Numbers the patches of `faces`, which are `drafted` in the same order, after those before, and
+// adds what the cache knows of each besides its shape.
+void number_patches(const Mesh& mesh, std::span<const std::uint32_t> faces,
+                    std::span<const DraftedFace> drafted, PatchCache& cache, PatchLayout& layout);
+
+// Finds the twins of all sides, once all patches of `faces` have their numbers.
+void join_sides(const Mesh& mesh, const Topology& topology, std::span<const std::uint32_t> faces,
+                const PatchCache& cache, PatchLayout& layout);
 
 }  // namespace gliss

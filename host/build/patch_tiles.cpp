@@ -14,13 +14,9 @@ namespace {
 
 using Vec2 = Eigen::Vector2d;
 
-constexpr double kMostTurn = 0.2;  // rad, of a normal from the mean of its tile, if possible
-constexpr std::uint32_t kMostTiles = 512;  // of a patch of few sides
-constexpr double kMostCurvature = 1e4;     // local: what curves more has no end of it
-constexpr double kShrink = 1 - 0x1p-16;    // of the samples' domain: off the sides
-constexpr std::uint32_t kRings = 4;        // of samples in a tile, at least
-// Between samples, normals turn so much farther and curvatures range so much farther.
-constexpr double kMoreTurn = 1.25, kMoreCurvature = 0.5;
+constexpr double kMostTurn = 0.2;        // rad, of a normal from the mean of its tile, if possible
+constexpr double kMostCurvature = 1e4;   // local: what curves more has no end of it
+constexpr double kShrink = 1 - 0x1p-16;  // of the samples' domain: off the sides
 constexpr double kLeastTurn = 2e-3;  // rad: more than what two patches that meet smoothly differ by
 constexpr std::uint32_t kTurnShift = 24;  // of its bits in a tile's axis
 
@@ -29,315 +25,50 @@ Vec2 domain_corner(std::uint32_t n, std::uint32_t k) {
   return {std::cos(angle), std::sin(angle)};
 }
 
-// The least and the largest of some numbers. NaN counts as no bound at all.
-struct Range {
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  void add(double x) {
-    low = x >= low ? low : std::isnan(x) ? -kMostCurvature : x;
-    high = x <= high ? high : std::isnan(x) ? kMostCurvature : x;
-  }
-  double wide() const { return high - low; }
-};
-
-struct Sample {
-  Vec3 position, normal;  // along tangent, normal x tangent, normal
-};
-
-// The samples of a patch: a lattice on the triangle from its centre to each side, `rings` rows of
-// triangles; point (r, i) of fan k is the i-th of r + 1 on ring r.
-class Lattice {
- public:
-  Lattice(const PatchFrame& frame, const double* control, std::uint32_t form, std::uint32_t n,
-          std::uint32_t rings, const ValenceTables& tables)
-      : n_(n), rings_(rings) {
-    for (std::uint32_t k = 0; k <= n; ++k) corners_.push_back(domain_corner(n, k));
-    std::vector<double> xi{0}, eta{0};
-    for (std::uint32_t ring = 1; ring <= rings; ++ring) {
-      for (std::uint32_t k = 0; k < n; ++k) {
-        for (std::uint32_t i = 0; i < ring; ++i) {
-          const Vec2 at = kShrink / rings * ((ring - i) * corners_[k] + i * corners_[k + 1]);
-          xi.push_back(at.x()), eta.push_back(at.y());
-        }
-      }
-    }
-    const std::size_t count = xi.size();
-    std::vector<double> rows(9 * count);
-    kernels<double>().evaluate(tables.domain_of(n), control, form, n, xi.data(), eta.data(), count,
-                               count, rows.data());
-    Eigen::Matrix3d axes;
-    axes << frame.tangent, frame.normal.cross(frame.tangent), frame.normal;
-    const Eigen::Matrix3d turn = axes.transpose();
-    samples_.resize(count);
-    for (std::size_t i = 0; i < count; ++i) {
-      const auto row = [&](std::size_t r) {
-        return Vec3(rows[r * count + i], rows[(r + 1) * count + i], rows[(r + 2) * count + i]);
-      };
-      const Vec3 d_xi = row(3), d_eta = row(6);
-      samples_[i] = {turn * row(0), turn * d_xi.cross(d_eta).normalized()};
-      stretch2_ = std::max({stretch2_, d_xi.squaredNorm(), d_eta.squaredNorm()});
-    }
-    find_curvatures();
-  }
-
-  std::uint32_t sides() const { return n_; }
-  std::uint32_t rings() const { return rings_; }
-  double stretch() const { return std::sqrt(stretch2_); }
-
-  const Sample& at(std::uint32_t k, std::uint32_t r, std::uint32_t i) const {
-    return samples_[r == 0 ? 0 : 1 + n_ * r * (r - 1) / 2 + (k * r + i) % (n_ * r)];
-  }
-
-  // Measures a small triangle: signed principal curvatures, positive where the surface bends away
-  // from its normal, and the longest side squared. `up`: (r, i), (r + 1, i), (r + 1, i + 1), else
-  // (r, i), (r, i + 1), (r + 1, i + 1).
-  struct Bend {
-    double low, high, longest2;
-    Eigen::Matrix2d second;  // fundamental form, of the domain
-  };
-  const Bend& bend(std::uint32_t k, std::uint32_t r, std::uint32_t i, bool up) const {
-    return bends_[std::size_t{k} * rings_ * rings_ + r * r + 2 * i + !up];
-  }
-
- private:
-  void find_curvatures() {
-    bends_.reserve(std::size_t{n_} * rings_ * rings_);
-    for (std::uint32_t k = 0; k < n_; ++k) {
-      const Vec2 p = corners_[k] / rings_, q = corners_[k + 1] / rings_;
-      const Eigen::Matrix2d up = inverse_of(p, q), down = inverse_of(q - p, q);
-      for (std::uint32_t r = 0; r < rings_; ++r) {
-        for (std::uint32_t j = 0; j < 2 * r + 1; ++j) {
-          const std::uint32_t i = j / 2;
-          const Sample &a = at(k, r, i), &c = at(k, r + 1, i + 1),
-                       &b = j % 2 == 0 ? at(k, r + 1, i) : at(k, r, i + 1);
-          bends_.push_back(bend_of(a, b, c, j % 2 == 0 ? up : down));
-        }
-      }
-    }
-  }
-
-  static Eigen::Matrix2d inverse_of(const Vec2& x, const Vec2& y) {
-    return (Eigen::Matrix2d() << x, y).finished().inverse();
-  }
-
-  // By the turn of the normals along two sides (Rusinkiewicz 2004); `sides`: the inverse of theirs
-  // in the domain.
-  static Bend bend_of(const Sample& a, const Sample& b, const Sample& c,
-                      const Eigen::Matrix2d& sides) {
-    const Vec3 u = b.position - a.position, v = c.position - a.position,
-               turn_u = b.normal - a.normal, turn_v = c.normal - a.normal;
-    const double e = u.squaredNorm(), f = u.dot(v), g = v.squaredNorm(), det = e * g - f * f;
-    const double l = turn_u.dot(u), m = 0.5 * (turn_u.dot(v) + turn_v.dot(u)), n = turn_v.dot(v);
-    const double mean = 0.5 * (e * n - 2 * f * m + g * l) / det, gauss = (l * n - m * m) / det;
-    const double apart = std::sqrt(std::max(mean * mean - gauss, 0.0));
-    const double longest2 = std::max({e, g, (v - u).squaredNorm()});
-    const Eigen::Matrix2d form = (Eigen::Matrix2d() << -l, -m, -m, -n).finished();
-    const Eigen::Matrix2d second = sides.transpose() * form * sides;
-    if (!(det > 1e-12 * longest2 * longest2))
-      return {-kMostCurvature, kMostCurvature, longest2, second};
-    return {mean - apart, mean + apart, longest2, second};
-  }
-
-  std::uint32_t n_, rings_;
-  std::vector<Vec2> corners_;  // of the domain
-  std::vector<Sample> samples_;
-  std::vector<Bend> bends_;
-  double stretch2_ = 0;
-};
-
-// The triangle of lattice points and small triangles that a tile covers.
-struct Tile {
-  std::uint32_t k, r, i, m;  // fan; its first point; rings along its side
-  bool up;
-
-  template <class F>
-  void for_points(const Lattice& lattice, F f) const {
-    for (std::uint32_t a = 0; a <= m; ++a) {
-      for (std::uint32_t b = up ? 0 : a; b <= (up ? a : m); ++b) f(lattice.at(k, r + a, i + b));
-    }
-  }
-  template <class F>
-  void for_bends(const Lattice& lattice, F f) const {
-    for (std::uint32_t a = 0; a < m; ++a) {
-      for (std::uint32_t b = up ? 0 : a; b < (up ? a + 1 : m); ++b) {
-        if (up || b > a) f(lattice.bend(k, r + a, i + b, true));
-        if (!up || b < a) f(lattice.bend(k, r + a, i + b, false));
-      }
-    }
-  }
-};
-
-template <class F>
-void for_tiles(const Lattice& lattice, std::uint32_t levels, F f) {
-  const std::uint32_t m = lattice.rings() / levels;
-  for (std::uint32_t k = 0; k < lattice.sides(); ++k) {
-    for (std::uint32_t r = 0; r < levels; ++r) {
-      for (std::uint32_t j = 0; j < 2 * r + 1; ++j) f(Tile{k, r * m, j / 2 * m, m, j % 2 == 0});
-    }
-  }
-}
-
-Vec3 mean_normal(const Lattice& lattice, const Tile& tile) {
-  Vec3 sum = Vec3::Zero();
-  tile.for_points(lattice, [&](const Sample& s) { sum += s.normal; });
-  return sum.normalized();
-}
-
-double least_cosine(const Lattice& lattice, std::uint32_t levels) {
-  double least = 1;
-  for_tiles(lattice, levels, [&](const Tile& tile) {
-    const Vec3 mean = mean_normal(lattice, tile);
-    tile.for_points(lattice, [&](const Sample& s) { least = std::min(least, s.normal.dot(mean)); });
-  });
-  return least;
-}
-
-// Rows of tiles: as few as keep the normals of each together, two at least.
-std::uint32_t levels_of(const Lattice& lattice) {
-  std::uint32_t levels = 1;
-  for (std::uint32_t next = 2; next <= lattice.rings(); ++next) {
-    if (lattice.rings() % next != 0) continue;
-    if (lattice.sides() * next * next > kMostTiles) break;
-    levels = next;
-    if (least_cosine(lattice, levels) >= std::cos(kMostTurn)) break;
-  }
-  return levels;
-}
-
-std::uint32_t code(double x, double most) {
-  return static_cast<std::uint32_t>(std::clamp(std::isnan(x) ? most : x, 0.0, most));
-}
-
-// Writes tiles relative to the box and the largest curvature.
-class TileWriter {
- public:
-  TileWriter(const Lattice& lattice, const Vec3& low, const Vec3& high, double curvature)
-      : lattice_(lattice),
-        low_(low),
-        step_((high - low) / 65535),
-        unit_(2 * step_.maxCoeff()),
-        curvature_(curvature) {}
-
-  void write(const Tile& tile, std::vector<std::uint32_t>& words) const {
-    Vec3 axis = mean_normal(lattice_, tile);
-    const double sign = axis.z() < 0 ? -1 : 1;
-    std::uint32_t axis_word = write_axis(sign * axis, axis);
-    axis_word |= turn(tile, sign * axis) << kTurnShift;
-    Vec3 middle = Vec3::Zero();
-    double top = -std::numeric_limits<double>::infinity(), bottom = -top, count = 0;
-    tile.for_points(lattice_, [&](const Sample& s) { middle += s.position, ++count; });
-    middle /= count;
-    tile.for_points(lattice_, [&](const Sample& s) {
-      const double height = (s.position - middle).dot(axis);
-      top = std::max(top, height), bottom = std::min(bottom, height);
-    });
-    std::uint32_t centre[3];
-    for (int i = 0; i < 3; ++i) {
-      const double at = middle[i] + 0.5 * (top + bottom) * axis[i];
-      centre[i] = step_[i] > 0 ? code((at - low_[i]) / step_[i] + 0.5, 65535) : 0;
-      middle[i] = low_[i] + centre[i] * step_[i];
-    }
-    const Extent extent = extent_of(tile, middle, axis);
-    words.push_back(centre[0] | centre[1] << 16);
-    words.push_back(centre[2] | code(std::ceil(extent.radius / unit_), 65535) << 16);
-    words.push_back(axis_word);
-    words.push_back(code(std::ceil(extent.half / unit_), 65535) | curves(tile, sign) << 16);
-    words.push_back(second(tile));
-  }
-
- private:
-  struct Extent {
-    double radius = 0, half = 0;
-  };
-
-  // `axis` becomes what is read.
-  static std::uint32_t write_axis(const Vec3& from, Vec3& axis) {
-    const std::uint32_t x = code(2048 + std::trunc(2047 * from.x()), 4095),
-                        y = code(2048 + std::trunc(2047 * from.y()), 4095);
-    axis.x() = (x - 2048.0) / 2048;
-    axis.y() = (y - 2048.0) / 2048;
-    axis.z() = std::sqrt(std::max(1 - axis.head<2>().squaredNorm(), 0.0));
-    return x | y << 12;
-  }
-
-  // The bits of the angle that no normal exceeds.
-  std::uint32_t turn(const Tile& tile, const Vec3& axis) const {
-    double least = 1;
-    tile.for_points(lattice_, [&](const Sample& s) {
-      const double cosine = s.normal.dot(axis);
-      least = cosine >= least ? least : std::isnan(cosine) ? -1 : cosine;
-    });
-    const double angle = kMoreTurn * std::acos(std::max(least, -1.0)) + kLeastTurn;
-    if (!(angle < std::numbers::pi / 2)) return kTileAnyTurn;
-    return code(std::ceil(std::sqrt(std::ldexp(std::tan(angle), 15))), kTileAnyTurn);
-  }
-
-  Extent extent_of(const Tile& tile, const Vec3& middle, const Vec3& axis) const {
-    double slack = 0;
-    Extent e;
-    tile.for_bends(lattice_, [&](const Lattice::Bend& b) {
-      const double bend = std::max(-b.low, b.high);
-      slack = std::max(slack, std::min(std::sqrt(b.longest2), b.longest2 * bend * (1.5 / 8)));
-    });
-    slack += 2e-5 * lattice_.stretch();  // the outermost samples are not quite on the sides
-    tile.for_points(lattice_, [&](const Sample& s) {
-      const Vec3 away = s.position - middle;
-      const double height = away.dot(axis);
-      e.half = std::max(e.half, std::abs(height));
-      e.radius = std::max(e.radius, (away - height * axis).norm());
-    });
-    return {e.radius + slack, e.half + slack};
-  }
-
-  std::uint32_t curves(const Tile& tile, double sign) const {
-    Range lows, highs;
-    tile.for_bends(lattice_, [&](const Lattice::Bend& b) { lows.add(b.low), highs.add(b.high); });
-    double least = lows.low - kMoreCurvature * lows.wide(),
-           most = highs.high + kMoreCurvature * highs.wide();
-    if (sign < 0) least = -std::exchange(most, -least);
-    const auto root = [&](double c) { return 127 * std::cbrt(c / curvature_); };
-    return code(std::floor(128 + root(least)), 255) | code(std::ceil(128 + root(most)), 255) << 8;
-  }
-
-  std::uint32_t second(const Tile& tile) const {
-    Eigen::Matrix2d sum = Eigen::Matrix2d::Zero();
-    double count = 0;
-    tile.for_bends(lattice_, [&](const Lattice::Bend& b) { sum += b.second, ++count; });
-    if (!sum.allFinite()) sum.setZero();
-    sum /= count;
-    int exponent = -16;
-    while (exponent < 15 && sum.cwiseAbs().maxCoeff() >= std::ldexp(1.0, exponent)) ++exponent;
-    const auto bits = [&](double x) { return code(256.5 + std::ldexp(x, 8 - exponent), 511); };
-    return bits(sum(0, 0)) | bits(sum(0, 1)) << 9 | bits(sum(1, 1)) << 18 |
-           static_cast<std::uint32_t>(exponent + 16) << 27;
-  }
-
-  const Lattice& lattice_;
-  const Vec3 low_, step_;
-  const double unit_, curvature_;
-};
-
 }  // namespace
 
 PatchTiles cut_tiles(const PatchFrame& frame, const PatchShape& shape, const Vec3& low,
                      const Vec3& high, const double* control, std::uint32_t form, std::uint32_t n,
-                     const ValenceTables& tables) {
-  const std::uint32_t rings = kernels<double>().probe_levels(n);
-  Lattice lattice(frame, control, form, n, rings, tables);
-  const std::uint32_t levels = levels_of(lattice);
-  if (levels * kRings > rings) lattice = Lattice(frame, control, form, n, levels * kRings, tables);
+                     const ValenceTables& tables, const PatchSamples* samples) {
+  thread_local PatchSamples own;
+  thread_local std::vector<double> out;
+  static const double kLeastCosine = std::cos(kMostTurn);
+  const Kernels<double>& k = kernels<double>();
+  const auto sample = [&](const double* at, std::uint32_t count) {
+    double axes[kFrameReals];
+    frame.store(axes);
+    own.count = count;
+    own.rows.resize(kCutRows * count);
+    own.stretch2 =
+        k.sample(tables.domain_of(n), control, form, axes, n, at, count, own.rows.data());
+    return &own;
+  };
+  if (samples == nullptr)
+    samples = sample(tables.probes_of(n), static_cast<std::uint32_t>(k.probe_reals(n) / 2));
+  // As few as keep the normals of each together.
+  const TileCut* cut = &tables.cuts[n].front();
+  for (; cut != &tables.cuts[n].back(); ++cut) {
+    if (k.least_cosine(samples->rows.data(), samples->count, cut->probe.data(), cut->probe_points,
+                       cut->padded) >= kLeastCosine)
+      break;
+  }
+  if (!cut->at.empty()) samples = sample(cut->at.data(), cut->samples);
+  out.resize(kCutOutRows * cut->padded);
+  const double box[] = {low.x(), low.y(), low.z(), high.x(), high.y(), high.z()};
+  const double curvature =
+      k.cut(samples->rows.data(), samples->count, cut->sample.data(), cut->transform.data(),
+            cut->padded, box, samples->stretch2, 1 / shape.rho_min, out.data());
   PatchTiles tiles;
-  tiles.curvature = 1 / shape.rho_min;
-  for_tiles(lattice, 1, [&](const Tile& tile) {
-    tile.for_bends(lattice, [&](const Lattice::Bend& b) {
-      tiles.curvature = std::max({tiles.curvature, -b.low, b.high});
-    });
-  });
   // A float's, so that it is the same number in both precisions.
   tiles.curvature =
-      static_cast<double>(static_cast<float>(std::clamp(tiles.curvature, 1e-30, kMostCurvature)));
-  const TileWriter writer(lattice, low, high, tiles.curvature);
-  tiles.words.reserve(kTileUints * n * levels * levels);
-  for_tiles(lattice, levels, [&](const Tile& tile) { writer.write(tile, tiles.words); });
+      static_cast<double>(static_cast<float>(std::clamp(curvature, 1e-30, kMostCurvature)));
+  k.add_curves(out.data(), cut->padded, tiles.curvature);
+  tiles.words.resize(kTileUints * cut->tiles);
+  for (std::uint32_t tile = 0; tile < cut->tiles; ++tile) {
+    for (std::size_t word = 0; word < kTileUints; ++word)
+      tiles.words[kTileUints * tile + word] =
+          static_cast<std::uint32_t>(out[word * cut->padded + tile]);
+  }
   return tiles;
 }
 

@@ -39,7 +39,7 @@ class OpenClBuilder {
         sound_(shared.device, queue_, "the control data"),
         shape_(shared.device, queue_, "the shapes") {}
 
-  void run(PatchBatch& b, BatchStep step) {
+  void run(PatchBatch& b) {
     const Idle idle{queue_};
     const std::size_t patches = b.size(), sides = b.side_begin.back();
     shared_.device.require_room(patches * kPatchBytes + sides * kSideBytes,
@@ -58,28 +58,24 @@ class OpenClBuilder {
     std::vector<cl::Event> kernels;
     kernels.push_back(build_(queue_, sides, begins_.buffer(), side_patch_.buffer(),
                              corner_.buffer(), control_.buffer(), sound_.buffer()));
-    if (step == BatchStep::kControl) {
-      control_.download();
-      queue_.finish();
-      shared_.count(kernels);
-      std::copy_n(control_.data(), b.control.size(), b.control.begin());
-      return;
-    }
     upload(triangle_, b.triangle);
     upload(frame_, b.frame);
     upload(domain_, b.tables->domain);
     upload(probe_, b.tables->probe);
     upload(domain_begin_, b.tables->domain_begin);
     upload(probe_begin_, b.tables->probe_begin);
+    b.shape.resize(patches * kShapeReals);
     shape_.resize(b.shape.size());
     kernels.push_back(examine_(queue_, patches, domain_.buffer(), domain_begin_.buffer(),
                                probe_.buffer(), probe_begin_.buffer(), begins_.buffer(),
                                corner_.buffer(), triangle_.buffer(), frame_.buffer(),
                                control_.buffer(), shape_.buffer()));
+    control_.download();
     sound_.download();
     shape_.download();
     queue_.finish();
     shared_.count(kernels);
+    std::copy_n(control_.data(), b.control.size(), b.control.begin());
     std::copy_n(shape_.data(), b.shape.size(), b.shape.begin());
     const double* sound = sound_.data();
     for (std::size_t p = 0; p < patches; ++p)
@@ -117,17 +113,16 @@ BatchBuilder make_opencl_builder(const OpenClShared& shared) {
     std::mutex mutex;
     std::unique_ptr<OpenClBuilder> builder;
   };
-  return [&shared, state = std::make_shared<State>()](PatchBatch& b, BatchStep step,
-                                                      const ParallelFor& parallel) {
+  return [&shared, state = std::make_shared<State>()](PatchBatch& b, const ParallelFor& parallel) {
     if (b.size() * kPointsPerPatch < shared.options.smallest_batch)
-      return build_patches(b, step, parallel);
+      return build_patches(b, parallel);
     const std::lock_guard lock(state->mutex);
     shared.run(
         [&] {
           if (state->builder == nullptr) state->builder = std::make_unique<OpenClBuilder>(shared);
-          state->builder->run(b, step);
+          state->builder->run(b);
         },
-        [&] { build_patches(b, step, parallel); });
+        [&] { build_patches(b, parallel); });
   };
 }
 

@@ -33,7 +33,12 @@ bool is_ear(std::span<const Vec3> p, const std::vector<std::uint32_t>& ring, std
 
 void triangulate(std::span<const Vec3> corners, const Vec3& normal,
                  std::vector<std::uint32_t>& triangles) {
-  std::vector<std::uint32_t> ring(corners.size());
+  if (corners.size() == 3) {
+    triangles.insert(triangles.end(), {0, 1, 2});
+    return;
+  }
+  thread_local std::vector<std::uint32_t> ring;
+  ring.resize(corners.size());
   std::iota(ring.begin(), ring.end(), 0u);
   std::size_t at = 0;
   // A quad is cut along its shorter diagonal where both are possible.

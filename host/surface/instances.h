@@ -93,6 +93,11 @@ struct Kernels {
   std::uint32_t (*probe_count)(std::uint32_t n);
   std::size_t (*probe_reals)(std::uint32_t n);
   void (*fill_probes)(std::uint32_t n, const Real* domain, Real* table);
+  // What second derivatives at the probes are made from, in the forms that have them: numbers of
+  // their table; 0: none.
+  std::size_t (*second_reals)(std::uint32_t form, std::uint32_t n);
+  void (*fill_second)(const Real* domain, std::uint32_t form, std::uint32_t n, const Real* probes,
+                      Real* table);
   // Control data [count][n][kSideReals] of polygons from their corners [count][n][2][3] (position,
   // unit normal); the soundness [count] of their weakest ribbons: 0 where an edge is parallel to a
   // normal, 1 at right angles.
@@ -118,12 +123,9 @@ struct Kernels {
   void (*fair_vertex)(const Real* vertex, const FairEdge<Real>* edges, std::size_t count,
                       FairVertex<Real>* out);
   // A side, kFairReals numbers, from its start, its edge, and the vertices of its start and end or
-  // null.
-  void (*fair_side)(const Real* start, const FairEdge<Real>& edge, const FairVertex<Real>* vertices,
-                    Real* side);
-  // The turn of an edge between two quads, from the vertices of its start and end.
-  void (*smooth_turn)(const Real* start, const FairEdge<Real>& edge,
-                      const FairVertex<Real>* vertices, Real* turn);
+  // null; `is_smooth`: these tell how an edge between two quads turns, and no more.
+  void (*fair_side)(const Real* start, const FairEdge<Real>& edge, const FairVertex<Real>* from,
+                    const FairVertex<Real>* to, bool is_smooth, Real* side);
   // Control data from the sides of a triangle (FORM_SEXTIC) or a quad (FORM_BEZIER). Returns the
   // least share of a cross tangent that points into the face: 0 or less where the patch doubles
   // back. `flat`: null, or a unit normal that the cross tangents shall lie across,
@@ -149,10 +151,27 @@ struct Kernels {
                       const SurfaceArrays<float>& out);
   // Samples a patch and gives its shape, kShapeReals numbers, from its base polygon's corners and
   // triangles, its frame (unit normal and tangent) and its control data; `count` probes, or none
-  // for the base polygon alone.
+  // for the base polygon alone. `table`: null, or that of the form's second derivatives. `rows`:
+  // null, or room for samples as `sample` makes them of the probes.
   void (*examine)(const Real* domain, const Real* probes, std::uint32_t count, const Real* control,
                   std::uint32_t form, const Real* corners, const std::uint32_t* triangles,
-                  const Real* frame, std::uint32_t n, Real* shape);
+                  const Real* frame, std::uint32_t n, const Real* table, Real* rows, Real* shape);
+  // In double only, null else: a patch is cut into tiles (kernels/cut.h) from samples at `count`
+  // points, `at` xi of all and eta of all, along its frame: rows [kCutRows][count]. Counts of
+  // samples and tiles are multiples of kCutPad. Returns the largest squared length of G_xi and
+  // G_eta.
+  Real (*sample)(const Real* domain, const Real* control, std::uint32_t form, const Real* frame,
+                 std::uint32_t n, const Real* at, std::uint32_t count, Real* rows);
+  // The least cosine between a normal of a tile and their mean; index [points][tiles]: samples.
+  Real (*least_cosine)(const Real* rows, std::uint32_t stride, const std::uint32_t* index,
+                       std::uint32_t points, std::uint32_t tiles);
+  // Tiles, from samples [kCutPoints][tiles]: rows [kCutOutRows][tiles], the first kTileUints of
+  // them their words. `transforms` [8][tiles]; box: low and high. Returns the largest curvature,
+  // `curvature` at least; relative to one, add_curves then completes the words.
+  Real (*cut)(const Real* rows, std::uint32_t stride, const std::uint32_t* index,
+              const Real* transforms, std::uint32_t tiles, const Real* box, Real stretch2,
+              Real curvature, Real* out);
+  void (*add_curves)(Real* out, std::uint32_t tiles, Real curvature);
   // Surface normal (not unit) along side data at t: n_c of eq. 10.
   void (*side_normal)(const Real* side, Real t, Real* out);
   // Global: the nearest point of each of `count` HIPs for each of the methods, which share the

@@ -40,6 +40,12 @@ namespace instance {
 
 namespace gliss::GLISS_ISA {
 
+#if GLISS_BITS == 64
+#define GLISS_IN_DOUBLE(f) f
+#else
+#define GLISS_IN_DOUBLE(f) nullptr
+#endif
+
 const Kernels<GLISS_SCALAR>& GLISS_TABLE() {
   static const Kernels<GLISS_SCALAR> table = {
       GLISS_STRING(GLISS_ISA),
@@ -50,6 +56,8 @@ const Kernels<GLISS_SCALAR>& GLISS_TABLE() {
       instance::probes_of,
       instance::probe_reals,
       instance::fill_probes,
+      instance::second_reals,
+      instance::fill_second_of,
       instance::build_patches,
       instance::build_sharp_patch,
       instance::ease_patch,
@@ -59,13 +67,16 @@ const Kernels<GLISS_SCALAR>& GLISS_TABLE() {
       instance::turn_of,
       instance::shape_of_vertex,
       instance::side_of,
-      instance::smooth_turn_of,
       instance::fair_control_of,
       instance::wide::evaluate_points,
       instance::evaluate_each,
       instance::place_points<double>,
       instance::place_points<float>,
       instance::wide::shape_of,
+      GLISS_IN_DOUBLE(instance::wide::sample),
+      GLISS_IN_DOUBLE(instance::wide::least_cosine_of),
+      GLISS_IN_DOUBLE(instance::wide::cut),
+      GLISS_IN_DOUBLE(instance::wide::add_curves),
       instance::side_normal_at,
       instance::nearest_each,
       instance::track_each,

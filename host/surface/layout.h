@@ -44,6 +44,9 @@ inline constexpr std::uint32_t kPartMask = PART_MASK;
 inline constexpr std::size_t kPartUints = PART_UINTS;
 inline constexpr std::size_t kTileAxis = TILE_AXIS, kTileUints = TILE_UINTS;
 inline constexpr std::uint32_t kTileAnyTurn = TILE_ANY_TURN;
+inline constexpr std::uint32_t kCutRings = CUT_RINGS, kCutPoints = CUT_POINTS, kCutPad = CUT_PAD;
+inline constexpr std::size_t kCutRows = CUT_ROWS, kCutTransforms = CUT_TRANSFORMS,
+                             kCutOutRows = CUT_OUT_ROWS;
 inline constexpr std::size_t kContactXi = CONTACT_XI, kContactEta = CONTACT_ETA,
                              kContactScp = CONTACT_SCP, kContactNormal = CONTACT_NORMAL,
                              kContactOffset = CONTACT_OFFSET, kContactPush = CONTACT_PUSH,
@@ -132,6 +135,12 @@ static_assert(kNone == NONE);
 #undef TILE_HALF_CURVES
 #undef TILE_BEND
 #undef TILE_UINTS
+#undef CUT_ROWS
+#undef CUT_RINGS
+#undef CUT_POINTS
+#undef CUT_TRANSFORMS
+#undef CUT_OUT_ROWS
+#undef CUT_PAD
 #undef METHOD_GREGORY
 #undef METHOD_SHADED
 #undef METHOD_FLAT

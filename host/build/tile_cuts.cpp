@@ -1,0 +1,133 @@
+#include "gliss/build/tile_cuts.h"
+
+#include <Eigen/LU>
+#include <cmath>
+#include <numbers>
+
+#include "gliss/surface/instances.h"
+#include "gliss/surface/layout.h"
+
+namespace gliss {
+namespace {
+
+using Vec2 = Eigen::Vector2d;
+
+constexpr std::uint32_t kMostTiles = 512;  // of a patch of few sides
+constexpr double kShrink = 1 - 0x1p-16;    // of the samples' domain: off the sides
+
+std::uint32_t padded(std::uint32_t count) { return (count + kCutPad - 1) / kCutPad * kCutPad; }
+
+Vec2 corner_at(std::uint32_t n, std::uint32_t k) {
+  const double angle = 2 * std::numbers::pi * k / n;
+  return {std::cos(angle), std::sin(angle)};
+}
+
+// Point (r, i) of fan k: the i-th of r + 1 on ring r.
+std::uint32_t lattice_point(std::uint32_t n, std::uint32_t k, std::uint32_t r, std::uint32_t i) {
+  return r == 0 ? 0 : 1 + n * r * (r - 1) / 2 + (k * r + i) % (n * r);
+}
+
+std::uint32_t lattice_size(std::uint32_t n, std::uint32_t rings) {
+  return 1 + n * rings * (rings + 1) / 2;
+}
+
+// A tile of row `row` on fan k, its j-th: towards the centre or away from it.
+struct Place {
+  std::uint32_t k, row, j;
+  bool is_up() const { return j % 2 == 0; }
+};
+
+template <class F>
+void for_tiles(std::uint32_t n, std::uint32_t levels, F f) {
+  std::uint32_t tile = 0;
+  for (std::uint32_t k = 0; k < n; ++k) {
+    for (std::uint32_t row = 0; row < levels; ++row) {
+      for (std::uint32_t j = 0; j < 2 * row + 1; ++j) f(tile++, Place{k, row, j});
+    }
+  }
+}
+
+// Where the points of tiles of m rings stand in their lattice, [point][padded].
+std::vector<std::uint32_t> points_of(std::uint32_t n, std::uint32_t levels, std::uint32_t m) {
+  const std::uint32_t tiles = n * levels * levels, stride = padded(tiles);
+  std::vector<std::uint32_t> index(std::size_t{(m + 1) * (m + 2) / 2} * stride);
+  for_tiles(n, levels, [&](std::uint32_t tile, const Place& at) {
+    std::uint32_t* to = &index[tile];
+    for (std::uint32_t a = 0; a <= m; ++a) {
+      for (std::uint32_t b = 0; b <= a; ++b, to += stride)
+        *to = lattice_point(n, at.k, at.row * m + (at.is_up() ? a : b),
+                            at.j / 2 * m + (at.is_up() ? b : a));
+    }
+  });
+  for (std::size_t row = 0; row < index.size(); row += stride)
+    std::fill(&index[row + tiles], &index[row] + stride, index[row]);
+  return index;
+}
+
+// The domain's vectors in the two sides of a small triangle.
+Eigen::Matrix2d inverse_of(const Vec2& x, const Vec2& y) {
+  return (Eigen::Matrix2d() << x, y).finished().inverse();
+}
+
+std::vector<double> transforms_of(std::uint32_t n, std::uint32_t levels) {
+  const std::uint32_t tiles = n * levels * levels, stride = padded(tiles),
+                      rings = levels * kCutRings;
+  std::vector<double> rows(kCutTransforms * stride);
+  const auto put = [&](std::uint32_t tile, const Place& at) {
+    const Vec2 p = corner_at(n, at.k) / rings, q = corner_at(n, at.k + 1) / rings;
+    const Eigen::Matrix2d up = inverse_of(p, q), down = inverse_of(q - p, q);
+    const Eigen::Matrix2d both[] = {at.is_up() ? up : down, at.is_up() ? down : up};
+    double* to = &rows[tile];
+    for (const Eigen::Matrix2d& m : both) {
+      for (const double x : {m(0, 0), m(0, 1), m(1, 0), m(1, 1)}) *to = x, to += stride;
+    }
+  };
+  for_tiles(n, levels, put);
+  for (std::uint32_t tile = tiles; tile < stride; ++tile) put(tile, {0, 0, 0});
+  return rows;
+}
+
+std::vector<double> lattice_of(std::uint32_t n, std::uint32_t rings) {
+  const std::uint32_t stride = padded(lattice_size(n, rings));
+  std::vector<double> at(2 * std::size_t{stride});
+  double *xi = at.data(), *eta = xi + stride;
+  for (std::uint32_t ring = 1; ring <= rings; ++ring) {
+    for (std::uint32_t k = 0; k < n; ++k) {
+      for (std::uint32_t i = 0; i < ring; ++i) {
+        const Vec2 X = kShrink / rings * ((ring - i) * corner_at(n, k) + i * corner_at(n, k + 1));
+        *++xi = X.x(), *++eta = X.y();
+      }
+    }
+  }
+  return at;
+}
+
+TileCut cut_of(std::uint32_t n, std::uint32_t levels) {
+  const std::uint32_t probe_rings = kernels<double>().probe_levels(n), m = probe_rings / levels,
+                      rings = levels * kCutRings;
+  TileCut cut;
+  cut.levels = levels;
+  cut.tiles = n * levels * levels;
+  cut.padded = padded(cut.tiles);
+  cut.probe_points = (m + 1) * (m + 2) / 2;
+  cut.probe = points_of(n, levels, m);
+  cut.sample = points_of(n, levels, kCutRings);
+  cut.samples = padded(lattice_size(n, rings));
+  if (rings != probe_rings) cut.at = lattice_of(n, rings);
+  cut.transform = transforms_of(n, levels);
+  return cut;
+}
+
+}  // namespace
+
+std::vector<TileCut> tile_cuts_of(std::uint32_t n) {
+  const std::uint32_t rings = kernels<double>().probe_levels(n);
+  std::vector<TileCut> cuts;
+  for (std::uint32_t levels = 2; levels <= rings && n * levels * levels <= kMostTiles; ++levels) {
+    if (rings % levels == 0) cuts.push_back(cut_of(n, levels));
+  }
+  if (cuts.empty()) cuts.push_back(cut_of(n, 1));
+  return cuts;
+}
+
+}  // namespace gliss

@@ -1,0 +1,27 @@
+// The ways to cut the patches of one valence into tiles, and where each tile's samples lie.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace gliss {
+
+// Each fan of a patch, from its centre to a side, in `levels` rows of tiles (kernels/tile.h). Tiles
+// are padded to a multiple of kCutPad by the first one, samples by the centre.
+struct TileCut {
+  std::uint32_t levels = 0, tiles = 0, padded = 0;
+  // Points of each tile among the probes, [point][padded], `probe_points` of them: they tell if
+  // normals keep together.
+  std::uint32_t probe_points = 0;
+  std::vector<std::uint32_t> probe;
+  // Where tiles are sampled, xi of all and eta of all; empty: at the probes.
+  std::uint32_t samples = 0;
+  std::vector<double> at;
+  std::vector<std::uint32_t> sample;  // [kCutPoints][padded]
+  std::vector<double> transform;      // [kCutTransforms][padded]
+};
+
+// From the fewest tiles to the most.
+std::vector<TileCut> tile_cuts_of(std::uint32_t n);
+
+}  // namespace gliss

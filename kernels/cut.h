@@ -1,0 +1,344 @@
+// Cuts a patch into tiles (tile.h). Lanes are tiles. On the host only, in double: words have 32
+// bits.
+//
+// A tile's bounds are from CUT_POINTS samples, CUT_RINGS to a side, widened by what may lie
+// between them. Its points are those of a triangle of CUT_RINGS rows: (a, b), b <= a, is point
+// a (a + 1) / 2 + b. Between them lie small triangles, most of them turned as the tile is, (a, b),
+// (a + 1, b), (a + 1, b + 1), and some the other way, (a, b), (a, b + 1), (a + 1, b + 1).
+
+#define CUT_TRIANGLES 16
+
+// Local: what curves more has no end of it.
+#define CUT_MOST_CURVATURE K(1e4f)
+// Curvatures range so much farther between samples than at them.
+#define CUT_MORE_CURVATURE K(0.5f)
+// The tangent of 2e-3 rad, by which a bound on normals is widened: more than what two patches that
+// meet smoothly differ by.
+#define CUT_LEAST_TURN K(0x1.0624f4172ce6ep-9)
+
+// For 0 <= x < 2^22.
+FN real whole_part(real x) {
+  const real big = splat(sizeof(scalar) == 4 ? K(0x1p23f) : K(0x1p52f)), near = (x + big) - big;
+  return pick(near > x, near - K(1), near);
+}
+FN real whole_above(real x) {
+  const real floor = whole_part(x);
+  return pick(floor < x, floor + K(1), floor);
+}
+// Within [0, most]; NaN counts as `most`.
+FN real limit_code(real x, scalar most) {
+  return pick(x < most, larger(x, splat(K(0))), splat(most));
+}
+
+FN real gather_each(GLOBAL scalar* at, GLOBAL uint* index) {
+  real r = {};
+  for (int i = 0; i < GLISS_LANES; ++i) r[i] = at[index[i]];
+  return r;
+}
+FN real3 gather_triple(GLOBAL scalar* at, ulong stride, GLOBAL uint* index) {
+  return make3(gather_each(at, index), gather_each(at + stride, index),
+               gather_each(at + 2 * stride, index));
+}
+
+// One sample of each lane.
+typedef struct {
+  real3 p, n;
+} cut_sample;
+
+FN cut_sample cut_sample_of(patch_point p, GLOBAL scalar* frame) {
+  const real3 normal = load3(frame, FRAME_NORMAL), tangent = load3(frame, FRAME_TANGENT),
+              aside = cross3(normal, tangent), n = unit3(patch_normal(p));
+  const cut_sample s = {make3(dot3(p.g, tangent), dot3(p.g, aside), dot3(p.g, normal)),
+                        make3(dot3(n, tangent), dot3(n, aside), dot3(n, normal))};
+  return s;
+}
+
+// Samples of a patch at `count` points, a multiple of CUT_PAD, as CUT_ROWS rows. Returns the
+// largest squared length of G_xi and G_eta.
+FN_LARGE scalar sample_patch(GLOBAL scalar* domain, GLOBAL scalar* control, uint form,
+                             GLOBAL scalar* frame, int n, GLOBAL scalar* at, int count,
+                             GLOBAL_OUT scalar* rows) {
+  real stretch2 = splat(K(0));
+  for (int i = 0; i < count; i += GLISS_LANES) {
+    const patch_point p =
+        evaluate_form(domain, control, form, n, load_lanes(at + i), load_lanes(at + count + i));
+    const cut_sample s = cut_sample_of(p, frame);
+    store3(rows + i, (ulong)count, s.p);
+    store3(rows + 3 * count + i, (ulong)count, s.n);
+    stretch2 = larger(dot3(p.g_xi, p.g_xi), stretch2);
+    stretch2 = larger(dot3(p.g_eta, p.g_eta), stretch2);
+  }
+  return largest_lane(stretch2);
+}
+
+// The least cosine between a normal of a tile and the mean of the tile's, over all tiles. `index`:
+// [point][tile], where the samples stand.
+FN_LARGE scalar least_cosine(GLOBAL scalar* rows, int stride, GLOBAL uint* index, int points,
+                             int tiles) {
+  GLOBAL scalar* normals = rows + 3 * stride;
+  real least = splat(K(1));
+  for (int first = 0; first < tiles; first += GLISS_LANES) {
+    real3 n[CUT_POINTS], sum = make3(splat(K(0)), splat(K(0)), splat(K(0)));
+    for (int i = 0; i < points; ++i) {
+      n[i] = gather_triple(normals, (ulong)stride, index + i * tiles + first);
+      sum = add3(sum, n[i]);
+    }
+    const real3 mean = unit3(sum);
+    for (int i = 0; i < points; ++i) least = smaller(dot3(n[i], mean), least);
+  }
+  return least_lane(least);
+}
+
+// What the small triangles of a tile find.
+typedef struct {
+  // Principal curvatures, positive where the surface bends away from its normal: the range of the
+  // lesser ones and that of the others.
+  real low, low_most, high_least, high;
+  real slack2;         // squared distance that the surface may leave its triangles by
+  real3 same, turned;  // sums of n . (G_uu, G_uv, G_vv) along the sides of either kind
+} tile_bends;
+
+// By the turn of the normals along two sides (Rusinkiewicz 2004).
+FN tile_bends add_bend(tile_bends t, int is_same, cut_sample a, cut_sample b, cut_sample c) {
+  const real3 u = sub3(b.p, a.p), v = sub3(c.p, a.p), turn_u = sub3(b.n, a.n),
+              turn_v = sub3(c.n, a.n);
+  const real e = dot3(u, u), f = dot3(u, v), g = dot3(v, v), det = e * g - f * f;
+  const real l = dot3(turn_u, u), m = K(0.5f) * (dot3(turn_u, v) + dot3(turn_v, u)),
+             n = dot3(turn_v, v);
+  const real inverse = K(1) / det;
+  const real mean = K(0.5f) * (e * n - K(2) * f * m + g * l) * inverse,
+             gauss = (l * n - m * m) * inverse;
+  const real apart = sqrt(larger(mean * mean - gauss, splat(K(0))));
+  const real longest2 = larger(larger(e, g), e + g - K(2) * f);
+  const real most = splat(CUT_MOST_CURVATURE);
+  const mask is_sound = det > K(1e-12f) * longest2 * longest2;
+  const real low = pick(is_sound, mean - apart, -most), high = pick(is_sound, mean + apart, most);
+  t.low = smaller(low, t.low);
+  t.low_most = larger(low, t.low_most);
+  t.high_least = smaller(high, t.high_least);
+  t.high = larger(high, t.high);
+  // (spacing)^2 curvature / 8, and half as much again for curvature between samples.
+  const real away = longest2 * larger(-low, high) * K(1.5f / 8);
+  t.slack2 = larger(smaller(longest2, away * away), t.slack2);
+  const real3 second = make3(l, m, n);
+  if (is_same) {
+    t.same = sub3(t.same, second);
+  } else {
+    t.turned = sub3(t.turned, second);
+  }
+  return t;
+}
+
+FN tile_bends bends_of(const cut_sample* s) {
+  const real zero = splat(K(0)), far = splat(K(INFINITY));
+  const real3 none = make3(zero, zero, zero);
+  tile_bends t = {far, -far, far, -far, zero, none, none};
+  for (int a = 0; a < CUT_RINGS; ++a) {
+    for (int b = 0; b <= a; ++b) {
+      const cut_sample *here = s + a * (a + 1) / 2 + b, *next = s + (a + 1) * (a + 2) / 2 + b;
+      t = add_bend(t, 1, here[0], next[0], next[1]);
+      if (b < a) t = add_bend(t, 0, here[0], here[1], next[1]);
+    }
+  }
+  return t;
+}
+
+// Twelve bits each of x and y of a unit axis, whose z is not negative.
+typedef struct {
+  real x, y;
+  real3 axis;  // as it is read
+} axis_code;
+
+FN real axis_bits(real x) {
+  const real far = whole_part(K(2047) * fabs(x));
+  return limit_code(pick(x < K(0), K(2048) - far, K(2048) + far), K(4095));
+}
+
+FN axis_code axis_code_of(real3 axis) {
+  axis_code r;
+  r.x = axis_bits(axis.x);
+  r.y = axis_bits(axis.y);
+  r.axis.x = (r.x - K(2048)) * K(0x1p-11f);
+  r.axis.y = (r.y - K(2048)) * K(0x1p-11f);
+  r.axis.z = sqrt(larger(K(1) - fma(r.axis.x, r.axis.x, r.axis.y * r.axis.y), splat(K(0))));
+  return r;
+}
+
+// The bits of an angle that no normal exceeds, where `least` is the least cosine: five quarters of
+// what the samples turn, and a little.
+FN real turn_bits(real least) {
+  const real zero = splat(K(0)), one = splat(K(1)), any = splat(K(TILE_ANY_TURN));
+  const real c = smaller(larger(least, zero), one), s = sqrt((one - c) * (one + c));
+  // The tangents of the angle and of a quarter of it.
+  const real half = sqrt(K(0.5f) * (one + c)), t = s / larger(c, splat(K(1e-6f))),
+             quarter = s / (K(2) * half * (one + half));
+  const real under = one - t * quarter, turn = (t + quarter) / under;
+  const real rest = one - turn * CUT_LEAST_TURN,
+             bits = sqrt(K(32768) * (turn + CUT_LEAST_TURN) / rest);
+  return pick((under > zero) & (rest > zero), whole_above(limit_code(bits, K(TILE_ANY_TURN))), any);
+}
+
+// The largest whole b, 255 at most, with b^3 <= x.
+FN real cube_root(real x) {
+  real b = splat(K(0));
+  for (int step = 128; step > 0; step /= 2) {
+    const real t = b + K(step);
+    b = pick(t * t * t <= x, t, b);
+  }
+  return b;
+}
+
+// Eight bits of a curvature over the largest, rounded down or up.
+FN real curve_bits(real relative, int up) {
+  const real x = K(2048383) * fabs(relative), b = cube_root(x);  // 127^3
+  const real away = pick(b * b * b < x, b + K(1), b);
+  const mask below = relative < K(0);
+  const real r = K(128) + pick(below, up ? -b : -away, up ? away : b);
+  return limit_code(r, K(255));
+}
+
+// 9 bits for each of three numbers, and 5 for the power of two that is above all.
+FN real second_bits(real3 s) {
+  const real zero = splat(K(0));
+  const mask is_finite = zero_if_finite(s) == zero;
+  s = pick3(is_finite, s, make3(zero, zero, zero));
+  const real most = larger(larger(fabs(s.x), fabs(s.y)), fabs(s.z));
+  real power = splat(K(0x1p-16f)), count = zero;
+  for (int step = 16; step > 0; step /= 2) {
+    const mask more = most >= power * K(1 << (step - 1));
+    const scalar by = K(1 << step);
+    power = pick(more, power * by, power);
+    count = pick(more, count + K(step), count);
+  }
+  const real scale = K(256) / power;
+  const real x = whole_part(limit_code(fma(s.x, scale, splat(K(256.5f))), K(511))),
+             y = whole_part(limit_code(fma(s.y, scale, splat(K(256.5f))), K(511))),
+             z = whole_part(limit_code(fma(s.z, scale, splat(K(256.5f))), K(511)));
+  return fma(count, splat(K(0x1p27f)), fma(z, splat(K(0x1p18f)), fma(y, splat(K(512)), x)));
+}
+
+// n . (G_xixi, G_xieta, G_etaeta) from those along two sides; rows of `m`: the domain's vectors in
+// the sides.
+FN real3 along_domain_of(real3 s, GLOBAL scalar* m, ulong stride) {
+  const real a = load_lanes(m), b = load_lanes(m + stride), c = load_lanes(m + 2 * stride),
+             d = load_lanes(m + 3 * stride);
+  const real p = fma(a, s.x, c * s.y), q = fma(a, s.y, c * s.z), r = fma(b, s.x, d * s.y),
+             t = fma(b, s.y, d * s.z);
+  return make3(fma(a, p, c * q), fma(b, p, d * q), fma(b, r, d * t));
+}
+
+// The box that tiles are written in, and what they are measured by.
+typedef struct {
+  real3 low, step;
+  real unit;     // of radii and heights
+  real stretch;  // the longest of G_xi and G_eta
+} cut_frame;
+
+FN cut_frame cut_frame_of(GLOBAL scalar* box, scalar stretch2) {
+  cut_frame f;
+  f.low = load3(box, 0);
+  f.step = mul3(splat(K(1) / K(65535)), sub3(load3(box, 1), f.low));
+  f.unit = K(2) * larger(larger(f.step.x, f.step.y), f.step.z);
+  f.stretch = sqrt(splat(stretch2));
+  return f;
+}
+
+FN real centre_code(real at, real low, real step) {
+  const real x = limit_code((at - low) / step + K(0.5f), K(65535));
+  return pick(step > splat(K(0)), whole_part(x), splat(K(0)));
+}
+
+// Words but for the curvatures, which have to wait for the largest; `low` and `high`: those.
+typedef struct {
+  real word[TILE_UINTS], low, high, most;
+} cut_tile;
+
+FN_LARGE cut_tile cut_tile_of(const cut_sample* s, cut_frame f, GLOBAL scalar* transform,
+                              ulong stride) {
+  const real zero = splat(K(0)), far = splat(K(INFINITY));
+  real3 sum = make3(zero, zero, zero), middle = sum;
+  for (int i = 0; i < CUT_POINTS; ++i) {
+    sum = add3(sum, s[i].n);
+    middle = add3(middle, s[i].p);
+  }
+  const mask is_down = sum.z < zero;
+  sum = pick3(is_down, sub3(make3(zero, zero, zero), sum), sum);
+  const axis_code axis = axis_code_of(unit3(sum));
+  middle = mul3(splat(K(1) / K(CUT_POINTS)), middle);
+  real least = splat(K(1)), top = -far, bottom = far;
+  for (int i = 0; i < CUT_POINTS; ++i) {
+    const real along = dot3(s[i].n, axis.axis), cosine = pick(is_down, -along, along),
+               height = dot3(sub3(s[i].p, middle), axis.axis);
+    least = pick(cosine >= least, least, pick(cosine == cosine, cosine, -splat(K(1))));
+    top = larger(height, top);
+    bottom = smaller(height, bottom);
+  }
+  const real3 at = fma3(K(0.5f) * (top + bottom), axis.axis, middle);
+  const real3 code =
+      make3(centre_code(at.x, f.low.x, f.step.x), centre_code(at.y, f.low.y, f.step.y),
+            centre_code(at.z, f.low.z, f.step.z));
+  const real3 centre = make3(fma(code.x, f.step.x, f.low.x), fma(code.y, f.step.y, f.low.y),
+                             fma(code.z, f.step.z, f.low.z));
+  real half = zero, radius2 = zero;
+  for (int i = 0; i < CUT_POINTS; ++i) {
+    const real3 away = sub3(s[i].p, centre);
+    const real height = dot3(away, axis.axis);
+    const real3 aside = fma3(-height, axis.axis, away);
+    half = larger(fabs(height), half);
+    radius2 = larger(dot3(aside, aside), radius2);
+  }
+  const tile_bends bends = bends_of(s);
+  // The outermost samples are not quite on the sides.
+  const real slack = sqrt(bends.slack2) + K(2e-5f) * f.stretch;
+  const real low = bends.low - CUT_MORE_CURVATURE * (bends.low_most - bends.low),
+             high = bends.high + CUT_MORE_CURVATURE * (bends.high - bends.high_least);
+  cut_tile r;
+  r.most = larger(-bends.low, bends.high);
+  r.low = pick(is_down, -high, low);
+  r.high = pick(is_down, -low, high);
+  const real radius = whole_above(limit_code((sqrt(radius2) + slack) / f.unit, K(65535))),
+             above = whole_above(limit_code((half + slack) / f.unit, K(65535)));
+  r.word[TILE_CENTRE_XY] = fma(code.y, splat(K(65536)), code.x);
+  r.word[TILE_CENTRE_Z_RADIUS] = fma(radius, splat(K(65536)), code.z);
+  r.word[TILE_AXIS] = fma(turn_bits(least), splat(K(0x1p24f)), fma(axis.y, splat(K(4096)), axis.x));
+  r.word[TILE_HALF_CURVES] = above;
+  const real3 second = add3(along_domain_of(bends.same, transform, stride),
+                            along_domain_of(bends.turned, transform + 4 * stride, stride));
+  r.word[TILE_BEND] = second_bits(mul3(splat(K(1) / K(CUT_TRIANGLES)), second));
+  return r;
+}
+
+// The tiles of a patch from its samples, `tiles` a multiple of CUT_PAD. Returns the largest
+// curvature of all, local, at least `curvature`; TILE_HALF_CURVES has no curvatures yet.
+FN_LARGE scalar cut_patch(GLOBAL scalar* rows, int stride, GLOBAL uint* index,
+                          GLOBAL scalar* transforms, int tiles, GLOBAL scalar* box, scalar stretch2,
+                          scalar curvature, GLOBAL_OUT scalar* out) {
+  const cut_frame frame = cut_frame_of(box, stretch2);
+  real most = splat(curvature);
+  for (int first = 0; first < tiles; first += GLISS_LANES) {
+    cut_sample s[CUT_POINTS];
+    for (int i = 0; i < CUT_POINTS; ++i) {
+      GLOBAL uint* at = index + i * tiles + first;
+      s[i].p = gather_triple(rows, (ulong)stride, at);
+      s[i].n = gather_triple(rows + 3 * stride, (ulong)stride, at);
+    }
+    const cut_tile t = cut_tile_of(s, frame, transforms + first, (ulong)tiles);
+    for (int i = 0; i < TILE_UINTS; ++i) store_lanes(out + i * tiles + first, t.word[i]);
+    store_lanes(out + TILE_UINTS * tiles + first, t.low);
+    store_lanes(out + (TILE_UINTS + 1) * tiles + first, t.high);
+    most = larger(t.most, most);
+  }
+  return largest_lane(most);
+}
+
+// Adds the curvatures, relative to `curvature`.
+FN_LARGE void write_curves(GLOBAL_OUT scalar* out, int tiles, scalar curvature) {
+  const real over = splat(K(1) / curvature);
+  for (int first = 0; first < tiles; first += GLISS_LANES) {
+    GLOBAL_OUT scalar* at = out + first;
+    const real low = curve_bits(load_lanes(at + TILE_UINTS * tiles) * over, 0),
+               high = curve_bits(load_lanes(at + (TILE_UINTS + 1) * tiles) * over, 1);
+    GLOBAL_OUT scalar* word = at + TILE_HALF_CURVES * tiles;
+    store_lanes(word, fma(high, splat(K(0x1p24f)), fma(low, splat(K(65536)), load_lanes(word))));
+  }
+}
