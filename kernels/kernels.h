@@ -24,6 +24,9 @@
 #include "kernels/triangle.h"
 #include "kernels/examine.h"
 #endif
+#if !defined(GLISS_PACKED) && (GLISS_LANES == 1 || !defined(__OPENCL_C_VERSION__))
+#include "kernels/reach.h"
+#endif
 #if GLISS_LANES == 1
 #include "kernels/polygon.h"
 #include "kernels/track.h"

@@ -198,21 +198,24 @@ FN int gather_tiles(surface_view view, patch_tiles tiles, int next, real distanc
                     open_tiles* open) {
   GLOBAL scalar* domain = domain_of(view, tiles.n);
   const real below = open_below(distance2), distance = sqrt(open_below(below) / tiles.unscale2);
-  open->count = 0;
-  for (; next < tiles.count && open->count < OPEN_TILES; ++next) {
-    const real3 away = away_from(tiles, next);
-    if (!may_reach(tiles, next, away, distance)) continue;
-    const tile_reach reach = reach_of(tiles, next, away);
-    if (!(reach.distance2 < below) || !reach.has_foot) continue;
-    const int at = open->count++;
-    open->tile[at] = next;
-    open->is_settled[at] = 0;
-    open->distance2[at] = reach.distance2;
-    open->height[at] = reach.height;
-    open->middle[at] = middle_of(tiles, domain, next);
+  open->count = open->left = 0;
+  for (; next < tiles.count; next += TILES_AT_ONCE) {
+    ulong near = NEAR_TILES(tiles.ball, next, distance);
+    for (; near != 0; near &= near - 1) {
+      const int tile = next + lowest_bit(near);
+      const tile_reach reach = reach_of(tiles, tile);
+      if (!(reach.distance2 < below) || !reach.has_foot) continue;
+      if (open->count == OPEN_TILES) return tile;
+      const int at = open->count++;
+      ++open->left;
+      open->tile[at] = tile;
+      open->is_settled[at] = 0;
+      open->distance2[at] = reach.distance2;
+      open->height[at] = reach.height;
+      open->middle[at] = middle_of(tiles, domain, tile);
+    }
   }
-  open->left = open->count;
-  return next;
+  return tiles.count;
 }
 
 // Settles the open tiles in sight of where a descent began or ended, no farther than `most` in the

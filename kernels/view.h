@@ -20,7 +20,7 @@ typedef struct {
   GLOBAL uint* triangle;
   GLOBAL scalar* node;      // [node][NODE_REALS]
   GLOBAL uint* child;       // [node][2]
-  GLOBAL uint* tile;        // [tile][TILE_UINTS], patch by patch (tile.h)
+  GLOBAL uint* tile;        // [TILE_UINTS][tile], patch by patch (tile.h)
   GLOBAL uint* tile_begin;  // [patch + 1], tiles before its own
   // Overlapping parts (union.h), where HAS_UNION:
   GLOBAL uint* part;        // [patch], its part and PATCH_BURIED or PATCH_MIXED

@@ -356,7 +356,10 @@ class CacheBuilder {
       s.control.resize(end);
       for (std::size_t i = 0; i < finished.size(); ++i) {
         const std::vector<std::uint32_t>& words = finished[i].tiles.words;
-        s.tile.insert(s.tile.end(), words.begin(), words.end());
+        for (std::size_t row = 0; row < kTileUints; ++row) {
+          for (std::size_t at = row; at < words.size(); at += kTileUints)
+            s.tile.push_back(words[at]);
+        }
         if (s.tile.size() / kTileUints >= kNone)
           throw MeshError(mesh_.source + ": too many sides for one cache");
         s.tile_begin[first + i + 1] = static_cast<std::uint32_t>(s.tile.size() / kTileUints);
