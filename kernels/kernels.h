@@ -15,6 +15,7 @@
 #include "kernels/table.h"
 #endif
 #include "kernels/forms.h"
+#include "kernels/box.h"
 #if GLISS_LANES == 1 || defined(GLISS_PACKED)
 #include "kernels/build.h"
 #include "kernels/descent.h"
