@@ -13,9 +13,7 @@ typedef struct {
 FN real low_half(uints word) { return reals_of(word & 65535u); }
 FN real high_half(uints word) { return reals_of(word >> 16); }
 
-FN uints tile_words(tile_balls b, int row, int i) {
-  return load_uints(b.word + row * b.count + i);
-}
+FN uints tile_words(tile_balls b, int row, int i) { return load_uints(b.word + row * b.count + i); }
 
 // From the centres of the tiles from i on to the HIP.
 FN real3 away_from(tile_balls b, int i) {

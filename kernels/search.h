@@ -77,8 +77,7 @@ FN void set_limits(surface_view view, base_search* s, real slack) {
   GLOBAL scalar* numbers = numbers_of(view, s->at.patch);
   const real distance = sqrt(s->at.distance2) + slack;
   s->nearer2 = square(distance);
-  s->reach2 =
-      smaller(s->reach2, square(fma(numbers[PATCH_SAG], numbers[PATCH_UNSCALE], distance)));
+  s->reach2 = smaller(s->reach2, square(fma(numbers[PATCH_SAG], numbers[PATCH_UNSCALE], distance)));
 }
 
 FN base_search start_base_search(surface_view view, hip_point h, uint guess) {

@@ -50,25 +50,40 @@ FN real3 axis_of(patch_tiles t, int i) {
   return make3(x, y, sqrt(larger(K(1) - fma(x, x, y * y), K(0))));
 }
 
-FN tile_reach reach_of(patch_tiles t, int i) {
-  const real3 away = away_from(t.ball, i), along = axis_of(t, i);
-  const real radius = t.ball.unit * high_half(tile_word(t, TILE_CENTRE_Z_RADIUS, i)),
-             half_height = t.ball.unit * low_half(tile_word(t, TILE_HALF_CURVES, i));
-  tile_reach r;
-  r.height = dot3(away, along);
-  const real aside = norm3(fma3(-r.height, along, away)) - radius,
-             above = fabs(r.height) - half_height;
-  const real out = larger(aside, K(0)), up = larger(above, K(0));
-  r.distance2 = fma(out, out, up * up) * t.unscale2;
-  const real turn = (real)(int)(tile_word(t, TILE_AXIS, i) >> 24),
-             most = fabs(r.height) + half_height;
-  r.has_foot = turn == TILE_ANY_TURN || aside <= turn * turn * K(0x1p-15f) * most;
-  return r;
-}
-
 FN real curvature_of(patch_tiles t, uint bits) {
   const real c = ((real)(int)(bits & 255u) - K(128)) * (K(1) / K(127));
   return c * c * c * t.curvature;
+}
+
+// How far aside of a tile's centre a HIP at a height may be at most, that a normal of the tile
+// leads to. The normal of a point that is u aside passes the height u (1 + height mean) aside, mean
+// being that of the tile's curvatures, and farther by what it turns besides.
+FN real reach_of_normals(patch_tiles t, int i, uint curves, real height, real radius,
+                         real half_height) {
+  const uint bits = tile_word(t, TILE_AXIS, i) >> 24;
+  const real turn = (real)(int)(bits & TILE_ANY_TURN),
+             lean = turn * turn * (K(1) / K(1 << TILE_TURN_SHIFT));
+  real spread = K(1);
+  if (bits & TILE_BENDS) {
+    const real mean = K(0.5f) * (curvature_of(t, curves) + curvature_of(t, curves >> 8));
+    spread = fma(half_height, fabs(mean), fabs(fma(height, mean, K(1))));
+  }
+  if ((bits & TILE_ANY_TURN) == TILE_ANY_TURN) return K(INFINITY);
+  return fma(radius, spread, lean * (fabs(height) + half_height));
+}
+
+FN tile_reach reach_of(patch_tiles t, int i) {
+  const real3 away = away_from(t.ball, i), along = axis_of(t, i);
+  const uint half_curves = tile_word(t, TILE_HALF_CURVES, i);
+  const real radius = t.ball.unit * high_half(tile_word(t, TILE_CENTRE_Z_RADIUS, i)),
+             half_height = t.ball.unit * low_half(half_curves);
+  tile_reach r;
+  r.height = dot3(away, along);
+  const real aside = norm3(fma3(-r.height, along, away)), above = fabs(r.height) - half_height;
+  const real out = larger(aside - radius, K(0)), up = larger(above, K(0));
+  r.distance2 = fma(out, out, up * up) * t.unscale2;
+  r.has_foot = aside <= reach_of_normals(t, i, half_curves >> 16, r.height, radius, half_height);
+  return r;
 }
 
 // True if the squared distance to the HIP is convex over the tile's points that are nearer than

@@ -221,7 +221,6 @@ class TileWriter {
     Vec3 axis = mean_normal(lattice_, tile);
     const double sign = axis.z() < 0 ? -1 : 1;
     std::uint32_t axis_word = write_axis(sign * axis, axis);
-    axis_word |= turn(tile, sign * axis) << kTurnShift;
     Vec3 middle = Vec3::Zero();
     double top = -std::numeric_limits<double>::infinity(), bottom = -top, count = 0;
     tile.for_points(lattice_, [&](const Sample& s) { middle += s.position, ++count; });
@@ -237,10 +236,13 @@ class TileWriter {
       middle[i] = low_[i] + centre[i] * step_[i];
     }
     const Extent extent = extent_of(tile, middle, axis);
+    const std::uint32_t curve_bits = curves(tile, sign);
+    axis_word |= turn(tile, middle, axis, sign, extent.radius, mean_curvature(curve_bits))
+                 << kTurnShift;
     words.push_back(centre[0] | centre[1] << 16);
     words.push_back(centre[2] | code(std::ceil(extent.radius / unit_), 65535) << 16);
     words.push_back(axis_word);
-    words.push_back(code(std::ceil(extent.half / unit_), 65535) | curves(tile, sign) << 16);
+    words.push_back(code(std::ceil(extent.half / unit_), 65535) | curve_bits << 16);
     words.push_back(second(tile));
   }
 
@@ -259,16 +261,33 @@ class TileWriter {
     return x | y << 12;
   }
 
-  // The bits of the angle that no normal exceeds.
-  std::uint32_t turn(const Tile& tile, const Vec3& axis) const {
-    double least = 1;
+  // The bits of how far normals lean from the axis, at most: by more than the mean curvature says,
+  // if beneath the patch that bounds them better.
+  std::uint32_t turn(const Tile& tile, const Vec3& middle, const Vec3& axis, double sign,
+                     double radius, double mean) const {
+    double least = 1, rest = 0;
     tile.for_points(lattice_, [&](const Sample& s) {
-      const double cosine = s.normal.dot(axis);
+      const double cosine = sign * s.normal.dot(axis);
       least = cosine >= least ? least : std::isnan(cosine) ? -1 : cosine;
+      const Vec3 away = s.position - middle, lean = s.normal / (sign * cosine) - axis;
+      rest = std::max(rest, (lean - mean * (away - away.dot(axis) * axis)).norm());
     });
     const double angle = kMoreTurn * std::acos(std::max(least, -1.0)) + kLeastTurn;
     if (!(angle < std::numbers::pi / 2)) return kTileAnyTurn;
-    return code(std::ceil(std::sqrt(std::ldexp(std::tan(angle), 15))), kTileAnyTurn);
+    const double all = std::tan(angle),
+                 more = std::max(kMoreTurn * rest, rest + 0.5 * (kMoreTurn - 1) * all) + kLeastTurn;
+    const bool bends = more < all && more - radius * sign * mean < all;
+    return turn_bits(bends ? more : all) | (bends ? kTileBends : 0);
+  }
+  static std::uint32_t turn_bits(double tangent) {
+    return code(std::ceil(std::sqrt(std::ldexp(tangent, kTileTurnShift))), kTileAnyTurn);
+  }
+
+  // As it is read.
+  double mean_curvature(std::uint32_t bits) const {
+    const auto cube = [](double x) { return x * x * x; };
+    return 0.5 * curvature_ *
+           (cube(((bits & 255) - 128.0) / 127) + cube(((bits >> 8) - 128.0) / 127));
   }
 
   Extent extent_of(const Tile& tile, const Vec3& middle, const Vec3& axis) const {
@@ -401,7 +420,8 @@ void free_sharp_sides(Surface<Real>& s, const ParallelFor& parallel) {
     for (std::size_t p = begin; p < end; ++p) {
       const std::uint32_t first = s.side_begin[p], n = s.side_begin[p + 1] - first;
       const std::uint32_t count = s.tile_begin[p + 1] - s.tile_begin[p], of_fan = count / n;
-      const auto axes = s.tile.begin() + kTileUints * std::size_t{s.tile_begin[p]} + kTileAxis * count;
+      const auto axes =
+          s.tile.begin() + kTileUints * std::size_t{s.tile_begin[p]} + kTileAxis * count;
       const auto levels = static_cast<std::uint32_t>(std::lround(std::sqrt(of_fan)));
       for (std::uint32_t k = 0; k < n; ++k) {
         const std::uint32_t twin = s.side_twin[first + k];
