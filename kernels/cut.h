@@ -164,18 +164,24 @@ FN axis_code axis_code_of(real3 axis) {
   return r;
 }
 
-// The bits of an angle that no normal exceeds, where `least` is the least cosine: five quarters of
-// what the samples turn, and a little.
-FN real turn_bits(real least) {
-  const real zero = splat(K(0)), one = splat(K(1)), any = splat(K(TILE_ANY_TURN));
+// What normals may turn between samples besides: a quarter of what the samples do.
+#define CUT_MORE_TURN K(0.25f)
+
+// The tangent of an angle that no normal exceeds, where `least` is the least cosine: five quarters
+// of what the samples turn, and a little. Infinite from a right angle on.
+FN real turn_tangent(real least) {
+  const real zero = splat(K(0)), one = splat(K(1));
   const real c = smaller(larger(least, zero), one), s = sqrt((one - c) * (one + c));
   // The tangents of the angle and of a quarter of it.
   const real half = sqrt(K(0.5f) * (one + c)), t = s / larger(c, splat(K(1e-6f))),
              quarter = s / (K(2) * half * (one + half));
   const real under = one - t * quarter, turn = (t + quarter) / under;
-  const real rest = one - turn * CUT_LEAST_TURN,
-             bits = sqrt(K(32768) * (turn + CUT_LEAST_TURN) / rest);
-  return pick((under > zero) & (rest > zero), whole_above(limit_code(bits, K(TILE_ANY_TURN))), any);
+  const real rest = one - turn * CUT_LEAST_TURN;
+  return pick((under > zero) & (rest > zero), (turn + CUT_LEAST_TURN) / rest, splat(K(INFINITY)));
+}
+
+FN real turn_bits(real tangent) {
+  return whole_above(limit_code(sqrt(K(1 << TILE_TURN_SHIFT) * tangent), K(TILE_ANY_TURN)));
 }
 
 // The largest whole b, 255 at most, with b^3 <= x.
@@ -248,9 +254,12 @@ FN real centre_code(real at, real low, real step) {
   return pick(step > splat(K(0)), whole_part(x), splat(K(0)));
 }
 
-// Words but for the curvatures, which have to wait for the largest; `low` and `high`: those.
+// Words but for the curvatures and for how far normals lean, which have to wait for the largest
+// curvature: `low` and `high` are the tile's, `turn` the tangent of an angle that no normal
+// exceeds, `rest` what leans differ by from what the mean of `low` and `high` says, `radius` the
+// cylinder's, below 0 where the axis is turned over.
 typedef struct {
-  real word[TILE_UINTS], low, high, most;
+  real word[TILE_UINTS], low, high, turn, rest, radius, most;
 } cut_tile;
 
 FN_LARGE cut_tile cut_tile_of(const cut_sample* s, cut_frame f, GLOBAL scalar* transform,
@@ -279,14 +288,6 @@ FN_LARGE cut_tile cut_tile_of(const cut_sample* s, cut_frame f, GLOBAL scalar* t
             centre_code(at.z, f.low.z, f.step.z));
   const real3 centre = make3(fma(code.x, f.step.x, f.low.x), fma(code.y, f.step.y, f.low.y),
                              fma(code.z, f.step.z, f.low.z));
-  real half = zero, radius2 = zero;
-  for (int i = 0; i < CUT_POINTS; ++i) {
-    const real3 away = sub3(s[i].p, centre);
-    const real height = dot3(away, axis.axis);
-    const real3 aside = fma3(-height, axis.axis, away);
-    half = larger(fabs(height), half);
-    radius2 = larger(dot3(aside, aside), radius2);
-  }
   const tile_bends bends = bends_of(s);
   // The outermost samples are not quite on the sides.
   const real slack = sqrt(bends.slack2) + K(2e-5f) * f.stretch;
@@ -296,11 +297,27 @@ FN_LARGE cut_tile cut_tile_of(const cut_sample* s, cut_frame f, GLOBAL scalar* t
   r.most = larger(-bends.low, bends.high);
   r.low = pick(is_down, -high, low);
   r.high = pick(is_down, -low, high);
-  const real radius = whole_above(limit_code((sqrt(radius2) + slack) / f.unit, K(65535))),
+  const real mean = K(0.5f) * (r.low + r.high);
+  real half = zero, radius2 = zero, rest2 = zero;
+  for (int i = 0; i < CUT_POINTS; ++i) {
+    const real3 away = sub3(s[i].p, centre);
+    const real height = dot3(away, axis.axis);
+    const real3 aside = fma3(-height, axis.axis, away);
+    const real3 normal = mul3(K(1) / dot3(s[i].n, axis.axis), s[i].n),
+                rest = sub3(normal, fma3(mean, aside, axis.axis));
+    half = larger(fabs(height), half);
+    radius2 = larger(dot3(aside, aside), radius2);
+    rest2 = larger(dot3(rest, rest), rest2);
+  }
+  r.turn = turn_tangent(least);
+  r.rest = sqrt(rest2);
+  r.radius = sqrt(radius2) + slack;
+  const real radius = whole_above(limit_code(r.radius / f.unit, K(65535))),
              above = whole_above(limit_code((half + slack) / f.unit, K(65535)));
   r.word[TILE_CENTRE_XY] = fma(code.y, splat(K(65536)), code.x);
   r.word[TILE_CENTRE_Z_RADIUS] = fma(radius, splat(K(65536)), code.z);
-  r.word[TILE_AXIS] = fma(turn_bits(least), splat(K(0x1p24f)), fma(axis.y, splat(K(4096)), axis.x));
+  r.radius = pick(is_down, -r.radius, r.radius);
+  r.word[TILE_AXIS] = fma(axis.y, splat(K(4096)), axis.x);
   r.word[TILE_HALF_CURVES] = above;
   const real3 second = add3(along_domain_of(bends.same, transform, stride),
                             along_domain_of(bends.turned, transform + 4 * stride, stride));
@@ -309,7 +326,7 @@ FN_LARGE cut_tile cut_tile_of(const cut_sample* s, cut_frame f, GLOBAL scalar* t
 }
 
 // The tiles of a patch from its samples, `tiles` a multiple of CUT_PAD. Returns the largest
-// curvature of all, local, at least `curvature`; TILE_HALF_CURVES has no curvatures yet.
+// curvature of all, local, at least `curvature`; the words have no curvatures yet.
 FN_LARGE scalar cut_patch(GLOBAL scalar* rows, int stride, GLOBAL uint* index,
                           GLOBAL scalar* transforms, int tiles, GLOBAL scalar* box, scalar stretch2,
                           scalar curvature, GLOBAL_OUT scalar* out) {
@@ -324,21 +341,48 @@ FN_LARGE scalar cut_patch(GLOBAL scalar* rows, int stride, GLOBAL uint* index,
     }
     const cut_tile t = cut_tile_of(s, frame, transforms + first, (ulong)tiles);
     for (int i = 0; i < TILE_UINTS; ++i) store_lanes(out + i * tiles + first, t.word[i]);
-    store_lanes(out + TILE_UINTS * tiles + first, t.low);
-    store_lanes(out + (TILE_UINTS + 1) * tiles + first, t.high);
+    const real later[] = {t.low, t.high, t.turn, t.rest, t.radius};
+    for (int i = 0; i < CUT_OUT_ROWS - TILE_UINTS; ++i)
+      store_lanes(out + (TILE_UINTS + i) * tiles + first, later[i]);
     most = larger(t.most, most);
   }
   return largest_lane(most);
 }
 
-// Adds the curvatures, relative to `curvature`.
+// A curvature as eight bits of it are read.
+FN real curve_of(real bits, scalar curvature) {
+  const real x = (bits - K(128)) * splat(K(1) / K(127));
+  return x * x * x * curvature;
+}
+
+// How far normals lean from the axis, at most: by more than the mean curvature, as it is read,
+// says, if beneath the patch that bounds them better.
+FN real lean_bits(cut_tile t, real mean) {
+  const real zero = splat(K(0)), radius = larger(t.radius, -t.radius);
+  const real rest = fma(radius, fabs(mean - K(0.5f) * (t.low + t.high)), t.rest);
+  const real more =
+      larger((K(1) + CUT_MORE_TURN) * rest, fma(splat(K(0.5f) * CUT_MORE_TURN), t.turn, rest)) +
+      CUT_LEAST_TURN;
+  const mask bends =
+      (t.turn < splat(K(INFINITY))) & (more < t.turn) & (fma(-t.radius, mean, more) < t.turn);
+  return turn_bits(pick(bends, more, t.turn)) + pick(bends, splat(K(TILE_BENDS)), zero);
+}
+
+// Adds what the words lack to those that are in `out`; curvatures are relative to `curvature`.
 FN_LARGE void write_curves(GLOBAL_OUT scalar* out, int tiles, scalar curvature) {
   const real over = splat(K(1) / curvature);
   for (int first = 0; first < tiles; first += GLISS_LANES) {
-    GLOBAL_OUT scalar* at = out + first;
-    const real low = curve_bits(load_lanes(at + TILE_UINTS * tiles) * over, 0),
-               high = curve_bits(load_lanes(at + (TILE_UINTS + 1) * tiles) * over, 1);
-    GLOBAL_OUT scalar* word = at + TILE_HALF_CURVES * tiles;
+    GLOBAL_OUT scalar *at = out + first, *later = at + TILE_UINTS * tiles;
+    cut_tile t;
+    t.low = load_lanes(later);
+    t.high = load_lanes(later + tiles);
+    t.turn = load_lanes(later + 2 * tiles);
+    t.rest = load_lanes(later + 3 * tiles);
+    t.radius = load_lanes(later + 4 * tiles);
+    const real low = curve_bits(t.low * over, 0), high = curve_bits(t.high * over, 1);
+    const real mean = K(0.5f) * (curve_of(low, curvature) + curve_of(high, curvature));
+    GLOBAL_OUT scalar *word = at + TILE_HALF_CURVES * tiles, *axis = at + TILE_AXIS * tiles;
     store_lanes(word, fma(high, splat(K(0x1p24f)), fma(low, splat(K(65536)), load_lanes(word))));
+    store_lanes(axis, fma(lean_bits(t, mean), splat(K(0x1p24f)), load_lanes(axis)));
   }
 }

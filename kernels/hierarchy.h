@@ -7,14 +7,6 @@ typedef struct {
   int count;
 } walk;
 
-FN real box_distance2(GLOBAL scalar* box, real3 x) {
-  const real zero = K(0);
-  const real dx = larger(larger(box[0] - x.x, x.x - box[3]), zero);
-  const real dy = larger(larger(box[1] - x.y, x.y - box[4]), zero);
-  const real dz = larger(larger(box[2] - x.z, x.z - box[5]), zero);
-  return fma(dx, dx, fma(dy, dy, dz * dz));
-}
-
 FN walk start_walk(surface_view view) {
   walk w;
   w.node[0] = view.patch_count == 1 ? NODE_LEAF : 0u;

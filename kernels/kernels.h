@@ -15,6 +15,7 @@
 #include "kernels/table.h"
 #endif
 #include "kernels/forms.h"
+#include "kernels/box.h"
 #if GLISS_LANES == 1 || defined(GLISS_PACKED)
 #include "kernels/build.h"
 #include "kernels/descent.h"
@@ -24,6 +25,9 @@
 #include "kernels/triangle.h"
 #include "kernels/second.h"
 #include "kernels/examine.h"
+#endif
+#if !defined(GLISS_PACKED) && (GLISS_LANES == 1 || !defined(__OPENCL_C_VERSION__))
+#include "kernels/reach.h"
 #endif
 #if GLISS_LANES == 1
 #include "kernels/polygon.h"

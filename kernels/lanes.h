@@ -68,6 +68,25 @@ inline bool any(Mask mask) {
   return sum != 0;
 }
 
+// Lane by lane a bit: 1 where a comparison holds.
+template <class Mask>
+inline unsigned long bits(Mask mask) {
+#if defined(__AVX512DQ__)
+  if constexpr (sizeof mask == 64)
+    return sizeof(mask[0]) == 8 ? _mm512_movepi64_mask((__m512i)mask)
+                                : _mm512_movepi32_mask((__m512i)mask);
+#endif
+#if defined(__AVX2__)
+  if constexpr (sizeof mask == 32)
+    return static_cast<unsigned long>(sizeof(mask[0]) == 8 ? _mm256_movemask_pd((__m256d)mask)
+                                                           : _mm256_movemask_ps((__m256)mask));
+#endif
+  unsigned long r = 0;
+  for (unsigned i = 0; i < sizeof(Mask) / sizeof(mask[0]); ++i)
+    r |= static_cast<unsigned long>(mask[i] & 1) << i;
+  return r;
+}
+
 // Rows and columns swapped: `rows` has as many vectors as a vector has numbers.
 template <unsigned kStep, class V, std::size_t... kJ>
 inline void exchange(V& a, V& b, std::index_sequence<kJ...>) {

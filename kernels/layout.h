@@ -102,11 +102,15 @@
 // the base polygon.
 #define TILE_CENTRE_XY 0        // 16 bits each, from the low to the high corner of the patch's box
 #define TILE_CENTRE_Z_RADIUS 1  // the same, and of the cylinder in 2 / 65535 of the box's length
-// x and y of the unit axis, (12 bits - 2048) / 2048 each; z is not negative. Then 8 bits: their
-// square is 2^15 times the tangent of an angle to the axis that no normal exceeds; TILE_ANY_TURN: a
+// x and y of the unit axis, (12 bits - 2048) / 2048 each; z is not negative. Then 7 bits: their
+// square is 2^TILE_TURN_SHIFT times the tangent of an angle that no normal's to the axis exceeds;
+// with TILE_BENDS so long is at most what its lean, its part aside over that along the axis,
+// differs by from the mean of both curvatures times the way aside from the centre. TILE_ANY_TURN: a
 // nearest point may lie there though its normal does not lead to the HIP.
 #define TILE_AXIS 2
-#define TILE_ANY_TURN 255
+#define TILE_TURN_SHIFT 13
+#define TILE_ANY_TURN 127
+#define TILE_BENDS 128
 // Half the height, as the radius; 8 bits each: least and largest curvature, ((bits - 128) / 127)^3
 // of PATCH_CURVATURE.
 #define TILE_HALF_CURVES 3
@@ -123,8 +127,8 @@
 #define CUT_POINTS 15
 // Rows of the two transforms from a tile's small triangles to the domain.
 #define CUT_TRANSFORMS 8
-// Rows of tiles: TILE_UINTS words, the least and the largest curvature.
-#define CUT_OUT_ROWS 7
+// Rows of tiles: TILE_UINTS words, and what they need of each other (cut_tile).
+#define CUT_OUT_ROWS 10
 // Counts of samples and of tiles are multiples of it.
 #define CUT_PAD 16
 

@@ -1,7 +1,8 @@
 // The bridge: what each language calls its numbers. Included first, inside the namespace of its
 // instance. The includer defines GLISS_SCALAR (float or double) and GLISS_LANES (1, or the number
 // of samples a `real` holds: load_lanes and store_lanes move that many neighbours of an array,
-// `lane` reads one, `gather` each one's own number of an array; a `mask` holds what a comparison of
+// `lane` reads one, `gather` each one's own number of an array; `uints` are as many whole numbers,
+// which `reals_of` makes reals below 2^31; a `mask` holds what a comparison of
 // two says, and masks meet in &, | and `without`), and in C++ GLISS_PACKED where the samples are of
 // as many patches. Only + - * / sqrt fma and comparisons are used: IEEE gives them the same bits in
 // every language.
@@ -17,6 +18,10 @@ typedef GLISS_SCALAR scalar;
 typedef scalar real;
 typedef int mask;
 #define any(m) (m)
+typedef uint uints;
+#define bits_of(m) ((ulong)((m) != 0))
+#define reals_of(u) ((real)(int)(u))
+#define load_uints(at) (*(at))
 #define without(a, b) ((a) & !(b))
 #define pick(condition, a, b) ((condition) ? (a) : (b))
 #else
@@ -38,6 +43,7 @@ typedef GLISS_JOIN(GLISS_JOIN(GLISS_MASK_, GLISS_SCALAR), GLISS_LANES) mask;
 #define store_lanes(at, value) GLISS_JOIN(vstore, GLISS_LANES)(value, 0, at)
 #define lane(value, i) (((const scalar*)&(value))[i])
 #endif
+#define lowest_bit(x) ((int)popcount(((x) & -(x)) - 1))
 #define GLOBAL __global const
 #define GLOBAL_OUT __global
 #define FN_LARGE static
@@ -63,9 +69,14 @@ FN real gather(GLOBAL scalar* at, real index) {
 #define FN static inline __attribute__((always_inline, unused))
 typedef unsigned int uint;
 typedef unsigned long ulong;
+FN int lowest_bit(ulong x) { return __builtin_ctzl(x); }
 #if GLISS_LANES == 1
 typedef scalar real;
 typedef bool mask;
+typedef uint uints;
+FN ulong bits_of(mask m) { return m; }
+FN real reals_of(uints u) { return (real)(int)u; }
+FN uints load_uints(const uint* at) { return *at; }
 FN bool any(mask m) { return m; }
 FN mask without(mask a, mask b) { return a && !b; }
 FN real fma(real a, real b, real c) {
@@ -84,6 +95,17 @@ FN real gather(const scalar* at, real index) { return at[(int)index]; }
 #else
 typedef scalar real __attribute__((vector_size(GLISS_LANES * sizeof(GLISS_SCALAR))));
 typedef decltype(real{} < real{}) mask;
+typedef uint uints __attribute__((vector_size(GLISS_LANES * sizeof(uint))));
+FN ulong bits_of(mask m) { return gliss::lanes::bits(m); }
+FN real reals_of(uints u) {
+  typedef int ints __attribute__((vector_size(GLISS_LANES * sizeof(int))));
+  return __builtin_convertvector((ints)u, real);
+}
+FN uints load_uints(const uint* at) {
+  uints r;
+  __builtin_memcpy(&r, at, sizeof r);
+  return r;
+}
 FN bool any(mask m) { return gliss::lanes::any(m); }
 FN mask without(mask a, mask b) { return a & ~b; }
 FN real fma(real a, real b, real c) { return gliss::lanes::fma(a, b, c); }

@@ -16,24 +16,12 @@ FN base_point base_point_on(surface_view view, hip_point h, uint patch) {
   return b;
 }
 
-// Squared distance (mesh frame) from the HIP to the oriented box of a patch: no point of the patch
-// or of its base polygon is nearer.
 FN real patch_box_distance2(surface_view view, hip_point h, uint patch) {
-  GLOBAL scalar* numbers = numbers_of(view, patch);
-  const real3 normal = load3(numbers, PATCH_NORMAL), tangent = load3(numbers, PATCH_TANGENT);
-  const real3 x = local_hip(view, h, patch);
-  const real3 along = make3(dot3(x, tangent), dot3(x, cross3(normal, tangent)), dot3(x, normal));
-  const real3 low = sub3(load3(numbers, PATCH_LOW), along),
-              high = sub3(along, load3(numbers, PATCH_HIGH));
-  const real zero = K(0);
-  const real3 out = make3(larger(larger(low.x, high.x), zero), larger(larger(low.y, high.y), zero),
-                          larger(larger(low.z, high.z), zero));
-  const real unscale = numbers[PATCH_UNSCALE];
-  return dot3(out, out) * unscale * unscale;
+  return oriented_box_distance2(numbers_of(view, patch), h);
 }
 
-// Patches that a walk for the nearest base polygon came by, in its order: all whose boxes, both of
-// them, are nearer than `complete2`.
+// Patches near a HIP, by the distances to both of their boxes and then by number: all that are
+// nearer than `complete2`.
 #define NEAR_PATCHES 24
 typedef struct {
   int count;
@@ -42,6 +30,31 @@ typedef struct {
   real complete2;
 } near_patches;
 
+FN int comes_before(real box2, uint patch, real other2, uint other) {
+  return box2 < other2 || (box2 == other2 && patch < other);
+}
+
+// Adds a patch in its place. Where there is no room the last one is left out.
+FN void add_near(near_patches* near, uint patch, real box2) {
+  int at = near->count;
+  if (at == NEAR_PATCHES) {
+    --at;
+    if (!comes_before(box2, patch, near->box2[at], near->patch[at])) {
+      near->complete2 = smaller(near->complete2, box2);
+      return;
+    }
+    near->complete2 = smaller(near->complete2, near->box2[at]);
+  } else {
+    ++near->count;
+  }
+  for (; at > 0 && comes_before(box2, patch, near->box2[at - 1], near->patch[at - 1]); --at) {
+    near->box2[at] = near->box2[at - 1];
+    near->patch[at] = near->patch[at - 1];
+  }
+  near->box2[at] = box2;
+  near->patch[at] = patch;
+}
+
 // How far a HIP is from the middle of the mesh, which lies in [-1, 1]^3, at most; the squares of
 // distances of HIPs within FAR_AWAY do not overflow.
 FN real reach_of_hip(hip_point h) { return fabs(h.high.x) + fabs(h.high.y) + fabs(h.high.z); }
@@ -49,49 +62,63 @@ FN real reach_of_hip(hip_point h) { return fabs(h.high.x) + fabs(h.high.y) + fab
 
 FN real square(real x) { return x * x; }
 
+// A point of all base polygons that may be the nearest, and limits to boxes, squared: within the
+// first may be a nearer polygon, within the other a nearer patch. For no point of a patch is
+// farther from its base polygon than its sag.
+typedef struct {
+  base_point at;
+  real nearer2, reach2;
+} base_search;
+
+// So much farther, by rounding, may the box of a polygon seem that is as near.
+FN real box_slack(hip_point h) { return K(16) * EPSILON * (K(1) + reach_of_hip(h)); }
+
+FN void set_limits(surface_view view, base_search* s, real slack) {
+  GLOBAL scalar* numbers = numbers_of(view, s->at.patch);
+  const real distance = sqrt(s->at.distance2) + slack;
+  s->nearer2 = square(distance);
+  s->reach2 = smaller(s->reach2, square(fma(numbers[PATCH_SAG], numbers[PATCH_UNSCALE], distance)));
+}
+
+FN base_search start_base_search(surface_view view, hip_point h, uint guess) {
+  base_search s;
+  s.at = base_point_on(view, h, guess);
+  s.reach2 = K(INFINITY);
+  set_limits(view, &s, box_slack(h));
+  return s;
+}
+
+// Tries the base polygon of another patch.
+FN void try_base(surface_view view, hip_point h, uint patch, base_search* s) {
+  const base_point b = base_point_on(view, h, patch);
+  if (!comes_before(b.distance2, patch, s->at.distance2, s->at.patch)) return;
+  s->at = b;
+  set_limits(view, s, box_slack(h));
+}
+
 // Nearest point of all base polygons, of those as near the first patch's; that on patch 0 where the
 // HIP is not a number or so far away that its distance may overflow. Where patches are asked for,
-// also those that may hold a point as near as the patch there is expected to: no point of it is
-// farther from its base polygon than its sag. `guess`: a patch that may be near; it makes the walk
-// shorter, and no difference to what is found.
+// also those that may hold a point as near as the patch there is expected to. `guess`: a patch that
+// may be near; it makes the walk shorter, and no difference to what is found.
 FN_LARGE base_point nearest_base(surface_view view, hip_point h, uint guess, int keeps,
                                  near_patches* near) {
-  // So much farther, by rounding, may the box of a polygon seem that is as near.
-  const real slack = K(16) * EPSILON * (K(1) + reach_of_hip(h));
-  walk w = start_walk(view);
-  base_point best = base_point_on(view, h, guess);
-  // Squared: boxes within the first may hold a nearer polygon, within the other a nearer patch.
-  real nearer2 = K(0), reach2 = K(INFINITY);
-  int is_new = 1;
   near->count = 0;
   near->complete2 = K(0);
   if (!(reach_of_hip(h) <= FAR_AWAY)) return base_point_on(view, h, 0u);
+  walk w = start_walk(view);
+  base_search s = start_base_search(view, h, guess);
+  if (keeps) near->complete2 = K(INFINITY);
   for (;;) {
-    if (is_new) {
-      GLOBAL scalar* numbers = numbers_of(view, best.patch);
-      const real distance = sqrt(best.distance2) + slack;
-      nearer2 = square(distance);
-      reach2 = smaller(reach2, square(fma(numbers[PATCH_SAG], numbers[PATCH_UNSCALE], distance)));
-    }
-    const real limit2 = keeps ? reach2 : nearer2;
+    const real limit2 = keeps ? s.reach2 : s.nearer2;
     const uint p = next_patch(view, &w, h.high, limit2);
     if (p == NONE) break;
     const real box2 = larger(patch_box_distance2(view, h, p), last_box_distance2(&w));
-    is_new = 0;
     if (!(box2 < limit2)) continue;
-    if (p != guess && box2 < nearer2) {
-      const base_point b = base_point_on(view, h, p);
-      is_new = b.distance2 < best.distance2 || (b.distance2 == best.distance2 && p < best.patch);
-      if (is_new) best = b;
-    }
-    keeps = keeps && near->count < NEAR_PATCHES;
-    if (keeps) {
-      near->patch[near->count] = p;
-      near->box2[near->count++] = box2;
-    }
+    if (p != guess && box2 < s.nearer2) try_base(view, h, p, &s);
+    if (keeps) add_near(near, p, box2);
   }
-  if (keeps) near->complete2 = reach2;
-  return best;
+  if (keeps) near->complete2 = smaller(near->complete2, s.reach2);
+  return s.at;
 }
 
 // A base polygon that is nearer to the HIP than `from`, across the side or round the corner that
@@ -198,21 +225,24 @@ FN int gather_tiles(surface_view view, patch_tiles tiles, int next, real distanc
                     open_tiles* open) {
   GLOBAL scalar* domain = domain_of(view, tiles.n);
   const real below = open_below(distance2), distance = sqrt(open_below(below) / tiles.unscale2);
-  open->count = 0;
-  for (; next < tiles.count && open->count < OPEN_TILES; ++next) {
-    const real3 away = away_from(tiles, next);
-    if (!may_reach(tiles, next, away, distance)) continue;
-    const tile_reach reach = reach_of(tiles, next, away);
-    if (!(reach.distance2 < below) || !reach.has_foot) continue;
-    const int at = open->count++;
-    open->tile[at] = next;
-    open->is_settled[at] = 0;
-    open->distance2[at] = reach.distance2;
-    open->height[at] = reach.height;
-    open->middle[at] = middle_of(tiles, domain, next);
+  open->count = open->left = 0;
+  for (; next < tiles.count; next += TILES_AT_ONCE) {
+    ulong near = NEAR_TILES(tiles.ball, next, distance);
+    for (; near != 0; near &= near - 1) {
+      const int tile = next + lowest_bit(near);
+      const tile_reach reach = reach_of(tiles, tile);
+      if (!(reach.distance2 < below) || !reach.has_foot) continue;
+      if (open->count == OPEN_TILES) return tile;
+      const int at = open->count++;
+      ++open->left;
+      open->tile[at] = tile;
+      open->is_settled[at] = 0;
+      open->distance2[at] = reach.distance2;
+      open->height[at] = reach.height;
+      open->middle[at] = middle_of(tiles, domain, tile);
+    }
   }
-  open->left = open->count;
-  return next;
+  return tiles.count;
 }
 
 // Settles the open tiles in sight of where a descent began or ended, no farther than `most` in the
@@ -390,8 +420,41 @@ FN foot finish_search(foot best) {
 // Patches whose tiles a search with a budget looks at, for each of its evaluations.
 #define PATCHES_AN_EVALUATION 4
 
+// The patches whose boxes are nearer than `limit2`, if there is room for them.
+FN_LARGE void find_near(surface_view view, hip_point h, real limit2, near_patches* near) {
+  walk w = start_walk(view);
+  near->count = 0;
+  near->complete2 = limit2;
+  for (uint p = next_patch(view, &w, h.high, limit2); p != NONE;
+       p = next_patch(view, &w, h.high, limit2)) {
+    const real box2 = larger(patch_box_distance2(view, h, p), last_box_distance2(&w));
+    if (box2 < limit2) add_near(near, p, box2);
+  }
+}
+
+// Goes on with all patches that come after those of a list, in the order of a walk.
+FN_LARGE foot search_beyond(surface_view view, hip_point h, uint first, const near_patches* near,
+                            track_options options, foot best) {
+  const uint last = near->patch[near->count - 1];
+  const real last2 = near->box2[near->count - 1];
+  walk w = start_walk(view);
+  int searched = near->count;
+  for (uint p = next_patch(view, &w, h.high, best.distance2); p != NONE;
+       p = next_patch(view, &w, h.high, best.distance2)) {
+    const real box2 = larger(patch_box_distance2(view, h, p), last_box_distance2(&w));
+    if (p == first || !(box2 < best.distance2) || !comes_before(last2, last, box2, p)) continue;
+    if (options.budget > 0 && searched++ / PATCHES_AN_EVALUATION >= options.budget) {
+      best.clear2 = smaller(box2, best.clear2);
+    } else {
+      best = search_patch(view, h, p, options, best);
+    }
+  }
+  return best;
+}
+
 // Nearest point of the whole surface: from `first`, on the nearest base polygon of all, then from
-// every patch whose box is nearer, of those near or, if they are not all, of the surface.
+// every patch whose box is nearer, the nearest boxes first. The same whatever list of near patches
+// is there.
 FN_LARGE foot nearest_foot(surface_view view, hip_point h, foot first, const near_patches* near,
                            track_options options) {
   const known_minimum none = {NONE, K(0)};
@@ -399,24 +462,20 @@ FN_LARGE foot nearest_foot(surface_view view, hip_point h, foot first, const nea
   best.clear2 = K(INFINITY);
   best = search_patch(view, h, first.patch, options, best);
   const real rounding = K(64) * EPSILON * best.distance2;
-  if (best.distance2 + rounding <= near->complete2) {
-    for (int i = 0; i < near->count; ++i) {
-      if (near->patch[i] != first.patch && near->box2[i] < best.distance2)
-        best = search_patch(view, h, near->patch[i], options, best);
-    }
-    return finish_search(best);
+  near_patches all;
+  if (!(best.distance2 + rounding <= near->complete2)) {
+    find_near(view, h, best.distance2 + rounding, &all);
+    near = &all;
   }
-  walk w = start_walk(view);
-  int searched = 0;
-  for (uint p = next_patch(view, &w, h.high, best.distance2); p != NONE;
-       p = next_patch(view, &w, h.high, best.distance2)) {
-    const real box2 = larger(patch_box_distance2(view, h, p), last_box_distance2(&w));
-    if (p == first.patch || !(box2 < best.distance2)) continue;
-    if (options.budget > 0 && searched++ / PATCHES_AN_EVALUATION >= options.budget) {
-      best.clear2 = smaller(box2, best.clear2);
+  for (int i = 0; i < near->count && near->box2[i] < best.distance2; ++i) {
+    if (near->patch[i] == first.patch) continue;
+    if (options.budget > 0 && i / PATCHES_AN_EVALUATION >= options.budget) {
+      best.clear2 = smaller(near->box2[i], best.clear2);
     } else {
-      best = search_patch(view, h, p, options, best);
+      best = search_patch(view, h, near->patch[i], options, best);
     }
   }
+  if (near->complete2 < best.distance2)
+    best = search_beyond(view, h, first.patch, near, options, best);
   return finish_search(best);
 }

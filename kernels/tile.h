@@ -6,11 +6,8 @@
 // of 2 r + 1 tiles. Made on the host (host/build/patch_tiles.h).
 
 typedef struct {
-  GLOBAL uint* word;
+  tile_balls ball;
   int n, levels, count;
-  real3 low, step;  // of centres
-  real unit;        // of radii and heights
-  real3 x;          // the HIP along the same axes
   real unscale2, curvature;
 } patch_tiles;
 
@@ -20,23 +17,25 @@ FN patch_tiles tiles_of(surface_view view, hip_point h, uint patch) {
   const real3 x = local_hip(view, h, patch);
   patch_tiles t;
   const uint first = view.tile_begin[patch];
-  t.word = view.tile + TILE_UINTS * (ulong)first;
   t.count = (int)(view.tile_begin[patch + 1] - first);
   t.n = valence_of(view, patch);
   t.levels = 1;
   while (t.n * t.levels * t.levels < t.count) ++t.levels;
-  t.low = load3(numbers, PATCH_LOW);
-  const real3 size = sub3(load3(numbers, PATCH_HIGH), t.low);
-  t.step = mul3(K(1) / K(65535), size);
-  t.unit = K(2) * larger(larger(t.step.x, t.step.y), t.step.z);
-  t.x = make3(dot3(x, tangent), dot3(x, cross3(normal, tangent)), dot3(x, normal));
+  const real3 low = load3(numbers, PATCH_LOW), size = sub3(load3(numbers, PATCH_HIGH), low),
+              step = mul3(K(1) / K(65535), size);
+  const tile_balls ball = {view.tile + TILE_UINTS * (ulong)first,
+                           t.count,
+                           {low.x, low.y, low.z},
+                           {step.x, step.y, step.z},
+                           K(2) * larger(larger(step.x, step.y), step.z),
+                           {dot3(x, tangent), dot3(x, cross3(normal, tangent)), dot3(x, normal)}};
+  t.ball = ball;
   t.unscale2 = numbers[PATCH_UNSCALE] * numbers[PATCH_UNSCALE];
   t.curvature = numbers[PATCH_CURVATURE];
   return t;
 }
 
-FN real low_half(uint word) { return (real)(int)(word & 65535u); }
-FN real high_half(uint word) { return (real)(int)(word >> 16); }
+FN uint tile_word(patch_tiles t, int row, int i) { return tile_words(t.ball, row, i); }
 
 typedef struct {
   real distance2;  // squared, mesh frame: no point of the tile is nearer
@@ -44,46 +43,11 @@ typedef struct {
   int has_foot;    // false: no normal of the tile leads to the HIP (Johnson and Cohen 2001)
 } tile_reach;
 
-// From a tile's centre to the HIP.
-FN real3 away_from(patch_tiles t, int i) {
-  GLOBAL uint* word = t.word + TILE_UINTS * i;
-  const uint xy = word[TILE_CENTRE_XY];
-  const real3 centre =
-      make3(fma(low_half(xy), t.step.x, t.low.x), fma(high_half(xy), t.step.y, t.low.y),
-            fma(low_half(word[TILE_CENTRE_Z_RADIUS]), t.step.z, t.low.z));
-  return sub3(t.x, centre);
-}
-
-// False only if the ball round a tile's cylinder is farther than `distance` (local): cheaper than
-// reach_of.
-FN int may_reach(patch_tiles t, int i, real3 away, real distance) {
-  GLOBAL uint* word = t.word + TILE_UINTS * i;
-  const real size = high_half(word[TILE_CENTRE_Z_RADIUS]) + low_half(word[TILE_HALF_CURVES]),
-             most = fma(t.unit, size, distance);
-  return dot3(away, away) <= most * most;
-}
-
 FN real3 axis_of(patch_tiles t, int i) {
-  const uint axis = t.word[TILE_UINTS * i + TILE_AXIS];
+  const uint axis = tile_word(t, TILE_AXIS, i);
   const real x = ((real)(int)(axis & 4095u) - K(2048)) * K(0x1p-11f),
              y = ((real)(int)(axis >> 12 & 4095u) - K(2048)) * K(0x1p-11f);
   return make3(x, y, sqrt(larger(K(1) - fma(x, x, y * y), K(0))));
-}
-
-FN tile_reach reach_of(patch_tiles t, int i, real3 away) {
-  GLOBAL uint* word = t.word + TILE_UINTS * i;
-  const real3 along = axis_of(t, i);
-  tile_reach r;
-  r.height = dot3(away, along);
-  const real aside = norm3(fma3(-r.height, along, away)) -
-                     t.unit * high_half(word[TILE_CENTRE_Z_RADIUS]),
-             above = fabs(r.height) - t.unit * low_half(word[TILE_HALF_CURVES]);
-  const real out = larger(aside, K(0)), up = larger(above, K(0));
-  r.distance2 = fma(out, out, up * up) * t.unscale2;
-  const real turn = (real)(int)(word[TILE_AXIS] >> 24),
-             most = fabs(r.height) + t.unit * low_half(word[TILE_HALF_CURVES]);
-  r.has_foot = turn == TILE_ANY_TURN || aside <= turn * turn * K(0x1p-15f) * most;
-  return r;
 }
 
 FN real curvature_of(patch_tiles t, uint bits) {
@@ -91,11 +55,42 @@ FN real curvature_of(patch_tiles t, uint bits) {
   return c * c * c * t.curvature;
 }
 
+// How far aside of a tile's centre a HIP at a height may be at most, that a normal of the tile
+// leads to. The normal of a point that is u aside passes the height u (1 + height mean) aside, mean
+// being that of the tile's curvatures, and farther by what it turns besides.
+FN real reach_of_normals(patch_tiles t, int i, uint curves, real height, real radius,
+                         real half_height) {
+  const uint bits = tile_word(t, TILE_AXIS, i) >> 24;
+  const real turn = (real)(int)(bits & TILE_ANY_TURN),
+             lean = turn * turn * (K(1) / K(1 << TILE_TURN_SHIFT));
+  real spread = K(1);
+  if (bits & TILE_BENDS) {
+    const real mean = K(0.5f) * (curvature_of(t, curves) + curvature_of(t, curves >> 8));
+    spread = fma(half_height, fabs(mean), fabs(fma(height, mean, K(1))));
+  }
+  if ((bits & TILE_ANY_TURN) == TILE_ANY_TURN) return K(INFINITY);
+  return fma(radius, spread, lean * (fabs(height) + half_height));
+}
+
+FN tile_reach reach_of(patch_tiles t, int i) {
+  const real3 away = away_from(t.ball, i), along = axis_of(t, i);
+  const uint half_curves = tile_word(t, TILE_HALF_CURVES, i);
+  const real radius = t.ball.unit * high_half(tile_word(t, TILE_CENTRE_Z_RADIUS, i)),
+             half_height = t.ball.unit * low_half(half_curves);
+  tile_reach r;
+  r.height = dot3(away, along);
+  const real aside = norm3(fma3(-r.height, along, away)), above = fabs(r.height) - half_height;
+  const real out = larger(aside - radius, K(0)), up = larger(above, K(0));
+  r.distance2 = fma(out, out, up * up) * t.unscale2;
+  r.has_foot = aside <= reach_of_normals(t, i, half_curves >> 16, r.height, radius, half_height);
+  return r;
+}
+
 // True if the squared distance to the HIP is convex over the tile's points that are nearer than
 // `distance` (local): then a minimum is the only one. The curvature towards the HIP decides, with a
 // quarter to spare for what lies between samples.
 FN int is_convex(patch_tiles t, int i, real height, real distance) {
-  const uint word = t.word[TILE_UINTS * i + TILE_HALF_CURVES];
+  const uint word = tile_word(t, TILE_HALF_CURVES, i);
   const real most = K(0.75f), above = -curvature_of(t, word >> 16) * distance,
              below = curvature_of(t, word >> 24) * distance;
   const real steep = distance * K(0.5f);
@@ -103,7 +98,7 @@ FN int is_convex(patch_tiles t, int i, real height, real distance) {
 }
 
 FN sym2 second_of(patch_tiles t, int i) {
-  const uint word = t.word[TILE_UINTS * i + TILE_BEND];
+  const uint word = tile_word(t, TILE_BEND, i);
   const real scale = (real)(int)(1u << (word >> 27)) * K(0x1p-24f);
   const sym2 s = {scale * ((real)(int)(word & 511u) - K(256)),
                   scale * ((real)(int)(word >> 9 & 511u) - K(256)),
@@ -174,7 +169,7 @@ FN_LARGE int is_convex_between(patch_tiles t, GLOBAL scalar* domain, domain_vect
         tile_at(t, domain, make_vector(fma(part, way.xi, a.xi), fma(part, way.eta, a.eta)));
     if (tile == last) continue;
     last = tile;
-    const real height = dot3(away_from(t, tile), axis_of(t, tile));
+    const real height = dot3(away_from(t.ball, tile), axis_of(t, tile));
     if (!is_convex(t, tile, height, distance)) return 0;
   }
   return 1;

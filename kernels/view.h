@@ -20,7 +20,7 @@ typedef struct {
   GLOBAL uint* triangle;
   GLOBAL scalar* node;      // [node][NODE_REALS]
   GLOBAL uint* child;       // [node][2]
-  GLOBAL uint* tile;        // [tile][TILE_UINTS], patch by patch (tile.h)
+  GLOBAL uint* tile;        // [TILE_UINTS][tile], patch by patch (tile.h)
   GLOBAL uint* tile_begin;  // [patch + 1], tiles before its own
   // Overlapping parts (union.h), where HAS_UNION:
   GLOBAL uint* part;        // [patch], its part and PATCH_BURIED or PATCH_MIXED
@@ -51,25 +51,8 @@ FN GLOBAL scalar* numbers_of(surface_view view, uint patch) {
   return view.patch + (ulong)patch * PATCH_REALS;
 }
 
-// A point of the mesh frame as a sum of two numbers, so that a float surface far from the origin
-// loses nothing.
-typedef struct {
-  real3 high, low;
-} hip_point;
-
-// Six rows of `stride` numbers.
-FN hip_point load_hip(GLOBAL scalar* at, ulong stride) {
-  hip_point h;
-  h.high = make3(load_lanes(at), load_lanes(at + stride), load_lanes(at + 2 * stride));
-  h.low =
-      make3(load_lanes(at + 3 * stride), load_lanes(at + 4 * stride), load_lanes(at + 5 * stride));
-  return h;
-}
-
 FN real3 local_hip(surface_view view, hip_point h, uint patch) {
-  GLOBAL scalar* numbers = numbers_of(view, patch);
-  const real3 from_origin = sub3(h.high, load3(numbers, PATCH_ORIGIN));
-  return mul3(splat(numbers[PATCH_SCALE]), add3(from_origin, h.low));
+  return hip_in_frame(numbers_of(view, patch), h);
 }
 
 FN patch_point evaluate_patch(surface_view view, uint patch, real xi, real eta) {

@@ -64,9 +64,9 @@ PatchTiles cut_tiles(const PatchFrame& frame, const PatchShape& shape, const Vec
       static_cast<double>(static_cast<float>(std::clamp(curvature, 1e-30, kMostCurvature)));
   k.add_curves(out.data(), cut->padded, tiles.curvature);
   tiles.words.resize(kTileUints * cut->tiles);
-  for (std::uint32_t tile = 0; tile < cut->tiles; ++tile) {
-    for (std::size_t word = 0; word < kTileUints; ++word)
-      tiles.words[kTileUints * tile + word] =
+  for (std::size_t word = 0; word < kTileUints; ++word) {
+    for (std::uint32_t tile = 0; tile < cut->tiles; ++tile)
+      tiles.words[word * cut->tiles + tile] =
           static_cast<std::uint32_t>(out[word * cut->padded + tile]);
   }
   return tiles;
@@ -131,15 +131,15 @@ void free_sharp_sides(Surface<Real>& s, const ParallelFor& parallel) {
   parallel(s.patch_count(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p) {
       const std::uint32_t first = s.side_begin[p], n = s.side_begin[p + 1] - first;
-      const std::uint32_t of_fan = (s.tile_begin[p + 1] - s.tile_begin[p]) / n;
+      const std::uint32_t count = s.tile_begin[p + 1] - s.tile_begin[p], of_fan = count / n;
+      const auto axes =
+          s.tile.begin() + kTileUints * std::size_t{s.tile_begin[p]} + kTileAxis * count;
       const auto levels = static_cast<std::uint32_t>(std::lround(std::sqrt(of_fan)));
       for (std::uint32_t k = 0; k < n; ++k) {
         const std::uint32_t twin = s.side_twin[first + k];
         if (twin != kNone && is_smooth(normals, first + k, twin)) continue;
-        for (std::uint32_t i = (levels - 1) * (levels - 1); i < of_fan; ++i) {
-          const std::size_t tile = s.tile_begin[p] + std::size_t{k} * of_fan + i;
-          s.tile[kTileUints * tile + kTileAxis] |= kTileAnyTurn << kTurnShift;
-        }
+        for (std::uint32_t i = (levels - 1) * (levels - 1); i < of_fan; ++i)
+          axes[k * of_fan + i] |= kTileAnyTurn << kTurnShift;
       }
     }
   });

@@ -11,7 +11,7 @@
 namespace gliss {
 
 struct PatchTiles {
-  std::vector<std::uint32_t> words;  // [tile][kTileUints]
+  std::vector<std::uint32_t> words;  // [kTileUints][tile]
   double curvature = 0;  // the largest, local frame: that of the tiles is relative to it
 };
 

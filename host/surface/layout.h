@@ -43,10 +43,11 @@ inline constexpr std::uint32_t kPatchBuried = PATCH_BURIED, kPatchMixed = PATCH_
 inline constexpr std::uint32_t kPartMask = PART_MASK;
 inline constexpr std::size_t kPartUints = PART_UINTS;
 inline constexpr std::size_t kTileAxis = TILE_AXIS, kTileUints = TILE_UINTS;
-inline constexpr std::uint32_t kTileAnyTurn = TILE_ANY_TURN;
 inline constexpr std::uint32_t kCutRings = CUT_RINGS, kCutPoints = CUT_POINTS, kCutPad = CUT_PAD;
 inline constexpr std::size_t kCutRows = CUT_ROWS, kCutTransforms = CUT_TRANSFORMS,
                              kCutOutRows = CUT_OUT_ROWS;
+inline constexpr std::uint32_t kTileAnyTurn = TILE_ANY_TURN, kTileBends = TILE_BENDS;
+inline constexpr int kTileTurnShift = TILE_TURN_SHIFT;
 inline constexpr std::size_t kContactXi = CONTACT_XI, kContactEta = CONTACT_ETA,
                              kContactScp = CONTACT_SCP, kContactNormal = CONTACT_NORMAL,
                              kContactOffset = CONTACT_OFFSET, kContactPush = CONTACT_PUSH,
@@ -141,6 +142,8 @@ static_assert(kNone == NONE);
 #undef CUT_TRANSFORMS
 #undef CUT_OUT_ROWS
 #undef CUT_PAD
+#undef TILE_TURN_SHIFT
+#undef TILE_BENDS
 #undef METHOD_GREGORY
 #undef METHOD_SHADED
 #undef METHOD_FLAT

@@ -25,7 +25,7 @@ struct Surface {
   LargeArray<std::uint32_t> triangle;       // [side_begin[p] - 2 p][3]
   LargeArray<Real> node;                    // [node][2][6]
   LargeArray<std::uint32_t> child;          // [node][2]
-  LargeArray<std::uint32_t> tile;           // [tile][kTileUints], patch by patch
+  LargeArray<std::uint32_t> tile;           // [kTileUints][tile], patch by patch
   LargeArray<std::uint32_t> tile_begin;     // [patch + 1], tiles before its own
   // Parts that overlap (kernels/union.h); all empty if no part meets another.
   LargeArray<std::uint32_t> part;         // [patch], its part and kPatch...
