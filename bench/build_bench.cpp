@@ -56,8 +56,8 @@ Work make_control(Precision precision, std::uint32_t n, int threads) {
                                         : control_work<double>(n, threads);
 }
 
-Work make_checked(const Level& level, Precision precision, std::uint32_t n, int threads) {
-  const Mesh& mesh = mesh_of(shape_of(n));
+Work make_checked(Shape shape, const Level& level, Precision precision, int threads) {
+  const Mesh& mesh = mesh_of(shape);
   BuildOptions options;
   options.precision = precision;
   options.level = level;
@@ -87,10 +87,18 @@ void register_build() {
         const Level level = find_surface(name).value();
         std::vector<Rival> rivals;
         if (threads > 1)
-          rivals.push_back({"x_one_thread", [=] { return make_checked(level, p, 4, 1); }});
+          rivals.push_back(
+              {"x_one_thread", [=] { return make_checked(shape_of(4), level, p, 1); }});
         add_work(
             work_name("build_checked", level, p, 4, threads), threads,
-            [=] { return make_checked(level, p, 4, threads); }, rivals);
+            [=] { return make_checked(shape_of(4), level, p, threads); }, rivals);
+        if (threads > 1 || level.kind != Level::kExact) continue;
+        for (const std::uint32_t n : {3u, 6u}) {
+          add_work(work_name("build_checked", level, p, n, 1), 1,
+                   [=] { return make_checked(shape_of(n), level, p, 1); }, {});
+        }
+        add_work(work_name("build_checked_irregular", level, p, 3, 1), 1,
+                 [=] { return make_checked(Shape::kRandom, level, p, 1); }, {});
       }
     }
   }

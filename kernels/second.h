@@ -50,8 +50,8 @@ FN curve_jet cubic_jet(real3 a, real3 b, real3 c, real3 d, real t) {
 }
 
 FN patch_jet quad_jet(control_data control, real xi, real eta, GLOBAL scalar* table, int stride) {
-  const real half = splat(K(0.5f)), one = splat(K(1));
-  const real u = half * (one - xi + eta), v = half * (one - xi - eta);
+  const real middle = splat(K(0.5f)), one = splat(K(1));
+  const real u = middle * (one - xi + eta), v = middle * (one - xi - eta);
   curve_jet r[4];
   UNROLL
   for (int j = 0; j < 4; ++j) {
@@ -66,11 +66,11 @@ FN patch_jet quad_jet(control_data control, real xi, real eta, GLOBAL scalar* ta
   const real3 both = add3(h, f.h), apart = sub3(f.h, h);
   patch_jet g;
   g.p.g = f.f;
-  g.p.g_xi = mul3(-half, add3(d.f, f.d));
-  g.p.g_eta = mul3(half, sub3(d.f, f.d));
-  g.xixi = mul3(half, add3(both, d.d));
-  g.xieta = mul3(half, apart);
-  g.etaeta = mul3(half, sub3(both, d.d));
+  g.p.g_xi = mul3(-middle, add3(d.f, f.d));
+  g.p.g_eta = mul3(middle, sub3(d.f, f.d));
+  g.xixi = mul3(middle, add3(both, d.d));
+  g.xieta = mul3(middle, apart);
+  g.etaeta = mul3(middle, sub3(both, d.d));
   UNROLL
   for (int k = 0; k < 4; ++k)
     g = add_blend(g, table + k * JET2_REALS * stride, stride, load3(control, QUAD_DIFFERENCE + k));

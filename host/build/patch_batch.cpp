@@ -10,6 +10,7 @@ namespace gliss {
 namespace {
 
 constexpr std::size_t kGrain = 64;
+constexpr std::uint32_t kMostCutSides = 32;  // of polygons whose ways to be cut into tiles are kept
 
 }  // namespace
 
@@ -27,7 +28,7 @@ ValenceTables make_valence_tables(std::span<const char> used) {
     t.probe_begin[n] = static_cast<std::uint32_t>(t.probe.size());
     t.probe.resize(t.probe.size() + k.probe_reals(n));
     k.fill_probes(n, t.domain_of(n), &t.probe[t.probe_begin[n]]);
-    t.cuts[n] = tile_cuts_of(n);
+    if (n <= kMostCutSides) t.cuts[n] = tile_cuts_of(n);
   }
   const auto fill = [&](std::uint32_t form, std::uint32_t n, std::vector<double>& table) {
     if (n >= used.size() || !used[n]) return;

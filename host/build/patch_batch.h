@@ -21,7 +21,7 @@ struct ValenceTables {
   std::vector<std::uint32_t> domain_begin;  // [valence]
   std::vector<std::uint32_t> probe_begin;   // [valence], xi of all and then eta of all
   std::vector<std::uint32_t> probe_count;  // [valence], points; rows are longer (kernels/examine.h)
-  std::vector<std::vector<TileCut>> cuts;  // [valence]
+  std::vector<std::vector<TileCut>> cuts;  // [valence], of few sides
   std::vector<double> sextic, quad;  // for second derivatives of those forms; empty: not in use
 
   const double* domain_of(std::uint32_t n) const { return &domain[domain_begin[n]]; }

@@ -25,6 +25,17 @@ Vec2 domain_corner(std::uint32_t n, std::uint32_t k) {
   return {std::cos(angle), std::sin(angle)};
 }
 
+// Those of many sides are made for each patch that follows one of others: tables of all valences
+// might take more memory than the surface.
+const std::vector<TileCut>& cuts_of(std::uint32_t n, const ValenceTables& tables) {
+  if (!tables.cuts[n].empty()) return tables.cuts[n];
+  thread_local std::uint32_t last = 0;
+  thread_local std::vector<TileCut> cuts;
+  if (last != n) cuts = tile_cuts_of(n);
+  last = n;
+  return cuts;
+}
+
 }  // namespace
 
 PatchTiles cut_tiles(const PatchFrame& frame, const PatchShape& shape, const Vec3& low,
@@ -46,8 +57,9 @@ PatchTiles cut_tiles(const PatchFrame& frame, const PatchShape& shape, const Vec
   if (samples == nullptr)
     samples = sample(tables.probes_of(n), static_cast<std::uint32_t>(k.probe_reals(n) / 2));
   // As few as keep the normals of each together.
-  const TileCut* cut = &tables.cuts[n].front();
-  for (; cut != &tables.cuts[n].back(); ++cut) {
+  const std::vector<TileCut>& cuts = cuts_of(n, tables);
+  const TileCut* cut = &cuts.front();
+  for (; cut != &cuts.back(); ++cut) {
     if (k.least_cosine(samples->rows.data(), samples->count, cut->probe.data(), cut->probe_points,
                        cut->padded) >= kLeastCosine)
       break;

@@ -73,12 +73,14 @@ std::vector<double> transforms_of(std::uint32_t n, std::uint32_t levels) {
   const std::uint32_t tiles = n * levels * levels, stride = padded(tiles),
                       rings = levels * kCutRings;
   std::vector<double> rows(kCutTransforms * stride);
+  Eigen::Matrix2d up, down;  // of a fan
   const auto put = [&](std::uint32_t tile, const Place& at) {
-    const Vec2 p = corner_at(n, at.k) / rings, q = corner_at(n, at.k + 1) / rings;
-    const Eigen::Matrix2d up = inverse_of(p, q), down = inverse_of(q - p, q);
-    const Eigen::Matrix2d both[] = {at.is_up() ? up : down, at.is_up() ? down : up};
+    if (at.row == 0) {
+      const Vec2 p = corner_at(n, at.k) / rings, q = corner_at(n, at.k + 1) / rings;
+      up = inverse_of(p, q), down = inverse_of(q - p, q);
+    }
     double* to = &rows[tile];
-    for (const Eigen::Matrix2d& m : both) {
+    for (const Eigen::Matrix2d& m : {at.is_up() ? up : down, at.is_up() ? down : up}) {
       for (const double x : {m(0, 0), m(0, 1), m(1, 0), m(1, 1)}) *to = x, to += stride;
     }
   };
@@ -88,13 +90,15 @@ std::vector<double> transforms_of(std::uint32_t n, std::uint32_t levels) {
 }
 
 std::vector<double> lattice_of(std::uint32_t n, std::uint32_t rings) {
+  std::vector<Vec2> corner;
+  for (std::uint32_t k = 0; k <= n; ++k) corner.push_back(corner_at(n, k));
   const std::uint32_t stride = padded(lattice_size(n, rings));
   std::vector<double> at(2 * std::size_t{stride});
   double *xi = at.data(), *eta = xi + stride;
   for (std::uint32_t ring = 1; ring <= rings; ++ring) {
     for (std::uint32_t k = 0; k < n; ++k) {
       for (std::uint32_t i = 0; i < ring; ++i) {
-        const Vec2 X = kShrink / rings * ((ring - i) * corner_at(n, k) + i * corner_at(n, k + 1));
+        const Vec2 X = kShrink / rings * ((ring - i) * corner[k] + i * corner[k + 1]);
         *++xi = X.x(), *++eta = X.y();
       }
     }
