@@ -45,10 +45,10 @@ FN void put_jet2(GLOBAL_OUT scalar* out, int stride, jet2 a) {
 }
 
 FN void fill_quad_second(real xi, real eta, int stride, GLOBAL_OUT scalar* out) {
-  const real half = K(0.5f);
+  const real one_half = K(0.5f);
   const jet2 one = linear_jet2(K(1), K(0), K(0));
-  const jet2 u = linear_jet2(half * (K(1) - xi + eta), -half, half),
-             v = linear_jet2(half * (K(1) - xi - eta), -half, -half);
+  const jet2 u = linear_jet2(one_half * (K(1) - xi + eta), -one_half, one_half),
+             v = linear_jet2(one_half * (K(1) - xi - eta), -one_half, -one_half);
   const jet2 u1 = sum_jet2(one, K(-1), u), v1 = sum_jet2(one, K(-1), v);
   for (int k = 0; k < 4; ++k) {
     const int far_u = k == 1 || k == 2, far_v = k > 1;

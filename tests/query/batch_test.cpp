@@ -2,6 +2,7 @@
 // time.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
 
 #include "gliss/build/build_cache.h"
@@ -130,6 +131,51 @@ TEST_P(Batch, of_hips_has_the_bytes_of_one_at_a_time) {
         options.method = Method::kGregory;
         ContactTracker tracker(cache, options);
         expect_same(tracker.track(a.hips[i], a.points[i]), tracked[i], what + " tracked");
+      }
+    }
+  }
+}
+
+// HIPs as a sweep asks about them, one beside the other, which share a walk over the hierarchy:
+// near the surface, where very many patches are as near, far outside, and with some among them that
+// are no place.
+std::vector<Vec3> hips_together(const Mesh& mesh, const PatchCache& cache) {
+  constexpr std::size_t kTogether = 30;
+  const double size = test::size_of(mesh);
+  const Box box = cache.bounds();
+  const Vec3 middle = 0.5 * (box.low + box.high);
+  Rng rng(18);
+  std::vector<Vec3> hips;
+  const auto add = [&](const Vec3& at, double apart) {
+    for (std::size_t i = 0; i < kTogether; ++i)
+      hips.push_back(at + apart * size * oracle::random_unit(rng));
+  };
+  for (const Vec3& hip : asked(mesh, cache, 6).hips) {
+    for (const double apart : {0.0, 1e-3, 0.02, 0.1}) add(hip, apart);
+  }
+  for (const double apart : {0.0, 1e-9, 1e-3, 0.1}) add(middle, apart);
+  add(middle + Vec3(30 * size, 0, 0), 0.01);
+  add(middle + Vec3(0, 1e12 * size, 0), 0.01);
+  for (std::size_t i = 7; i < hips.size(); i += 50) hips[i].y() = std::nan("");
+  for (std::size_t i = 19; i < hips.size(); i += 50) hips[i].z() = 1e200;
+  return hips;
+}
+
+TEST_P(Batch, of_hips_that_lie_together_has_the_bytes_of_one_at_a_time) {
+  constexpr Method kAsked[] = {Method::kGregory, Method::kFlat};
+  std::vector<Mesh> all = meshes();
+  all.push_back(goldberg(5).mesh);
+  for (const Mesh& mesh : all) {
+    const PatchCache cache = cache_of(mesh);
+    const std::vector<Vec3> hips = hips_together(mesh, cache);
+    QueryOptions options;
+    for (const std::size_t methods : {1u, 2u}) {
+      std::vector<Contact> found(methods * hips.size());
+      nearest(cache, hips, std::span(kAsked).last(methods), options, found);
+      for (std::size_t i = 0; i < found.size(); ++i) {
+        options.method = std::span(kAsked).last(methods)[i / hips.size()];
+        expect_same(nearest(cache, hips[i % hips.size()], options), found[i],
+                    mesh.source + ", HIP " + std::to_string(i));
       }
     }
   }
