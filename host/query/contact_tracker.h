@@ -5,6 +5,7 @@
 
 #include "gliss/base/export.h"
 #include "gliss/query/query.h"
+#include "gliss/query/settling.h"
 
 namespace gliss {
 
@@ -42,7 +43,7 @@ class GLISS_EXPORT ContactTracker {
   // Follows the local nearest point from a given contact, whatever the state.
   Contact track(const Vec3& hip, const DomainPoint& start) noexcept;
   // True if the last tick's contact was touching.
-  bool touching() const { return follows() || !felt_.isZero(0); }
+  bool touching() const { return follows() || felt_.is_felt(); }
   // Makes the HIP free; no surface is nearer to it than `clear`.
   void release(const Vec3& hip, double clear) noexcept;
   // Goes on with another cache of the same mesh and precision; in contact, one that has the patch
@@ -68,9 +69,7 @@ class GLISS_EXPORT ContactTracker {
   double clear_ = -1;         // no surface is nearer to it than this; negative: there was no tick
   bool behind_ = false;       // it is free and behind an open surface
   double held_push_ = 0;      // push, mesh frame, when the SCP came to be held; 0: it is not
-  // The last tick's HIP, and the push of its contact; kept with settle only.
-  Vec3 before_ = Vec3::Zero(), felt_ = Vec3::Zero();
-  double fading_ = 0;  // push when its contact ended, from which it fades; 0: it does not
+  Settling felt_;             // with settle only
 };
 
 }  // namespace gliss
