@@ -10,6 +10,12 @@
 #include "gliss/surface/layout.h"
 
 namespace gliss {
+namespace {
+
+// True if its push is the way to the nearest point, whose size tells its energy.
+bool has_energy(Method method) { return method != Method::kShaded; }
+
+}  // namespace
 
 // One tick in the cache's own precision.
 template <class Real>
@@ -40,7 +46,7 @@ class ContactTracker::Tick {
       const Vec3 was = vector_of(last, kContactPush);
       if (t_.felt_.is_leap(was, now.push)) now = slide(last, was, now);
     }
-    t_.felt_.feel(now, t_.options_.method != Method::kShaded);
+    t_.felt_.feel(now, has_energy(t_.options_.method));
     return now;
   }
 
@@ -326,7 +332,8 @@ Contact ContactTracker::tick(const Vec3& hip) noexcept {
       *cache_, [&]<class Real>(const Surface<Real>& s) { return Tick<Real>(*this, s, hip).run(); });
 }
 
-Contact ContactTracker::track(const Vec3& hip, const DomainPoint& start) noexcept {
+Contact ContactTracker::track(const Vec3& hip, const DomainPoint& start,
+                              const Settling* felt) noexcept {
   if (cache_->patch_count() == 0) return no_surface();
   const PlainArithmetic plain;
   return with_surface(*cache_, [&]<class Real>(const Surface<Real>& s) {
@@ -338,8 +345,15 @@ Contact ContactTracker::track(const Vec3& hip, const DomainPoint& start) noexcep
       last_ = hip;
       clear_ = 0;
     }
-    const Contact contact = contact_of(*cache_, s, state);
-    if (options_.settle > 0 && hip.allFinite()) felt_.begin(hip, contact);
+    Contact contact = contact_of(*cache_, s, state);
+    if (options_.settle <= 0 || !hip.allFinite()) return contact;
+    if (felt == nullptr) {
+      felt_.begin(hip, contact);
+    } else {
+      felt_ = *felt;
+      felt_.move(hip, 0);
+      felt_.feel(contact, has_energy(options_.method));
+    }
     return contact;
   });
 }

@@ -11,12 +11,14 @@ namespace gliss {
 namespace {
 
 // Where HIPs go by 1 % of their depth in a tick, as in walks, a jump is 20 ways of the HIP. Twice
-// the way and a stride are 10 of them, and the rest of a jump is for hands at rest deep inside.
+// the way and a stride are 10 of them. A hand at rest has a share that is as much at 64 depths.
 constexpr double kWays = 8, kAtRest = 1.0 / 32;
 // The error of a force that is held for a tick, over the way squared: half of the largest
 // curvature of the energy, which is 1, and 5 / 3 on a rim (kernels/contact.h, past_border).
 constexpr double kError = 1.0 / 2, kRimError = 5.0 / 6;
+constexpr double kAny = std::numeric_limits<double>::infinity();  // of energy
 
+bool is_guess(const Contact& contact) { return (contact.flags & kUnfinished) != 0; }
 bool is_rim(const Contact& contact) { return (contact.flags & kOnBorder) != 0; }
 
 void settle_at(const Vec3& push, Contact& now) {
@@ -51,7 +53,7 @@ void Settling::move(const Vec3& hip, double clear) noexcept {
 }
 
 double Settling::stride(double share, double way) const {
-  return std::min(share, kWays * way + kAtRest * share);
+  return std::min(share, std::max(kWays * way, kAtRest * share));
 }
 
 // The share is of their mean where one of the two is none.
@@ -69,8 +71,7 @@ bool Settling::is_leap(const Vec3& from, const Vec3& to) const {
 double Settling::energy_of(const Contact& contact) const {
   if (!contact.touching) return 0;
   const bool has_potential = is_rim(contact) && !is_settling(contact.flags);
-  return 0.5 *
-         (has_potential ? contact.push.dot(contact.scp - hip_) : contact.push.squaredNorm());
+  return 0.5 * (has_potential ? contact.push.dot(contact.scp - hip_) : contact.push.squaredNorm());
 }
 
 // The energy that there may be now. One who goes out of what he has not paid for gets no error.
@@ -83,7 +84,7 @@ double Settling::paid(const Contact& now) const {
 void Settling::feel(Contact& now, bool has_energy) noexcept {
   if (!now.push.allFinite()) return begin_free(hip_);
   const double wanted = energy_of(now);
-  const double most = has_energy ? paid(now) : std::numeric_limits<double>::infinity();
+  const double most = has_energy ? paid(now) : kAny;
   is_short_ = wanted > most && wanted > most + tiny_ * now.push.norm();
   if (is_short_) settle_at(std::sqrt(std::max(0.0, most) / wanted) * now.push, now);
   if (!is_leap(now.push)) {
@@ -95,19 +96,23 @@ void Settling::feel(Contact& now, bool has_energy) noexcept {
     fade(now);
   }
   felt_ = now.push;
-  // What a straight way saves is kept for its end.
-  energy_ = std::min(most, std::max(energy_of(now), wanted));
+  // What a straight way saves is kept for its end, and all until a search has ended.
+  energy_ = std::min(most, is_guess(now) ? kAny : std::max(energy_of(now), wanted));
 }
 
-// The contact point is held while the HIP moves, and then goes straight to where it belongs.
+// The contact point is held while the HIP moves, comes as near as the energy asks, and then goes
+// straight to where it belongs.
 void Settling::go_straight(Contact& now, double most) const {
-  const Vec3 held = felt_.isZero(0) ? felt_ : Vec3(felt_ - way_);
-  const Vec3 left = now.push - held;
-  const double length = reach(felt_, now.push);
-  Vec3 push = held + std::min(1.0, length / left.norm()) * left;
-  const double size = push.norm(), longest = std::sqrt(2 * std::max(0.0, most));
-  if (size > longest) push *= std::max(longest, held.norm() - length) / size;
-  settle_at(push, now);
+  Vec3 push = felt_.isZero(0) ? felt_ : Vec3(felt_ - way_);
+  double length = reach(felt_, now.push);
+  const double size = push.norm(), over = size - std::sqrt(2 * std::max(0.0, most));
+  if (over > 0) {
+    const double cut = std::min(over, length);
+    push *= 1 - cut / size;
+    length -= cut;
+  }
+  const Vec3 left = now.push - push;
+  settle_at(push + std::min(1.0, length / left.norm()) * left, now);
 }
 
 // The push of a contact that has ended keeps its direction, for there is no place to pull the HIP
@@ -116,7 +121,7 @@ void Settling::fade(Contact& now) {
   const double size = felt_.norm(), work = std::max(0.0, felt_.dot(way_)), way = way_.norm();
   fading_ = std::max(fading_, size);
   const double length = way + stride(share_ * fading_, way);
-  const double left = std::sqrt(std::max(0.0, size * size - 2 * work)) - length;
+  const double left = std::min(size - length, std::sqrt(std::max(0.0, size * size - 2 * work)));
   if (left > 0) settle_at(left / size * felt_, now);
 }
 

@@ -11,14 +11,14 @@ namespace gliss {
 //
 // A tick *leaps* if the push changes by more than twice the HIP's way and a stride. A stride is a
 // share of the lesser push of the two ticks, 20 % / settle. But it is at most eight times the HIP's
-// way and a 32nd of that share: however deep it is, a slow hand feels no more than ten times its
+// way, or a 32nd of that share: however deep it is, a slow hand feels no more than ten times its
 // own way.
 //
 // The energy of a contact, over its stiffness, is push . (SCP - HIP) / 2. That is |push|^2 / 2, and
 // the potential of the rim that rounds off an open border. It grows by the work of the hand alone,
-// but for the error of a force that is held for a tick. Where a contact asks for more, its push is
-// as long as what the hand has paid for. This is the energy tank of passive control. Force shading
-// has no energy: its pushes leap not, and that is all.
+// but for the error of a force that is held for a tick: a passivity observer counts it (Hannaford
+// and Ryu 2002). Where a contact asks for more, its push is as long as the hand has paid for. Force
+// shading has no such energy; its pushes just do not leap.
 class GLISS_EXPORT Settling {
  public:
   // `settle`: ticks, as QueryOptions has it; `tiny`: a length that is rounding.
