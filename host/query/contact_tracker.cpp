@@ -10,6 +10,12 @@
 #include "gliss/surface/layout.h"
 
 namespace gliss {
+namespace {
+
+// True if its push is the way to the nearest point, whose size tells its energy.
+bool has_energy(Method method) { return method != Method::kShaded; }
+
+}  // namespace
 
 // One tick in the cache's own precision.
 template <class Real>
@@ -30,12 +36,18 @@ class ContactTracker::Tick {
     const bool is_first = t_.clear_ < 0;
     const RawContact<Real> last = state_;
     // Through a ball without a surface it went freely.
-    pace_ = std::max(0.0, (hip_ - t_.before_).norm() - std::max(0.0, t_.clear_));
-    const Contact now = follow();
-    const Contact felt = is_first || !now.push.allFinite() ? now : slowed(last, now);
-    t_.before_ = hip_;
-    t_.felt_ = felt.push.allFinite() ? felt.push : Vec3(Vec3::Zero());
-    return felt;
+    if (!is_first) t_.felt_.move(hip_, t_.clear_);
+    Contact now = follow();
+    if (is_first) {
+      t_.felt_.begin(hip_, now);
+      return now;
+    }
+    if (is_touching(last) && t_.felt_.is_leap(now.push)) {
+      const Vec3 was = vector_of(last, kContactPush);
+      if (t_.felt_.is_leap(was, now.push)) now = slide(last, was, now);
+    }
+    t_.felt_.feel(now, has_energy(t_.options_.method));
+    return now;
   }
 
  private:
@@ -69,49 +81,6 @@ class ContactTracker::Tick {
     return arrive(end);
   }
 
-  // The way that the contact point may go in a tick beside the HIP's own where the push would leap
-  // from a to b, mesh's unit: a share of the lesser one, or of their mean where one is none.
-  double stride(const Vec3& a, const Vec3& b) const {
-    const double least = std::min(a.norm(), b.norm());
-    const double size = least > 0 ? least : 0.5 * (a + b).norm();
-    return ForceStatistics::kJump / t_.options_.settle * size;
-  }
-  // A point that keeps up with the HIP, at twice its pace where the surface is curved, leaps not.
-  bool is_leap(const Vec3& from, const Vec3& to) const {
-    return (to - from).norm() > 2 * pace_ + stride(from, to);
-  }
-  Contact slowed(const RawContact<Real>& last, Contact now) {
-    if (is_touching(last)) {
-      const Vec3 was = vector_of(last, kContactPush);
-      if (is_leap(was, now.push)) now = slide(last, was, now);
-    }
-    if (!is_leap(t_.felt_, now.push)) {
-      t_.fading_ = 0;
-      return now;
-    }
-    if (!now.touching) return faded(now);
-    t_.fading_ = 0;
-    // The contact point is held while the HIP moves, and then goes straight to where it belongs.
-    const Vec3 held = t_.felt_.isZero(0) ? t_.felt_ : Vec3(t_.felt_ - (hip_ - t_.before_));
-    const Vec3 way = now.push - held;
-    const double length = pace_ + stride(t_.felt_, now.push);
-    return settling(held + std::min(1.0, length / way.norm()) * way, now);
-  }
-  // The push of a contact that has ended keeps its direction, for there is no place to pull the HIP
-  // back to. It grows no more, and along its way out it pays for the work that it does.
-  Contact faded(const Contact& now) {
-    const double size = t_.felt_.norm(), work = std::max(0.0, t_.felt_.dot(hip_ - t_.before_));
-    t_.fading_ = std::max(t_.fading_, size);
-    const double length = pace_ + ForceStatistics::kJump / t_.options_.settle * t_.fading_;
-    const double left = std::sqrt(std::max(0.0, size * size - 2 * work)) - length;
-    return left > 0 ? settling(left / size * t_.felt_, now) : now;
-  }
-  static Contact settling(const Vec3& push, Contact now) {
-    now.push = push;
-    now.touching = true;
-    now.flags |= kSettling;
-    return now;
-  }
   // Takes the contact point from where it was towards where it leapt: downhill over the surface, or
   // straight there where that is downhill too. It stays where the evaluations do not suffice.
   // Returns the leap where no way leads downhill, or where the HIP has come out.
@@ -119,7 +88,7 @@ class ContactTracker::Tick {
     const Contact from = contact_of(cache_, s_, last);
     const Vec3 offset = from.scp - hip_;
     const Vec3 way = leapt.touching ? Vec3(leapt.scp - from.scp) : Vec3(-offset);
-    const double length = std::min(pace_ + stride(was, leapt.push), way.norm());
+    const double length = std::min(t_.felt_.reach(was, leapt.push), way.norm());
     const int descent = t_.options_.max_iterations + 1;
     for (const Vec3& towards : {Vec3(-offset), way}) {
       if (spent_ + descent > kTickEvaluations)
@@ -337,7 +306,6 @@ class ContactTracker::Tick {
   const double on_surface_;  // closer than this is on it, mesh's unit
   const double glide_;       // longest step that the ball round a point does not cover
   int spent_ = 0, searches_ = 0;
-  double pace_ = 0;  // with settle: how far the HIP has gone near the surface since the last tick
 };
 
 namespace {
@@ -352,7 +320,7 @@ Contact no_surface() {
 }  // namespace
 
 ContactTracker::ContactTracker(const PatchCache& cache, const QueryOptions& options)
-    : cache_(&cache), options_(options) {
+    : cache_(&cache), options_(options), felt_(options.settle, 1e-6 / cache.scale) {
   require_patches(cache);
   if (cache.surface.index() == 1) state_.emplace<1>();
 }
@@ -364,7 +332,8 @@ Contact ContactTracker::tick(const Vec3& hip) noexcept {
       *cache_, [&]<class Real>(const Surface<Real>& s) { return Tick<Real>(*this, s, hip).run(); });
 }
 
-Contact ContactTracker::track(const Vec3& hip, const DomainPoint& start) noexcept {
+Contact ContactTracker::track(const Vec3& hip, const DomainPoint& start,
+                              const Settling* felt) noexcept {
   if (cache_->patch_count() == 0) return no_surface();
   const PlainArithmetic plain;
   return with_surface(*cache_, [&]<class Real>(const Surface<Real>& s) {
@@ -373,11 +342,18 @@ Contact ContactTracker::track(const Vec3& hip, const DomainPoint& start) noexcep
     const RawHip<Real> there = raw_hip<Real>(*cache_, hip);
     kernels<Real>().track(s, options_.method, track_options<Real>(options_), &there, 1, &state);
     if (hip.allFinite()) {
-      last_ = before_ = hip;
+      last_ = hip;
       clear_ = 0;
     }
-    const Contact contact = contact_of(*cache_, s, state);
-    felt_ = options_.settle > 0 && contact.push.allFinite() ? contact.push : Vec3(Vec3::Zero());
+    Contact contact = contact_of(*cache_, s, state);
+    if (options_.settle <= 0 || !hip.allFinite()) return contact;
+    if (felt == nullptr) {
+      felt_.begin(hip, contact);
+    } else {
+      felt_ = *felt;
+      felt_.move(hip, 0);
+      felt_.feel(contact, has_energy(options_.method));
+    }
     return contact;
   });
 }
@@ -387,8 +363,7 @@ void ContactTracker::release(const Vec3& hip, double clear) noexcept {
   last_ = hip;
   clear_ = clear;
   behind_ = false;
-  felt_.setZero();
-  fading_ = 0;
+  felt_.begin_free(hip);
 }
 
 void ContactTracker::move_to(const PatchCache& cache) noexcept {

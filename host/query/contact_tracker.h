@@ -5,6 +5,7 @@
 
 #include "gliss/base/export.h"
 #include "gliss/query/query.h"
+#include "gliss/query/settling.h"
 
 namespace gliss {
 
@@ -20,11 +21,10 @@ namespace gliss {
 //   HIP that went round the rim is behind it and feels nothing until it has come out and in again.
 // - Where the place that it follows ends, as over an edge or in a thin part, the nearest point
 //   leaps elsewhere, and the force with it. With `settle` the contact point slides there instead,
-//   downhill over the surface: k |SCP - HIP|^2 / 2 falls in each tick, so that no energy comes of
-//   it. Where no way leads downhill, the push goes straight to what it becomes. Either way it
-//   changes a tick by at most 20 % of itself / settle, and twice the HIP's way. If the contact has
-//   ended, the push keeps its direction, grows no more, and is gone after five times settle. Such
-//   contacts have kSettling. Elsewhere ticks have the bytes that they have without.
+//   downhill over the surface: k |SCP - HIP|^2 / 2 falls in each tick. Where no way leads downhill,
+//   the push goes straight to what it becomes. If the contact has ended, the push keeps its
+//   direction, grows no more, and fades. How fast, and that no energy comes of it, Settling says.
+//   Such contacts have kSettling. Elsewhere ticks have the bytes that they have without.
 class GLISS_EXPORT ContactTracker {
  public:
   // Evaluations of patches that a tick spends at most, with the default iterations of a solver; and
@@ -39,10 +39,12 @@ class GLISS_EXPORT ContactTracker {
   // and changes nothing. Where the surface is at fault, the contact is not touching and its push is
   // NaN; the next tick searches anew.
   Contact tick(const Vec3& hip) noexcept;
-  // Follows the local nearest point from a given contact, whatever the state.
-  Contact track(const Vec3& hip, const DomainPoint& start) noexcept;
+  // Follows the local nearest point from a given contact, whatever the state. With `felt`, that of
+  // another tracker before this tick, it settles from there.
+  Contact track(const Vec3& hip, const DomainPoint& start, const Settling* felt = nullptr) noexcept;
+  const Settling& felt() const { return felt_; }
   // True if the last tick's contact was touching.
-  bool touching() const { return follows() || !felt_.isZero(0); }
+  bool touching() const { return follows() || felt_.is_felt(); }
   // Makes the HIP free; no surface is nearer to it than `clear`.
   void release(const Vec3& hip, double clear) noexcept;
   // Goes on with another cache of the same mesh and precision; in contact, one that has the patch
@@ -68,9 +70,7 @@ class GLISS_EXPORT ContactTracker {
   double clear_ = -1;         // no surface is nearer to it than this; negative: there was no tick
   bool behind_ = false;       // it is free and behind an open surface
   double held_push_ = 0;      // push, mesh frame, when the SCP came to be held; 0: it is not
-  // The last tick's HIP, and the push of its contact; kept with settle only.
-  Vec3 before_ = Vec3::Zero(), felt_ = Vec3::Zero();
-  double fading_ = 0;  // push when its contact ended, from which it fades; 0: it does not
+  Settling felt_;             // with settle only
 };
 
 }  // namespace gliss

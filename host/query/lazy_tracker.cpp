@@ -24,13 +24,14 @@ Contact LazyTracker::tick(const Vec3& hip) {
     const std::uint32_t face = nearest_face(hip);
     if (region_ == nullptr || !mesh_.is_inside(*region_, face)) build_around(face);
   }
+  const Settling felt = tracker_->felt();
   Contact contact = tracker_->tick(hip);
   // At the rim the surface goes on where the region does not: build there and follow on.
   for (std::uint32_t last = kNone;
        !mesh_.is_inside(*region_, contact.at.face) && contact.at.face != last;) {
     last = contact.at.face;
     build_around(last);
-    contact = tracker_->track(hip, contact.at);
+    contact = tracker_->track(hip, contact.at, touching ? &felt : nullptr);
   }
   return contact;
 }

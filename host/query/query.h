@@ -66,6 +66,9 @@ struct SolverOptions {
   double tolerance = 0;  // 0: as exact as the precision allows; of kPaper a residual angle, rad
 };
 
+// The default of QueryOptions::settle, s.
+constexpr double kSettleTime = 5e-3;
+
 struct QueryOptions : SolverOptions {
   Method method = Method::kGregory;
   // Evaluations after which a search begins no further descent, so that it spends at most
@@ -74,8 +77,9 @@ struct QueryOptions : SolverOptions {
   // those made to take more.
   int budget = 1 << 16;
   // For ContactTracker alone. Ticks that the force takes to change by a jump, 20 % of itself, where
-  // the contact would leap: it slides to where it belongs. 0: it leaps, as in the paper.
-  double settle = 0;
+  // the contact would leap: it slides to where it belongs. The default is kSettleTime at 1 kHz.
+  // 0: it leaps, as in the paper.
+  double settle = 5;
 };
 
 struct Contact {

@@ -15,8 +15,8 @@ namespace gliss {
 
 struct TraceOptions : SolverOptions {
   std::vector<Method> methods{Method::kGregory, Method::kShaded, Method::kFlat};
-  double stiffness = 500;  // N/m
-  double settle = 0;       // ticks, as in QueryOptions
+  double stiffness = 500;                 // N/m
+  double settle = QueryOptions{}.settle;  // ticks
 };
 
 struct TraceStep {

@@ -125,7 +125,7 @@ class Walker {
   }
 
  private:
-  static constexpr QueryOptions kGuide{{}, Method::kShaded};
+  static constexpr QueryOptions kGuide{{}, Method::kShaded, QueryOptions{}.budget, 0};
 
   // True if a start was found from which the guide, in the open at first, gets into contact.
   bool enter(ContactTracker& guide, Walk& walk, Contact& contact) {

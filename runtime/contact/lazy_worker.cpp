@@ -103,6 +103,7 @@ std::vector<std::uint32_t> LazyWorker::faces_ahead(const Posted& posted, const V
   constexpr int kSteps = 8;
   QueryOptions flat;
   flat.method = Method::kFlat;
+  flat.settle = 0;
   ContactTracker contact(mesh_->base(), flat);
   std::vector<std::uint32_t> faces;
   const auto add = [&](const Contact& c) {

@@ -28,7 +28,7 @@ struct SceneObject {
   LazyWorkerOptions worker = {};
   int max_iterations = 64;  // these two as SolverOptions has them
   double tolerance = 0;
-  double settle = 0;  // ticks, as in QueryOptions
+  double settle = QueryOptions{}.settle;  // ticks
 
   // The mesh's unit in m. Requires a cache or `lazy`.
   double unit() const { return cache != nullptr ? cache->unit : lazy->base().unit; }

@@ -41,7 +41,7 @@ struct ObjectDescription : SolverOptions {
   CreaseRules creases{};                     // of a mesh; paths from the scene's folder
   double crease_radius = 0;                  // m, that they are rounded by; 0: they stay sharp
   double stiffness = 500;                    // N/m
-  double settle = 0;                         // s; 0: contacts leap (QueryOptions::settle)
+  double settle = kSettleTime;               // s; 0: contacts leap (QueryOptions::settle)
   Method method = Method::kGregory;
   Pose pose = Pose::Identity();
   Patches patches = Patches::kAll;

@@ -69,6 +69,14 @@ PatchCache cache_of(const Mesh& mesh, Precision precision = Precision::kDouble, 
 PatchCache paper_cache_of(const Mesh& mesh, Precision precision = Precision::kDouble,
                           bool tame = true, BuildReport* report = nullptr);
 
+// Options of trackers whose contacts leap where nearest points do, as in the paper.
+inline QueryOptions leaping(Method method = Method::kGregory) {
+  QueryOptions options;
+  options.method = method;
+  options.settle = 0;
+  return options;
+}
+
 SurfacePoint at(const PatchCache& cache, std::uint32_t face, const Vec2& X);
 
 // Takes the numbers of a face's patch away, as no file can: its points and normals are none.

@@ -175,8 +175,9 @@ void add_step_options(Command& command, SolverOptions& options) {
 void add_settle_option(Command& command, double& settle) {
   command.option(
       {"--settle", "TIME",
-       "as 5ms: where a contact would leap it slides, and the force takes so long to change by "
-       "20 %, with a tick a millisecond; default 0: it leaps"},
+       fmt::format("where a contact would leap it slides, and the force takes so long to change by "
+                   "20 %, with a tick a millisecond; 0: it leaps; default {}",
+                   settle > 0 ? fmt::format("{:g}ms", settle) : "0")},
       [&settle](const std::string& text) {
         const double seconds = parse_time(text);
         if (!(seconds >= 0 && seconds <= 1))

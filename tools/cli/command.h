@@ -78,7 +78,7 @@ void add_input_option(Command& command, const std::string& name, std::string& pa
 void check_input(const std::string& name, const std::string& path);
 double positive_stiffness(const std::string& text);  // N/m, of --stiffness
 void add_stiffness_option(Command& command, double& stiffness);
-// --settle TIME; `settle` is in ticks of 1 ms.
+// --settle TIME; `settle`, whose value is the default, is in ticks of 1 ms.
 void add_settle_option(Command& command, double& settle);
 // Adds the options of one solver; of all.
 void add_solver_options(Command& command, SolverOptions& options);

@@ -1,0 +1,57 @@
+// The push that a hand feels where its contact point leaps: it goes to its new value over some
+// ticks, and holds no energy that the hand has not put in.
+#pragma once
+
+#include "gliss/base/export.h"
+#include "gliss/query/query.h"
+
+namespace gliss {
+
+// What was felt at the last tick, and what may be felt now. Lengths are in the mesh's unit.
+//
+// A tick *leaps* if the push changes by more than twice the HIP's way and a stride. A stride is a
+// share of the lesser push of the two ticks, 20 % / settle. But it is at most eight times the HIP's
+// way, or a 32nd of that share: however deep it is, a slow hand feels no more than ten times its
+// own way.
+//
+// The energy of a contact, over its stiffness, is push . (SCP - HIP) / 2. That is |push|^2 / 2, and
+// the potential of the rim that rounds off an open border. It grows by the work of the hand alone,
+// but for the error of a force that is held for a tick: a passivity observer counts it (Hannaford
+// and Ryu 2002). Where a contact asks for more, its push is as long as the hand has paid for. Force
+// shading has no such energy; its pushes just do not leap.
+class GLISS_EXPORT Settling {
+ public:
+  // `settle`: ticks, as QueryOptions has it; `tiny`: a length that is rounding.
+  Settling(double settle, double tiny);
+
+  // Begins with a contact, felt in full, or free.
+  void begin(const Vec3& hip, const Contact& contact) noexcept;
+  void begin_free(const Vec3& hip) noexcept;
+  // A tick begins with the HIP at `hip`; no surface is nearer than `clear` to where it was.
+  void move(const Vec3& hip, double clear) noexcept;
+  // ... and ends with a contact. Turns it to what is felt of it, which has kSettling if it differs.
+  void feel(Contact& now, bool has_energy) noexcept;
+
+  // The way that a contact point may go in this tick where the push leaps between two.
+  double reach(const Vec3& from, const Vec3& to) const;
+  bool is_leap(const Vec3& from, const Vec3& to) const;
+  // True if the push would leap from what is felt.
+  bool is_leap(const Vec3& to) const { return is_leap(felt_, to); }
+  bool is_felt() const { return !felt_.isZero(0); }
+
+ private:
+  double stride(double share, double way) const;
+  double energy_of(const Contact& contact) const;
+  double paid(const Contact& now) const;
+  void go_straight(Contact& now, double most) const;
+  void fade(Contact& now);
+
+  double share_, tiny_;
+  Vec3 hip_ = Vec3::Zero(), way_ = Vec3::Zero(), felt_ = Vec3::Zero();
+  double pace_ = 0;        // how far the HIP has come near a surface in this tick
+  double energy_ = 0;      // that the hand has put in and not got back; negative: a debt
+  double fading_ = 0;      // push when its contact ended, from which it fades; 0: it does not
+  bool is_short_ = false;  // the last contact asked for more energy than there is
+};
+
+}  // namespace gliss
