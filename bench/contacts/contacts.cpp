@@ -1,5 +1,6 @@
-// Nearest points a second on any meshes: gliss_contacts COUNT MESH... ("knot": the generated one).
-// A row for HIPs 0.5 % and 2 % of the box's diagonal beneath the surface, and anywhere in the box.
+// Nearest points a second on any meshes: gliss_contacts COUNT MESH... ("knot": the generated one;
+// MESH:paper: the paper's patches). A row for HIPs 0.5 % and 2 % of the box's diagonal beneath the
+// surface, and anywhere in the box.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -44,8 +45,13 @@ std::vector<Vec3> hips_of(const PatchCache& cache, Kind kind, std::size_t count)
 }
 
 void measure(const std::string& name, std::size_t count) {
-  Mesh mesh = name == "knot" ? torus_knot(60, 24).mesh : load_mesh(name);
-  const PatchCache cache = build_cache(mesh);
+  const std::string paper = ":paper";
+  const bool is_paper = name.ends_with(paper);
+  const std::string file = name.substr(0, name.size() - (is_paper ? paper.size() : 0));
+  Mesh mesh = file == "knot" ? torus_knot(60, 24).mesh : load_mesh(file);
+  BuildOptions options;
+  if (is_paper) options.level.construction = Construction::kPaper;
+  const PatchCache cache = build_cache(mesh, options);
   const Method methods[] = {Method::kGregory};
   for (const auto& [kind, what] :
        {std::pair{Kind::kShallow, "0.5%"}, {Kind::kDeep, "2%"}, {Kind::kBox, "box"}}) {
