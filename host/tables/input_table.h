@@ -61,8 +61,9 @@ class GLISS_EXPORT InputTable {
 // True if the file's ending is that of HDF5: .h5 or .hdf5.
 GLISS_EXPORT bool is_hdf5(const std::string& path);
 // Reads .h5 and .hdf5 as HDF5, with columns as `gliss` writes them: a dataset each, of the file's
-// root; .npy as NumPy's arrays (npy_reader.h); all else as CSV (csv_reader.h). Throws CsvError or RecordingError on a missing column and
-// on wanted numbers that are not finite, and what they throw where a file cannot be read.
+// root; .npy as NumPy's arrays (npy_reader.h); all else as CSV (csv_reader.h). Throws CsvError or
+// RecordingError on a missing column and on wanted numbers that are not finite, and what they throw
+// where a file cannot be read.
 GLISS_EXPORT InputTable read_table(const std::string& path, const TableRequest& request);
 
 }  // namespace gliss
