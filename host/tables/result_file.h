@@ -43,7 +43,8 @@ class GLISS_EXPORT ResultFile {
   using TableId = std::size_t;
   virtual ~ResultFile() = default;
   // `table` is a path such as "sweep/depth_2mm/gregory" (an HDF5 group with a 1-D dataset per
-  // column). A CSV or .npy file holds one table. Rows are appended in order. expected_rows = 0: unknown.
+  // column). A CSV or .npy file holds one table. Rows are appended in order. expected_rows = 0:
+  // unknown.
   virtual TableId add_table(const std::string& table, const std::vector<Column>& columns,
                             const std::vector<Attribute>& attributes = {},
                             std::uint64_t expected_rows = 0) = 0;
@@ -54,9 +55,9 @@ class GLISS_EXPORT ResultFile {
 
 // .h5 and .hdf5: HDF5, and behind its end a checksum (file_seal.h); .csv: CSV with the fewest
 // digits that read back as the same bits (at most 17 for float64, 9 for float32), "-": CSV on
-// standard output; .npy: one structured array, texts as bytes (S64). Throws std::runtime_error that names the file on any failure (also a full disk:
-// every return value is checked), std::logic_error on blocks that do not fit their table and on
-// texts that do not fit a column of HDF5 or .npy.
+// standard output; .npy: one structured array, texts as bytes (S64). Throws std::runtime_error that
+// names the file on any failure (also a full disk: every return value is checked), std::logic_error
+// on blocks that do not fit their table and on texts that do not fit a column of HDF5 or .npy.
 GLISS_EXPORT std::unique_ptr<ResultFile> create_result_file(const std::string& path);
 
 }  // namespace gliss
