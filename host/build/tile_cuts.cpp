@@ -59,8 +59,8 @@ std::vector<std::uint32_t> points_of(std::uint32_t n, std::uint32_t levels, std:
                             at.j / 2 * m + (at.is_up() ? b : a));
     }
   });
-  for (std::size_t row = 0; row < index.size(); row += stride)
-    std::fill(&index[row + tiles], &index[row] + stride, index[row]);
+  for (auto row = index.begin(); row != index.end(); row += stride)
+    std::fill(row + tiles, row + stride, *row);
   return index;
 }
 

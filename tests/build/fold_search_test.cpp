@@ -13,7 +13,7 @@ namespace {
 
 using oracle::Rng;
 
-const ValenceTables& tables() {
+const ValenceTables& fold_tables() {
   static const ValenceTables all = make_valence_tables(std::vector<char>(5, 1));
   return all;
 }
@@ -55,9 +55,9 @@ PatchShape by_differences(const PatchDraft& d) {
   const std::uint32_t n = d.valence();
   double axes[kFrameReals], reals[kShapeReals];
   d.frame.store(axes);
-  kernels<double>().examine(tables().domain_of(n), tables().probes_of(n), tables().probe_count[n],
-                            d.control.data(), d.form, d.corner.data(), d.triangle.data(), axes, n,
-                            nullptr, nullptr, reals);
+  kernels<double>().examine(fold_tables().domain_of(n), fold_tables().probes_of(n),
+                            fold_tables().probe_count[n], d.control.data(), d.form, d.corner.data(),
+                            d.triangle.data(), axes, n, nullptr, nullptr, reals);
   PatchShape shape = shape_from(reals, n);
   if (!(d.turned > 0)) shape.turn = -1;
   return shape;
@@ -65,14 +65,14 @@ PatchShape by_differences(const PatchDraft& d) {
 
 // As a build judges.
 bool folds(const PatchDraft& d, PatchShape shape) {
-  if (may_fold_unseen(shape)) shape.turn = std::min(shape.turn, closer_turn(d, tables()));
+  if (may_fold_unseen(shape)) shape.turn = std::min(shape.turn, closer_turn(d, fold_tables()));
   return is_folded(shape);
 }
 
 struct Search {
   std::size_t faces = 0, folded = 0, lost = 0, won = 0;
   void add(const PatchDraft& d) {
-    const bool before = folds(d, by_differences(d)), now = folds(d, examine(d, tables()));
+    const bool before = folds(d, by_differences(d)), now = folds(d, examine(d, fold_tables()));
     ++faces, folded += before, lost += before && !now, won += now && !before;
   }
   std::string text() const {
@@ -86,7 +86,7 @@ TEST(FoldSearch, second_derivatives_agree_with_differences) {
   for (const Mesh& mesh : {test::random_sphere(rng, 40, 1, 0.2), torus(12, 8).mesh}) {
     FairDrafts(mesh).for_each([](const PatchDraft& d, std::uint32_t face) {
       SCOPED_TRACE(face);
-      const PatchShape a = examine(d, tables()), b = by_differences(d);
+      const PatchShape a = examine(d, fold_tables()), b = by_differences(d);
       EXPECT_LE((a.bend - b.bend).norm(), 1e-4 * (1 + b.bend.norm()));
       // At corners it depends on the direction, and so on the step.
       EXPECT_NEAR(a.rho_min, b.rho_min, 1e-2 * b.rho_min);
@@ -102,17 +102,17 @@ TEST(FoldSearch, samples_are_those_of_the_patch) {
   for (const Mesh& mesh : {test::random_sphere(rng, 40, 1, 0.2), torus(12, 8).mesh}) {
     FairDrafts(mesh).for_each([](const PatchDraft& d, std::uint32_t) {
       PatchSamples samples;
-      examine(d, tables(), &samples);
+      examine(d, fold_tables(), &samples);
       const std::uint32_t n = d.valence();
       std::vector<double> rows(samples.rows.size());
       double axes[kFrameReals];
       d.frame.store(axes);
       const double stretch2 =
-          kernels<double>().sample(tables().domain_of(n), d.control.data(), d.form, axes, n,
-                                   tables().probes_of(n), samples.count, rows.data());
+          kernels<double>().sample(fold_tables().domain_of(n), d.control.data(), d.form, axes, n,
+                                   fold_tables().probes_of(n), samples.count, rows.data());
       EXPECT_NEAR(samples.stretch2, stretch2, 1e-12 * stretch2);
       for (std::size_t row = 0; row < kCutRows; ++row) {
-        for (std::uint32_t i = 0; i < tables().probe_count[n]; ++i)
+        for (std::uint32_t i = 0; i < fold_tables().probe_count[n]; ++i)
           ASSERT_NEAR(samples.rows[row * samples.count + i], rows[row * samples.count + i], 1e-12);
       }
     });

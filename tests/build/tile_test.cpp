@@ -119,7 +119,9 @@ TEST(Tiles, hold_the_patch_between_their_samples) {
           // At the corners of many sides normals turn within less than the samples see.
           const double mean = t.bends ? 0.5 * (t.least + t.most) : 0;
           const Vec3 lean = m / m.dot(t.axis) - t.axis - mean * (away - height * t.axis);
-          if (!t.any_turn && n <= 12) ASSERT_LE(lean.norm(), t.tangent);
+          if (!t.any_turn && n <= 12) {
+            ASSERT_LE(lean.norm(), t.tangent);
+          }
         }
       }
     }
