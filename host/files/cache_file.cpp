@@ -251,12 +251,15 @@ PatchCache load_cache_of(const std::string& path, const CacheWanted& wanted,
 }
 
 bool is_cache_file(const std::string& path) {
-  if (path.ends_with(".gliss")) return true;  // what it is instead, load_cache says
   const OpenFile file(path);
   char begin[kNameBytes] = {};
   const ssize_t count = ::read(file.descriptor(), begin, sizeof(begin));
   return count == static_cast<ssize_t>(kNameBytes) &&
          std::string_view(begin, kNameBytes) == kMagic.substr(0, kNameBytes);
+}
+
+bool is_meant_as_cache(const std::string& path) {
+  return path.ends_with(".gliss") || is_cache_file(path);
 }
 
 }  // namespace gliss

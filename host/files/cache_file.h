@@ -34,7 +34,9 @@ struct CacheWanted {
 // The same of a cache that is stale where it is not as wanted.
 GLISS_EXPORT PatchCache load_cache_of(const std::string& path, const CacheWanted& wanted,
                                       const std::function<void()>& poll = nullptr);
-// True if it begins as caches do, or is named as they are.
+// True if it begins as caches do.
 GLISS_EXPORT bool is_cache_file(const std::string& path);
+// True if it does, or is named as a cache: load_cache says what it is instead.
+GLISS_EXPORT bool is_meant_as_cache(const std::string& path);
 
 }  // namespace gliss

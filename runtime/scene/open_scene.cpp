@@ -22,7 +22,7 @@ Mesh read_mesh(const ObjectDescription& described, const SceneOpening& opening) 
 }
 
 PatchCache open_surface(const ObjectDescription& described, const SceneOpening& opening) {
-  if (described.from_cache || is_cache_file(described.surface))
+  if (described.from_cache || is_meant_as_cache(described.surface))
     return load_cache_of(described.surface,
                          {described.precision, described.level, described.construction},
                          opening.poll);

@@ -75,7 +75,8 @@ TEST_F(HostileFiles, that_are_no_files_are_refused_by_each_reader_of_meshes) {
 }
 
 TEST_F(HostileFiles, that_are_no_files_are_refused_as_tables) {
-  expect_only_files<NoFileError>(".csv", [](const std::string& path) { read_points(path, 1); });
+  for (const char* ending : {".csv", ".npy"})
+    expect_only_files<NoFileError>(ending, [](const std::string& path) { read_points(path, 1); });
   expect_only_files<RecordingError>(".h5", [](const std::string& path) { read_points(path, 1); });
 }
 

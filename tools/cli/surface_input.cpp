@@ -134,7 +134,7 @@ PatchCache build(const Mesh& mesh, const SurfaceOptions& options, const Engine& 
 }
 
 PatchCache open_surface(const SurfaceOptions& options, const Engine& engine) {
-  if (!options.from_cache && !is_cache_file(options.surface))
+  if (!options.from_cache && !is_meant_as_cache(options.surface))
     return build(read_mesh(options), options, engine);
   const bool marks = options.creases.any();
   if (marks || options.crease_radius > 0)
