@@ -84,9 +84,9 @@ double Settling::paid(const Contact& now) const {
 void Settling::feel(Contact& now, bool has_energy) noexcept {
   if (!now.push.allFinite()) return begin_free(hip_);
   const double wanted = energy_of(now);
-  const double most = has_energy ? paid(now) : kAny;
-  is_short_ = wanted > most && wanted > most + tiny_ * now.push.norm();
-  if (is_short_) settle_at(std::sqrt(std::max(0.0, most) / wanted) * now.push, now);
+  const double most = has_energy ? paid(now) : kAny, available = std::max(0.0, most);
+  is_short_ = wanted > available && wanted > available + tiny_ * now.push.norm();
+  if (is_short_) settle_at(std::sqrt(available / wanted) * now.push, now);
   if (!is_leap(now.push)) {
     fading_ = 0;
   } else if (now.touching) {

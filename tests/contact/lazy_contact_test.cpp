@@ -199,8 +199,8 @@ TEST(LazyContact, carries_its_state_from_region_to_region) {
 
 TEST(LazyContact, keeps_ahead_of_a_hand_in_real_time) {
   for (const double speed : {0.1, 0.5}) {  // mm a tick, m/s
-    LazyContact lazy(lazy_knot(), {});
-    ContactTracker whole(whole_knot(), {});
+    LazyContact lazy(lazy_knot(), test::leaping());
+    ContactTracker whole(whole_knot(), test::leaping());
     const std::vector<Vec3> path = way_on_knot(speed, 3000);
     std::size_t late = 0, late_in_contact = 0, missed = 0;
     double worst = 0, worst_late = 0;
@@ -269,7 +269,7 @@ TEST(LazyContact, goes_on_with_base_polygons_while_the_worker_is_held_up) {
   gate.shut = false;
   EXPECT_GT(late, 100u);
   EXPECT_GT(returns, 0u);
-  EXPECT_LT(most_step, 0.3);
+  EXPECT_LT(most_step, 0.15);  // 2 x 0.1 mm and 4 % of 2 mm, where polygons and patches change
   test::record("held up", "{} of {} ticks late; steps of at most {:.3f} N, {:.3f} N without", late,
                path.size(), most_step, most_want);
 }
@@ -377,6 +377,7 @@ TEST(Tracker, renders_objects_whose_patches_are_built_near_the_hand) {
   SceneObject object;
   object.lazy = std::make_shared<const LazyMesh>(goldberg().mesh);
   object.stiffness = 700;
+  object.settle = 0;  // else a hand that rests feels little more than the polygons that stood in
   object.pose = Eigen::Translation3d(0.1, -0.2, 0.3) * Eigen::AngleAxisd(1.1, Vec3::UnitX());
   SceneObject whole = object;
   whole.cache = std::make_shared<PatchCache>(test::cache_of(goldberg().mesh));

@@ -46,7 +46,7 @@ Entry fin_entry(Rng& rng, const Extreme&) {
 }
 
 Contact at_end(const Extreme& e, const Vec3& from, const Vec3& to, int ticks) {
-  ContactTracker tracker(e.cache, {});
+  ContactTracker tracker(e.cache, test::leaping());
   Contact contact = tracker.tick(from);
   for (int k = 1; k <= ticks; ++k) contact = tracker.tick(from + (to - from) * k / ticks);
   // What one tick may not spend, the next ones do.

@@ -113,7 +113,7 @@ TEST_P(ExtremePingPong, over_comes_to_rest) {
       for (std::size_t i = begin; i < end; ++i) {
         const Place place = place_on(rng, e, vertex);
         const Vec3 hip = place.point.position - random_depth(rng, e) * place.point.normal;
-        ContactTracker tracker(e.cache, {});
+        ContactTracker tracker(e.cache, test::leaping());
         tracker.track(hip, place.at);
         stand_still(tracker, hip, e, s);
         tremble(tracker, rng, place, hip, e, t);

@@ -39,7 +39,7 @@ std::vector<Vec3> way(const Vec3& from, const Vec3& to, int count) {
 
 // A tracker that has come from `outside` to `inside`.
 ContactTracker arrived(const PatchCache& cache, const Vec3& outside, const Vec3& inside) {
-  ContactTracker tracker(cache, {});
+  ContactTracker tracker(cache, leaping());
   for (const Vec3& hip : way(outside, inside, 50)) tracker.tick(hip);
   return tracker;
 }
@@ -209,7 +209,7 @@ TEST(CreaseContact, a_rounded_solid_is_where_the_ball_left_it) {
       oracle::Rng rng(3);
       Worst off, tracked;
       Vec3 at(0, 0, 9);
-      ContactTracker tracker(cache, {});
+      ContactTracker tracker(cache, leaping());
       for (int leg = 0; leg < 300; ++leg) {
         Vec3 to;
         for (int i = 0; i < 3; ++i) to[i] = oracle::uniform(rng, -11, 11);

@@ -13,9 +13,7 @@ using oracle::Rng, oracle::uniform;
 // spend, the next ones do.
 Contact at_end(const PatchCache& cache, Method method, const Vec3& from, const Vec3& to,
                int ticks) {
-  QueryOptions options;
-  options.method = method;
-  ContactTracker tracker(cache, options);
+  ContactTracker tracker(cache, test::leaping(method));
   Contact contact = tracker.tick(from);
   for (int i = 1; i <= ticks; ++i) contact = tracker.tick(from + (to - from) * i / ticks);
   for (int late = 0; late < 50 && !contact.touching; ++late) contact = tracker.tick(to);

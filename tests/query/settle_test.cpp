@@ -269,6 +269,22 @@ TEST(Settle, lets_go_of_a_hand_that_leaves_over_an_edge) {
   }
 }
 
+// A hand that goes to and fro through a ball and the open, up to half of its size a tick: a contact
+// that fades asks for nothing, and may have no energy left.
+TEST(Settle, keeps_pushes_finite_wherever_a_hand_goes) {
+  const PatchCache cache = test::cache_of(goldberg().mesh);
+  oracle::Rng rng(1);
+  for (const Method method : {Method::kGregory, Method::kShaded, Method::kFlat}) {
+    ContactTracker tracker(cache, with_settle(5, method));
+    Vec3 hip(20, 0, 0);
+    for (int i = 0; i < 100'000; ++i) {
+      hip += oracle::uniform(rng, 0, 8) * oracle::random_unit(rng);
+      if (hip.norm() > 25) hip *= 0.9;
+      ASSERT_TRUE(tracker.tick(hip).push.allFinite()) << method_name(method) << " " << i;
+    }
+  }
+}
+
 TEST(Settle, leaves_a_hip_without_number_alone) {
   const Mesh mesh = test::with_normals(prism(5).mesh);
   const PatchCache cache = test::cache_of(mesh, Precision::kDouble);

@@ -293,7 +293,7 @@ TEST(Union, holds_a_path_that_goes_on_beneath_a_buried_side) {
     const std::vector<Mesh> parts = two_spheres(overlap);
     const PatchCache cache = test::cache_of(test::joined(parts));
     const test::UnionOracle truth(parts, 0);
-    ContactTracker tracker(cache, {});
+    ContactTracker tracker(cache, test::leaping());
     constexpr int kTicks = 4000;
     int free = 0, seams = 0;
     test::Worst off, deep;
