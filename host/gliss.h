@@ -41,6 +41,7 @@
 #include "gliss/query/lazy_mesh.h"
 #include "gliss/query/lazy_tracker.h"
 #include "gliss/query/query.h"
+#include "gliss/query/settling.h"
 #include "gliss/query/trace.h"
 #include "gliss/query/work.h"
 #include "gliss/scene/open_scene.h"
