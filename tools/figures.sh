@@ -28,7 +28,7 @@ page() {
 }
 # trace NAME MESH DEPTH: forces along a path that was written before.
 trace() {
-  "$gliss" trace "$2" --path "$1_path_$3.csv" --stiffness 0.5N/mm --method gregory,shaded,flat --unit mm \
+  "$gliss" trace "$2" --path "$1_path_$3.csv" --stiffness 0.5N/mm --settle 0 --method gregory,shaded,flat --unit mm \
     -o "$1_path_$3.h5" --quiet
 }
 

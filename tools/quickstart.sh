@@ -45,7 +45,7 @@ gliss sweep "$name.gliss" --depth 2mm,4mm --samples 1e5 --method gregory,shaded,
 if (($# == 0)); then
   say "A finger that slides 2 mm beneath the surface"
   tools/knot_path.py >"${name}_path.csv"
-  gliss trace "$name.gliss" --path "${name}_path.csv" --unit mm --stiffness 0.5N/mm \
+  gliss trace "$name.gliss" --path "${name}_path.csv" --unit mm --stiffness 0.5N/mm --settle 0 \
     --method gregory,shaded,flat -o "${name}_forces.csv"
   tools/draw_forces.py "${name}_forces.csv" "${name}_forces.svg"
 fi

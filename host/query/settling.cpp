@@ -29,8 +29,7 @@ void settle_at(const Vec3& push, Contact& now) {
 
 }  // namespace
 
-Settling::Settling(double settle, double tiny)
-    : share_(settle > 0 ? ForceStatistics::kJump / settle : 0), tiny_(tiny) {}
+Settling::Settling(double settle, double tiny) : settle_(settle), tiny_(tiny) {}
 
 void Settling::begin(const Vec3& hip, const Contact& contact) noexcept {
   begin_free(hip);
@@ -52,14 +51,15 @@ void Settling::move(const Vec3& hip, double clear) noexcept {
   pace_ = std::max(0.0, way_.norm() - std::max(0.0, clear));
 }
 
-double Settling::stride(double share, double way) const {
+double Settling::stride(double size, double way) const {
+  const double share = ForceStatistics::kJump / settle_ * size;
   return std::min(share, std::max(kWays * way, kAtRest * share));
 }
 
 // The share is of their mean where one of the two is none.
 double Settling::reach(const Vec3& from, const Vec3& to) const {
   const double least = std::min(from.norm(), to.norm());
-  return pace_ + stride(share_ * (least > 0 ? least : 0.5 * (from + to).norm()), pace_);
+  return pace_ + stride(least > 0 ? least : 0.5 * (from + to).norm(), pace_);
 }
 
 bool Settling::is_leap(const Vec3& from, const Vec3& to) const {
@@ -120,7 +120,7 @@ void Settling::go_straight(Contact& now, double most) const {
 void Settling::fade(Contact& now) {
   const double size = felt_.norm(), work = std::max(0.0, felt_.dot(way_)), way = way_.norm();
   fading_ = std::max(fading_, size);
-  const double length = way + stride(share_ * fading_, way);
+  const double length = way + stride(fading_, way);
   const double left = std::min(size - length, std::sqrt(std::max(0.0, size * size - 2 * work)));
   if (left > 0) settle_at(left / size * felt_, now);
 }

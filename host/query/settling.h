@@ -40,13 +40,13 @@ class GLISS_EXPORT Settling {
   bool is_felt() const { return !felt_.isZero(0); }
 
  private:
-  double stride(double share, double way) const;
+  double stride(double size, double way) const;
   double energy_of(const Contact& contact) const;
   double paid(const Contact& now) const;
   void go_straight(Contact& now, double most) const;
   void fade(Contact& now);
 
-  double share_, tiny_;
+  double settle_, tiny_;
   Vec3 hip_ = Vec3::Zero(), way_ = Vec3::Zero(), felt_ = Vec3::Zero();
   double pace_ = 0;        // how far the HIP has come near a surface in this tick
   double energy_ = 0;      // that the hand has put in and not got back; negative: a debt

@@ -105,6 +105,7 @@ void expect_smooth_slide(const std::string& name, const Mesh& mesh, const Slide&
   Worst off;
   TraceOptions options;
   options.stiffness = kStiffness;
+  options.settle = 0;
   const auto found = trace(cache, slide.hips, options, [&](std::size_t i, auto steps) {
     off.add((steps[0].force - slide.forces[i]).norm() / slide.forces[i].norm());
     return true;
