@@ -268,8 +268,11 @@ TEST_F(BadMesh, gliss_check_says_the_same_and_ends_with_0_or_2) {
       EXPECT_THAT(outcome.err, StartsWith("gliss: " + name + ":"));
       EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1);
     } else {
-      EXPECT_THAT(outcome.err,
-                  AnyOf("", AllOf(HasSubstr("radius of curvature"), EndsWith("jumps there\n"))));
+      for (const std::string& line : test::split(outcome.err, '\n')) {
+        EXPECT_THAT(line,
+                    AnyOf("", AllOf(HasSubstr("radius of curvature"), EndsWith("jumps there")),
+                          HasSubstr(" across: ")));
+      }
     }
     const auto json = nlohmann::json::parse(outcome.out, nullptr, false);
     ASSERT_TRUE(json.is_object()) << outcome.out;
