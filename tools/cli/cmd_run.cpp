@@ -71,6 +71,7 @@ std::vector<SceneObject> open_objects(const Scene& scene, const RunOptions& opti
   opening.read_mesh = [&](const ObjectDescription& described) {
     surface.surface = described.surface;
     surface.unit = described.unit;
+    surface.has_unit = true;  // a scene is written once, and errors of it are one line
     surface.creases = described.creases;
     surface.crease_radius = described.crease_radius;
     return read_mesh(surface);
