@@ -64,8 +64,7 @@ class OpenClBuilder {
     upload(probe_, b.tables->probe);
     upload(domain_begin_, b.tables->domain_begin);
     upload(probe_begin_, b.tables->probe_begin);
-    b.shape.resize(patches * kShapeReals);
-    shape_.resize(b.shape.size());
+    shape_.resize(patches * kShapeReals);
     kernels.push_back(examine_(queue_, patches, domain_.buffer(), domain_begin_.buffer(),
                                probe_.buffer(), probe_begin_.buffer(), begins_.buffer(),
                                corner_.buffer(), triangle_.buffer(), frame_.buffer(),
@@ -76,7 +75,7 @@ class OpenClBuilder {
     queue_.finish();
     shared_.count(kernels);
     std::copy_n(control_.data(), b.control.size(), b.control.begin());
-    std::copy_n(shape_.data(), b.shape.size(), b.shape.begin());
+    b.shape.assign(shape_.data(), shape_.data() + patches * kShapeReals);
     const double* sound = sound_.data();
     for (std::size_t p = 0; p < patches; ++p)
       b.soundness[p] = *std::min_element(sound + b.side_begin[p], sound + b.side_begin[p + 1]);
