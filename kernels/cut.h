@@ -89,7 +89,7 @@ FN_LARGE scalar least_cosine(GLOBAL scalar* rows, int stride, GLOBAL uint* index
   return least_lane(least);
 }
 
-// What the small triangles of a tile find.
+// The findings of a tile's small triangles.
 typedef struct {
   // Principal curvatures, positive where the surface bends away from its normal: the range of the
   // lesser ones and that of the others.
@@ -164,7 +164,7 @@ FN axis_code axis_code_of(real3 axis) {
   return r;
 }
 
-// What normals may turn between samples besides: a quarter of what the samples do.
+// Normals may turn so much more between samples: a quarter of what the samples do.
 #define CUT_MORE_TURN K(0.25f)
 
 // The tangent of an angle that no normal exceeds, where `least` is the least cosine: five quarters

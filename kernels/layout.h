@@ -119,7 +119,7 @@
 #define TILE_BEND 4
 #define TILE_UINTS 5
 
-// What tiles are cut from (cut.h). Samples: rows of the position and of the unit normal along
+// The samples that tiles are cut from (cut.h): rows of the position and of the unit normal along
 // tangent, normal x tangent and normal of the base polygon; CUT_POINTS of them in a tile,
 // CUT_RINGS to a side.
 #define CUT_ROWS 6

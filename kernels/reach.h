@@ -1,6 +1,6 @@
 // Balls round the tiles of a patch (tile.h), of as many at a time as there are lanes.
 
-// What they share: the words of the patch's tiles, row by row, and numbers along the axes of its
+// The words of the patch's tiles, row by row, and numbers that all share, along the axes of its
 // box.
 typedef struct {
   GLOBAL uint* word;

@@ -1,6 +1,7 @@
 // A set of numbered things of which equal ones are to be found: open addressing, 4 bytes a slot.
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -14,6 +15,13 @@ inline std::uint64_t mix_bits(std::uint64_t x) {
   x = (x ^ (x >> 30)) * 0xBF58476D1CE4E5B9u;
   x = (x ^ (x >> 27)) * 0x94D049BB133111EBu;
   return x ^ (x >> 31);
+}
+
+// The same of a point; 0 and -0 are one.
+inline std::uint64_t mix_bits(const Vec3& point) {
+  std::uint64_t hash = 0;
+  for (const double x : point) hash = mix_bits(hash ^ std::bit_cast<std::uint64_t>(x + 0.0));
+  return hash;
 }
 
 class HashIndex {

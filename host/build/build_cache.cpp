@@ -278,7 +278,7 @@ class CacheBuilder {
                &b.control[b.side_begin[p] * kSideReals],
                &b.triangle[3 * b.first_triangle(p)]};
     }
-    finish<Real>(plain, samples, b.shape.empty());
+    finish<Real>(plain, samples, p == kNone || b.shape.empty());
   }
 
   static FinishedPatch to_finish(const PatchDraft& d) {

@@ -66,7 +66,7 @@ std::uint32_t FairSides::joined_valence(std::uint32_t side) const {
   return is_joined ? n : 0;
 }
 
-// Where all faces are built, each edge is turned once and not four times.
+// Turns each edge once and not four times: if all faces are built.
 void FairSides::find_turns(const ParallelFor& parallel) {
   turn_.resize(mesh_.corner_vertex.size());
   parallel(mesh_.face_count(), kGrain, [&](std::size_t begin, std::size_t end) {

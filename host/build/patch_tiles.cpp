@@ -56,7 +56,7 @@ PatchTiles cut_tiles(const PatchFrame& frame, const PatchShape& shape, const Vec
   };
   if (samples == nullptr)
     samples = sample(tables.probes_of(n), static_cast<std::uint32_t>(k.probe_reals(n) / 2));
-  // As few as keep the normals of each together.
+  // The fewest tiles that keep the normals of each together.
   const std::vector<TileCut>& cuts = cuts_of(n, tables);
   const TileCut* cut = &cuts.front();
   for (; cut != &cuts.back(); ++cut) {

@@ -47,7 +47,7 @@ void for_tiles(std::uint32_t n, std::uint32_t levels, F f) {
   }
 }
 
-// Where the points of tiles of m rings stand in their lattice, [point][padded].
+// The places of the points of tiles of m rings in their lattice, [point][padded].
 std::vector<std::uint32_t> points_of(std::uint32_t n, std::uint32_t levels, std::uint32_t m) {
   const std::uint32_t tiles = n * levels * levels, stride = padded(tiles);
   std::vector<std::uint32_t> index(std::size_t{(m + 1) * (m + 2) / 2} * stride);

@@ -14,7 +14,7 @@ struct TileCut {
   // normals keep together.
   std::uint32_t probe_points = 0;
   std::vector<std::uint32_t> probe;
-  // Where tiles are sampled, xi of all and eta of all; empty: at the probes.
+  // The points that are sampled, xi of all and eta of all; empty: the probes.
   std::uint32_t samples = 0;
   std::vector<double> at;
   std::vector<std::uint32_t> sample;  // [kCutPoints][padded]

@@ -96,7 +96,7 @@ void Settling::feel(Contact& now, bool has_energy) noexcept {
     fade(now);
   }
   felt_ = now.push;
-  // What a straight way saves is kept for its end, and all until a search has ended.
+  // Energy that a straight way saves is kept for its end, and all until a search has ended.
   energy_ = std::min(most, is_guess(now) ? kAny : std::max(energy_of(now), wanted));
 }
 

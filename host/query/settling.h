@@ -7,7 +7,7 @@
 
 namespace gliss {
 
-// What was felt at the last tick, and what may be felt now. Lengths are in the mesh's unit.
+// Knows what was felt at the last tick, and what may be felt now. Lengths: in the mesh's unit.
 //
 // A tick *leaps* if the push changes by more than twice the HIP's way and a stride. A stride is a
 // share of the lesser push of the two ticks, 20 % / settle. But it is at most eight times the HIP's

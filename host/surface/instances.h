@@ -93,8 +93,8 @@ struct Kernels {
   std::uint32_t (*probe_count)(std::uint32_t n);
   std::size_t (*probe_reals)(std::uint32_t n);
   void (*fill_probes)(std::uint32_t n, const Real* domain, Real* table);
-  // What second derivatives at the probes are made from, in the forms that have them: numbers of
-  // their table; 0: none.
+  // The numbers of a table from which second derivatives at the probes are made, in the forms that
+  // have them; 0: none. fill_second makes it.
   std::size_t (*second_reals)(std::uint32_t form, std::uint32_t n);
   void (*fill_second)(const Real* domain, std::uint32_t form, std::uint32_t n, const Real* probes,
                       Real* table);

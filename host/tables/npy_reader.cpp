@@ -57,12 +57,7 @@ class HeaderParser {
 
  private:
   void skip() { rest_.remove_prefix(std::min(rest_.find_first_not_of(" \n"), rest_.size())); }
-  bool take(char c) {
-    skip();
-    if (!rest_.starts_with(c)) return false;
-    rest_.remove_prefix(1);
-    return true;
-  }
+  bool take(char c) { return take(std::string_view(&c, 1)); }
   bool take(std::string_view word) {
     skip();
     if (!rest_.starts_with(word)) return false;

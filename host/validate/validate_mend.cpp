@@ -1,80 +1,12 @@
 // Faces that are none, mended: cut where they touch themselves, or removed so that no gap is left.
 #include <algorithm>
-#include <numeric>
 
 #include "gliss/mesh/mesh_edges.h"
-#include "gliss/mesh/topology.h"
+#include "gliss/validate/face_edit.h"
 #include "gliss/validate/validate_steps.h"
 
 namespace gliss {
 namespace {
-
-struct Corner {
-  std::uint32_t vertex, normal;  // normal kNone: the mesh has none, or none there
-};
-using Polygon = std::vector<Corner>;
-
-Polygon polygon_of(const Mesh& mesh, std::uint32_t face) {
-  Polygon polygon;
-  for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c)
-    polygon.push_back(
-        {mesh.corner_vertex[c], mesh.corner_normal.empty() ? kNone : mesh.corner_normal[c]});
-  return polygon;
-}
-
-// Puts other faces in the place of some: none, one or several for each. All others stay, in order.
-class FaceEdit {
- public:
-  FaceEdit(Mesh& mesh, Report& report)
-      : mesh_(mesh), report_(report), edited_(mesh.face_count(), kNone) {}
-
-  void replace(std::uint32_t face, std::vector<Polygon> by) {
-    if (edited_[face] == kNone) {
-      edited_[face] = static_cast<std::uint32_t>(by_.size());
-      by_.emplace_back();
-    }
-    by_[edited_[face]] = std::move(by);
-  }
-  bool is_edited(std::uint32_t face) const { return edited_[face] != kNone; }
-
-  // Returns true if there was anything to do.
-  bool apply() {
-    if (by_.empty()) return false;
-    Mesh out;
-    std::vector<std::uint32_t> file_face;
-    const auto add = [&](std::uint32_t face, const Polygon& polygon) {
-      for (const Corner& corner : polygon) {
-        out.corner_vertex.push_back(corner.vertex);
-        if (!mesh_.corner_normal.empty()) out.corner_normal.push_back(corner.normal);
-      }
-      out.face_begin.push_back(static_cast<std::uint32_t>(out.corner_vertex.size()));
-      if (!mesh_.face_line.empty()) out.face_line.push_back(mesh_.face_line[face]);
-      if (!mesh_.face_group.empty()) out.face_group.push_back(mesh_.face_group[face]);
-      file_face.push_back(report_.number_of(face));
-    };
-    for (std::uint32_t face = 0; face < mesh_.face_count(); ++face) {
-      report_.poll();
-      if (!is_edited(face)) {
-        add(face, polygon_of(mesh_, face));
-      } else {
-        for (const Polygon& polygon : by_[edited_[face]]) add(face, polygon);
-      }
-    }
-    mesh_.face_begin = std::move(out.face_begin);
-    mesh_.corner_vertex = std::move(out.corner_vertex);
-    mesh_.corner_normal = std::move(out.corner_normal);
-    mesh_.face_line = std::move(out.face_line);
-    mesh_.face_group = std::move(out.face_group);
-    report_.file_face = std::move(file_face);
-    return true;
-  }
-
- private:
-  Mesh& mesh_;
-  Report& report_;
-  std::vector<std::uint32_t> edited_;  // [face], where in by_; kNone: stays
-  std::vector<std::vector<Polygon>> by_;
-};
 
 // The simple loops of three and more corners that a closed walk is made of.
 struct Loops {
@@ -115,7 +47,7 @@ void join_ends_of_no_length(Mesh& mesh, std::vector<bool>& joined, Report& repor
     for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c) {
       const std::uint32_t from = mesh.corner_vertex[c],
                           to = mesh.corner_vertex[next_corner(mesh, face, c)];
-      if (from == to || (mesh.positions[to] - mesh.positions[from]).norm() > 0) continue;
+      if (from == to || side_length(mesh, face, c) > 0) continue;
       report.add(Severity::kRepaired, "zero-length-side", {.face = face, .vertex = from},
                  "the side from vertex {} to {} has no length; they are one now", from, to);
       places.unite(from, to);
@@ -128,12 +60,6 @@ void join_ends_of_no_length(Mesh& mesh, std::vector<bool>& joined, Report& repor
     if (first != vertex) joined[vertex] = true;
     vertex = first;
   }
-}
-
-double length_of(const Mesh& mesh, std::uint32_t face, std::uint32_t side) {
-  return (mesh.positions[mesh.corner_vertex[next_corner(mesh, face, side)]] -
-          mesh.positions[mesh.corner_vertex[side]])
-      .norm();
 }
 
 // The face with a vertex put into one of its sides; a triangle is cut into two there.
@@ -164,7 +90,7 @@ bool flatten_some(Mesh& mesh, Report& report) {
     if (!is_flat[face] || mesh.valence(face) != 3) continue;
     std::uint32_t longest = mesh.face_begin[face];
     for (const std::uint32_t c : {longest + 1, longest + 2}) {
-      if (length_of(mesh, face, c) > length_of(mesh, face, longest)) longest = c;
+      if (side_length(mesh, face, c) > side_length(mesh, face, longest)) longest = c;
     }
     const std::uint32_t beyond = other[longest];
     if (beyond == kNone) continue;
@@ -180,7 +106,7 @@ bool flatten_some(Mesh& mesh, Report& report) {
     report.add(Severity::kRepaired, "zero-area-face", {.face = face, .vertex = vertex},
                "has no area; removed, and its vertex {} joins face {}", vertex,
                report.number_of(neighbour));
-    const Corner corner{vertex, mesh.corner_normal.empty() ? kNone : mesh.corner_normal[middle]};
+    const Corner corner = corner_of(mesh, middle);
     edit.replace(neighbour, put_into(mesh, neighbour, beyond, corner));
     edit.replace(face, {});
   }

@@ -1,5 +1,4 @@
 // Finds what is accepted, but worth a warning.
-#include <bit>
 #include <cmath>
 #include <numbers>
 
@@ -13,12 +12,6 @@ namespace {
 
 constexpr double kReflex = 1e-6;     // sine beyond the straight angle
 constexpr double kNonPlanar = 0.05;  // off the plane, of the root of the area
-
-std::uint64_t hash_of(const Vec3& position) {
-  std::uint64_t hash = 0;
-  for (const double x : position) hash = mix_bits(hash ^ std::bit_cast<std::uint64_t>(x + 0.0));
-  return hash;  // + 0.0 makes one zero of two
-}
 
 // Why a face is not convex in its plane; null where it is. One without reflex corners can still
 // cross itself, as a pentagram does.
@@ -67,7 +60,7 @@ void warn_of_vertices(const Mesh& mesh, const std::vector<bool>& joined, Report&
       continue;
     }
     const std::uint32_t first = known.find_or_insert(
-        v, hash_of(mesh.positions[v]),
+        v, mix_bits(mesh.positions[v]),
         [&](std::uint32_t a, std::uint32_t b) { return mesh.positions[a] == mesh.positions[b]; });
     if (first != v) {
       report.add(Severity::kWarning, "coincident-vertices", {.vertex = v},

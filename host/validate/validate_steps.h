@@ -11,10 +11,6 @@ namespace gliss {
 
 void validate(Mesh& mesh, const LoadOptions& options, Report& report);
 
-// Takes out corners ([corner]) and whole faces ([face]), keeping what belongs together in step.
-void remove(Mesh& mesh, const std::vector<bool>& corners, const std::vector<bool>& faces,
-            Report& report);
-
 // Removes repeated corners and duplicate faces.
 void repair_faces(Mesh& mesh, Report& report);
 
@@ -37,6 +33,8 @@ void refuse_faces(Mesh& mesh, Report& report);
 
 // Sides of no length, faces of no area.
 void check_sizes(const Mesh& mesh, Report& report);
+
+double side_length(const Mesh& mesh, std::uint32_t face, std::uint32_t side);
 
 // True if nothing but rounding is left of a face's area.
 bool has_no_area(const Mesh& mesh, std::uint32_t face);

@@ -1,6 +1,5 @@
 // Seams: borders whose vertices lie at the same places as those of other borders.
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <unordered_map>
 
@@ -18,13 +17,8 @@ std::vector<std::uint32_t> find_places(const Mesh& mesh, const std::vector<bool>
   DisjointSets sets(mesh.positions.size());
   // Cells as wide as `most`; where that is 0, a cell for each place.
   const auto cell_of = [&](const Vec3& p, const Eigen::Vector3i& step) -> Vec3 {
-    if (most == 0) return p + Vec3::Zero();
+    if (most == 0) return p;
     return (p / most).array().floor().matrix() + step.cast<double>();
-  };
-  const auto hash_of = [](const Vec3& cell) {
-    std::uint64_t hash = 0;
-    for (const double x : cell) hash = mix_bits(hash ^ std::bit_cast<std::uint64_t>(x + 0.0));
-    return hash;
   };
   std::unordered_multimap<std::uint64_t, std::uint32_t> seen;
   const int reach = most > 0 ? 1 : 0;
@@ -35,7 +29,7 @@ std::vector<std::uint32_t> find_places(const Mesh& mesh, const std::vector<bool>
     for (int i = -reach; i <= reach; ++i) {
       for (int j = -reach; j <= reach; ++j) {
         for (int k = -reach; k <= reach; ++k) {
-          const auto [first, last] = seen.equal_range(hash_of(cell_of(p, {i, j, k})));
+          const auto [first, last] = seen.equal_range(mix_bits(cell_of(p, {i, j, k})));
           for (auto it = first; it != last; ++it) {
             if ((mesh.positions[it->second] - p).norm() > most) continue;
             sets.unite(it->second, v);
@@ -44,7 +38,7 @@ std::vector<std::uint32_t> find_places(const Mesh& mesh, const std::vector<bool>
         }
       }
     }
-    seen.emplace(hash_of(cell_of(p, {0, 0, 0})), v);
+    seen.emplace(mix_bits(cell_of(p, {0, 0, 0})), v);
   }
   std::vector<std::uint32_t> place(wanted.size());
   for (std::uint32_t v = 0; v < place.size(); ++v) place[v] = sets.find(v);

@@ -63,7 +63,7 @@ PatchShape by_differences(const PatchDraft& d) {
   return shape;
 }
 
-// As a build judges.
+// True if a build says so.
 bool folds(const PatchDraft& d, PatchShape shape) {
   if (may_fold_unseen(shape)) shape.turn = std::min(shape.turn, closer_turn(d, fold_tables()));
   return is_folded(shape);

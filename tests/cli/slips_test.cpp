@@ -29,7 +29,7 @@ class Slips : public ::testing::Test {
     std::vector<std::string> all = test::split(words, ' ');
     return test::Process(folder_ / "", test::kProgram, all).wait();
   }
-  // What stderr says of a command that ends well.
+  // The words on stderr of a command that ends well.
   std::string told(const std::string& words) const {
     const test::Outcome outcome = run(words);
     EXPECT_EQ(outcome.code, 0) << words << '\n' << outcome.err;

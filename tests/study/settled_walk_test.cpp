@@ -63,7 +63,7 @@ void expect_no_leap(const std::string& name, const Mesh& raw, bool has_creases,
       EXPECT_EQ(felt.jumps(), 0u) << which;
       EXPECT_EQ(felt.lost, 0u) << which;
       if (surface.method == Method::kGregory) {
-        // Of few walks one may lead along an edge.
+        // If walks are few, one may lead along an edge.
         EXPECT_LT(felt.settling_share(), std::getenv("GLISS_LONG_TESTS") ? 0.05 : 0.1) << which;
       }
       EXPECT_EQ(before.settling, 0u);

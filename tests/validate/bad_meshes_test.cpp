@@ -47,7 +47,7 @@ Verdict verdict_of(const std::string& state, Verdict findings) {
   return findings;
 }
 
-// What a strict check says is on lines of their own, where it is something else.
+// A strict check's verdict is on a line of its own if it is another.
 constexpr std::string_view kStrictly = "strict ";
 
 std::map<std::string, Verdict> read_manifest(bool strict) {

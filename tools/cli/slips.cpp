@@ -64,7 +64,7 @@ void tell_odd_size(const SurfaceOptions& options, const Mesh& mesh) {
 }
 
 void tell_edited_mesh(const SurfaceOptions& options, const PatchCache& cache) {
-  // Of rounded and sharp ones the hash holds more than the file.
+  // The hash of a mesh with creases holds more than its file.
   if (options.quiet || cache.crease_count > 0) return;
   std::error_code none;
   for (const char* ending : {".obj", ".off", ".ply"}) {
