@@ -443,6 +443,18 @@ class Fair {
             sum(sum(along(Q0, {1, -3, 2}), along(Q_half, {0, 4, -4})), along(Q1, {0, -1, 2}))};
   }
 
+  /// C(u) less C(0), or less C(1) if `from_end`, as a product with u or with `rest` = 1 - u:
+  /// weights change by 1 / r at r from a corner, so that a rounding of C would count there.
+  static V rise(const Poly& C, Real u, Real rest, bool from_end) {
+    Poly over;  // (C - C(0)) / t, or (C - C(1)) / (t - 1)
+    V sum = V::Zero();
+    for (std::size_t i = C.size(); i-- > 1;) {
+      sum = from_end ? V(sum + C[i]) : C[i];
+      over.insert(over.begin(), sum);
+    }
+    return (from_end ? -rest : u) * value(over, u);
+  }
+
   Sample<Real> blend(std::uint32_t face, Real xi, Real eta) const {
     const int n = static_cast<int>(mesh_.valence(face));
     assert(n >= 5);
@@ -463,6 +475,11 @@ class Fair {
       const auto on = std::find_if(d.begin(), d.end(), [](const Jet& j) { return j.value == 0; });
       total = weight[static_cast<std::size_t>(on - d.begin())] = {1, 0, 0};
     }
+    // Corner `near` has the least d_(near - 1) + d_near.
+    int near = 0;
+    const auto around = [&](int k) { return at(k - 1).value + at(k).value; };
+    for (int k = 1; k < n; ++k) near = around(k) < around(near) ? k : near;
+    const V from = position(mesh_.face_begin[face] + static_cast<std::uint32_t>(near));
     Sample<Real> sample{V::Zero(), V::Zero(), V::Zero(), V::Zero()};
     for (int k = 0; k < n; ++k) {
       const auto i = static_cast<std::uint32_t>(k);
@@ -471,13 +488,18 @@ class Fair {
       const Jet w = weight[static_cast<std::size_t>(k)] / total;
       const auto slope = [&](const Poly& p) { return value(derivative(p), u.value); };
       const V T = value(r.T, u.value), Q = value(r.Q, u.value);
-      const V R = value(r.C, u.value) + H.value * (T + H.value * Q);
+      const bool ends = (k + 1) % n == near;
+      const Real rest = at(k + 1).value / (at(k - 1).value + at(k + 1).value);
+      const V C =
+          k == near || ends ? rise(r.C, u.value, rest, ends) : V(value(r.C, u.value) - from);
+      const V R = C + H.value * (T + H.value * Q);
       const V R_u = slope(r.C) + H.value * (slope(r.T) + H.value * slope(r.Q));
       const V R_H = T + 2 * H.value * Q;
       sample.G += w.value * R;
       sample.G_xi += w.xi * R + w.value * (u.xi * R_u + H.xi * R_H);
       sample.G_eta += w.eta * R + w.value * (u.eta * R_u + H.eta * R_H);
     }
+    sample.G += from;
     sample.normal = sample.G_xi.cross(sample.G_eta).normalized();
     return sample;
   }
