@@ -137,6 +137,7 @@ namespace counted {
 #include "kernels/quad.h"
 #include "kernels/bezier.h"
 #include "kernels/sextic.h"
+#include "kernels/curved.h"
 #include "kernels/table.h"
 #include "kernels/forms.h"
 #include "kernels/build.h"

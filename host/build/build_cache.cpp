@@ -163,7 +163,9 @@ class CacheBuilder {
     return c;
   }
 
-  bool is_fair(std::uint32_t face) const { return fair_ && cache_.face_valence[face] <= 4; }
+  bool is_fair(std::uint32_t face) const {
+    return fair_ && cache_.face_valence[face] <= kMostFairSides;
+  }
   // True if a side has tangents of its own.
   bool is_sharp(std::uint32_t face) const {
     for (std::uint32_t s = mesh_.face_begin[face]; s < mesh_.face_begin[face + 1]; ++s)

@@ -1,5 +1,5 @@
-// The fair construction: its triangles against the oracle, smooth across every edge, and as curved
-// as what they stand for.
+// The fair construction: its triangles and its polygons of more sides against the oracle, smooth
+// across every edge, and as curved as what they stand for.
 #include "tests/oracle/fair_oracle.h"
 
 #include <cstring>
@@ -9,6 +9,7 @@
 #include "gliss/validate/validate.h"
 #include "tests/support/patch_errors.h"
 #include "tests/support/random_meshes.h"
+#include "tests/support/surfaces.h"
 
 namespace gliss {
 namespace {
@@ -66,20 +67,21 @@ INSTANTIATE_TEST_SUITE_P(, FairTest, ::testing::Values(Precision::kDouble, Preci
                          });
 
 // Points inside, near sides, on sides and on corners.
-std::vector<Vec2> points_of_triangle(Rng& rng) {
+std::vector<Vec2> points_of_polygon(Rng& rng, int n) {
   std::vector<Vec2> points{Vec2::Zero()};
-  for (int i = 0; i < 12; ++i) points.push_back(oracle::random_inside<double>(rng, 3));
-  for (int k = 0; k < 3; ++k) {
-    points.push_back(oracle::domain_corner(3, k));
+  for (int i = 0; i < 12; ++i) points.push_back(oracle::random_inside<double>(rng, n));
+  for (int k = 0; k < n; ++k) {
+    points.push_back(oracle::domain_corner(n, k));
     for (const double t : {1e-9, 0.25, 0.5, oracle::uniform(rng, 0, 1)})
-      points.push_back(oracle::on_side(3, k, t));
+      points.push_back(oracle::on_side(n, k, t));
     for (const double inward : {1e-12, 1e-6, 1e-3}) {
-      points.push_back((1 - inward) * oracle::on_side(3, k, oracle::uniform(rng, 0, 1)));
-      points.push_back((1 - inward) * oracle::domain_corner(3, k));
+      points.push_back((1 - inward) * oracle::on_side(n, k, oracle::uniform(rng, 0, 1)));
+      points.push_back((1 - inward) * oracle::domain_corner(n, k));
     }
   }
   return points;
 }
+std::vector<Vec2> points_of_triangle(Rng& rng) { return points_of_polygon(rng, 3); }
 
 TEST_P(FairTest, triangles_agree_with_the_oracle) {
   const double bound = is_float() ? 1e-6 : 1e-11;
@@ -111,6 +113,31 @@ TEST_P(FairTest, triangles_agree_with_the_oracle) {
   }
   // Every branch was met.
   EXPECT_GE(std::min({all.foot, all.turn, all.fade, all.curvature, all.twist}), 5);
+}
+
+TEST_P(FairTest, polygons_agree_with_the_oracle) {
+  Rng rng(28);
+  for (const int n : {5, 6, 7, 8, 12, 31}) {
+    // u loses n^2 roundings of the distances.
+    const double bound = (is_float() ? 2e-6 : 1e-11) * (n > 12 ? 10 : 1);
+    test::Errors errors;
+    int judged = 0;
+    for (int i = 0; i < 8; ++i) {
+      const auto polygon = oracle::with_unit_normals(oracle::random_polygon(rng, n, 0.3));
+      const Mesh mesh = test::mesh_of(polygon);
+      const Topology topology = build_topology(mesh);
+      const oracle::Fair fair(mesh, topology);
+      const PatchCache cache = fair_cache(mesh, GetParam(), false);
+      if (cache.folded[0] != 0) continue;
+      ++judged;
+      for (const Vec2& X : points_of_polygon(rng, n)) {
+        const Vec2 Y = held(X);
+        errors.add(at(cache, 0, Y), fair.evaluate(0, Y.x(), Y.y()), oracle::size_of(polygon));
+      }
+    }
+    EXPECT_GE(judged, 4) << n;
+    errors.expect_below(bound, bound, bound, fmt::format("{} sides", n));
+  }
 }
 
 TEST_P(FairTest, corners_have_the_normals_of_their_vertices) {
@@ -332,6 +359,17 @@ TEST(Fair, random_spheres_are_as_curved_as_spheres) {
     EXPECT_LE(fair.largest, kSphere.largest);
     EXPECT_GE(paper.p99, 50 * fair.p99);
     record(fmt::format("sphere {}", seed), fair, paper);
+  }
+}
+
+TEST(Fair, pentagons_and_hexagons_of_spheres_are_as_curved_as_spheres) {
+  for (const int frequency : {2, 4}) {
+    const Mesh mesh = goldberg(frequency, 10).mesh;
+    const Curvatures fair = curvatures_of(fair_cache(mesh), 10);
+    const Curvatures paper = curvatures_of(test::paper_cache_of(mesh), 10);
+    EXPECT_LE(fair.largest, frequency == 2 ? 1.2 : 1.1);
+    EXPECT_GE(paper.median, 2.7);
+    record(fmt::format("goldberg {}", frequency), fair, paper);
   }
 }
 
