@@ -69,7 +69,7 @@ function makeOddResults() {
   writeFileSync(join(folder, 'still.json'), '{"histograms": {"wake": [], "compute": [[1, 1]]}}');
   writeFileSync(join(folder, 'unmeasured.json'), JSON.stringify({growth: {sweeps: growth().growth.sweeps.slice(0, 1), meshes: []}}));
   writeFileSync(join(folder, 'none.csv'),
-      'time,lateness,compute,missed,fx,fy,fz,sent_x,sent_y,sent_z,state,guard\n');
+      'time,lateness,compute,missed,fx,fy,fz,sent_x,sent_y,sent_z,state,guard,reason\n');
   run(gliss, 'sweep', 'knot.obj', '--depth', '30mm', '--rings', '1', '--method', 'flat', '--unit', 'mm', '-o', 'deep.h5', '--quiet');
   run(gliss, 'report', 'free.csv', 'two.csv', 'none.json', 'still.json', 'none.csv', 'deep.h5', 'unmeasured.json', '-o', 'odd.html', '--quiet');
 }

@@ -38,10 +38,11 @@ class Pace {
   Nanoseconds period_, start_ = monotonic_time(), next_ = start_;
 };
 
-// The record's error of a tick whose force was not the tracker's, or its limited one.
-int error_of(GuardReason reason) { return is_failure(reason) ? static_cast<int>(reason) : 0; }
-
 }  // namespace
+
+int tick_error(GuardReason reason) noexcept {
+  return is_failure(reason) ? static_cast<int>(reason) : 0;
+}
 
 const char* loop_end_text(LoopEnd end) noexcept {
   switch (end) {
@@ -130,7 +131,7 @@ LoopEnd HapticLoop::run(const std::function<bool(const LoopTick&)>& on_tick) {
     tick.lateness = wake.lateness;
     tick.missed = wake.missed;
     describe(tick);
-    record_.add({wake.deadline, tick.lateness, tick.compute, error_of(tick.reason)}, tick.missed);
+    record_.add({wake.deadline, tick.lateness, tick.compute, tick_error(tick.reason)}, tick.missed);
     if (failed_) end = LoopEnd::kDeviceFault;
     if (!on_tick(tick)) end = end.value_or(LoopEnd::kStopped);
     // A guard that was safe before a force could not be handed on has that fault still to count.

@@ -46,6 +46,10 @@ struct LoopTick {
   std::uint32_t flags = 0;  // Contact::flags
 };
 
+// The error of a tick in a TickRecord: the reason, where its force is not the tracker's, nor that
+// within a limit; else 0.
+GLISS_EXPORT int tick_error(GuardReason reason) noexcept;
+
 enum class LoopEnd { kStopped, kDeviceEnded, kDeviceFault };
 GLISS_EXPORT const char* loop_end_text(LoopEnd end) noexcept;  // "the device has ended"
 

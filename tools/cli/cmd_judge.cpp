@@ -140,15 +140,16 @@ void run(const JudgeOptions& options) {
                      {"longest_missed", loop.longest_missed()},
                      {"errors", loop.errors()},
                      {"floor_success_rate", floor.success()}};
-  report(options,
-         timing_header() + timing_row("floor", floor.lateness()) +
-             timing_row("wake", loop.lateness()) + timing_row("compute", loop.compute()) +
-             fmt::format("{} ticks on {} patches, {} missed, at most {} in a row; success {:.2f} % "
-                         "({:.2f} % without a tick); {}, memory {}\n{}\n",
-                         loop.ticks(), tick.patches(), loop.missed(), loop.longest_missed(),
-                         100 * loop.success(), 100 * floor.success(), found->scheduling,
-                         found->memory_locked ? "locked" : "not locked", verdict),
-         json);
+  report(
+      options,
+      timing_header() + timing_row("floor", floor.lateness()) +
+          timing_row("wake", loop.lateness()) + timing_row("compute", loop.compute()) +
+          fmt::format("{} ticks on {} patches, {} missed, at most {} in a row; success {:.3f} %, "
+                      "of the empty loop {:.3f} %; {}, memory {}\n{}\n",
+                      loop.ticks(), tick.patches(), loop.missed(), loop.longest_missed(),
+                      100 * loop.success(), 100 * floor.success(), found->scheduling,
+                      found->memory_locked ? "locked" : "not locked", verdict),
+      json);
 }
 
 }  // namespace
@@ -159,6 +160,9 @@ void add_judge(Command& program) {
       "Judge whether this machine keeps a haptic loop of 1 kHz.\n"
       "floor: lateness of the wakes of an empty loop. wake, compute: of a loop that follows a "
       "contact on 10,000 patches. They take turns of a second.\n"
+      "success: the share of the periods that had a tick without an error; missed periods and "
+      "ticks "
+      "that lost the contact have none.\n"
       "good: wake p99.9 within 50 us of the floor's, compute p99 within 50 us, 99.9 % of the "
       "periods succeed. usable: 2 ms, 500 us, 99 %. unfit: less.",
       "gliss judge --seconds 30 --json", describe, run);

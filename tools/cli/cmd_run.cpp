@@ -164,7 +164,16 @@ void run_session(HapticLoop& loop, const RunOptions& options, const Scene& scene
   session.lost = session.not_recorded ? loop.record().ticks() : queue.lost();
 }
 
-Json figures_of(const HapticLoop& loop, const Session& session, const std::string& device) {
+// [{mesh, stiffness_N_per_m}]
+Json objects_json(const Scene& scene) {
+  Json objects = Json::array();
+  for (const ObjectDescription& object : scene.objects)
+    objects.push_back({{"mesh", object.surface}, {"stiffness_N_per_m", object.stiffness}});
+  return objects;
+}
+
+Json figures_of(const RunOptions& options, const Scene& scene, const HapticLoop& loop,
+                const Session& session, const std::string& device) {
   const TickRecord& record = loop.record();
   const ForceStatistics &rendered = session.report.rendered(), &sent = session.report.sent();
   Json acts = Json::object();
@@ -174,7 +183,10 @@ Json figures_of(const HapticLoop& loop, const Session& session, const std::strin
     acts[guard_reason_name(reason)] = loop.guard().count(reason);
     if (is_failure(reason)) trips += loop.guard().count(reason);
   }
-  return {{"ticks", record.ticks()},
+  return {{"command_line", command_line()},
+          {"scene", options.scene},
+          {"objects", objects_json(scene)},
+          {"ticks", record.ticks()},
           {"missed", record.missed()},
           {"largest_force_step", rendered.largest_step},
           {"jumps_per_100k", rendered.jumps_per_100k()},
@@ -280,12 +292,14 @@ void tell_untouched_objects(const RunOptions& options, const std::vector<SceneOb
                  boxes_of(objects), "name the columns x_mm,y_mm,z_mm");
 }
 
-std::vector<Attribute> provenance(const RunOptions& options, const HapticDevice& device) {
+std::vector<Attribute> provenance(const RunOptions& options, const Scene& scene,
+                                  const HapticDevice& device) {
   return {{"program", "gliss"},
           {"version", GLISS_VERSION},
           {"command_line", command_line()},
           {"scene", options.scene},
-          {"device", device.info().name}};
+          {"device", device.info().name},
+          {"objects", objects_json(scene).dump(-1, ' ', false, Json::error_handler_t::replace)}};
 }
 
 void run(const RunOptions& options) {
@@ -302,7 +316,7 @@ void run(const RunOptions& options) {
     throw InputError(fmt::format("--no-wait: {} lives in real time", device->info().name));
   std::optional<RecordingFile> recording;
   if (!options.recording.empty())
-    recording.emplace(options.recording, provenance(options, *device));
+    recording.emplace(options.recording, provenance(options, scene, *device));
   std::optional<AtomicFile> report_file;
   if (!options.report.empty()) report_file.emplace(options.report);
 
@@ -313,7 +327,7 @@ void run(const RunOptions& options) {
   Session session;
   run_session(loop, options, scene, recording, session);
 
-  const Json json = figures_of(loop, session, device->info().name);
+  const Json json = figures_of(options, scene, loop, session, device->info().name);
   if (recording) {
     recording->add_histogram("wake_lateness", loop.record().lateness());
     recording->add_histogram("compute", loop.record().compute());
@@ -347,6 +361,8 @@ void add_run(Command& program) {
       "gaining and losing contact are steps from zero and to zero. jumps_per_100k: ticks whose "
       "step is above 20 % of the force held lately, lost_per_100k: contacts that end under more "
       "than that, each per 100,000 ticks in contact; unsound: steps that are not finite. "
+      "success_rate: the share of the periods that had a tick without an error; a period that was "
+      "missed and a tick in which a guard acted on a failure have none. "
       "largest_sent_step: of what went to the device. guard_trips: times that a guard acted on a "
       "late input, numbers that are not finite, a clock or the device.",
       "gliss run scene.toml --device sim --record run.h5", describe, run);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gliss/loop/loop.h"
 #include "gliss/query/force_statistics.h"
 #include "tools/cli/timing_text.h"
 #include "tools/report/report_data.h"
@@ -17,6 +18,14 @@ constexpr std::size_t kTickBytes = 3 * 4;
 
 Nanoseconds nanoseconds(double seconds) {
   return Nanoseconds(static_cast<std::int64_t>(std::llround(seconds * 1e9)));
+}
+
+GuardReason guard_reason(const std::string& name) {
+  for (int i = 0; i < kGuardReasons; ++i) {
+    const auto reason = static_cast<GuardReason>(i);
+    if (name == guard_reason_name(reason)) return reason;
+  }
+  return GuardReason::kNone;
 }
 
 }  // namespace
@@ -44,15 +53,16 @@ Json recording_result(const ReportTable& table, const ReportSource& source) {
   };
   const auto& time = table.numbers.at("time");
   ForceStatistics of_rendered, of_sent;
-  DurationHistogram wake, compute;
-  double missed = 0;
+  TickRecord record;
   for (std::size_t row = 0; row < table.rows; ++row) {
     if (rendered(row).allFinite())
       of_rendered.add(table.texts.at("state")[row] == "contact", rendered(row));
     of_sent.add(sent(row) != Vec3::Zero(), sent(row));
-    wake.add(nanoseconds(table.numbers.at("lateness")[row]));
-    compute.add(nanoseconds(table.numbers.at("compute")[row]));
-    missed += table.numbers.at("missed")[row];
+    const auto number = [&](const char* name) { return table.numbers.at(name)[row]; };
+    record.add(
+        {nanoseconds(time[row]), nanoseconds(number("lateness")), nanoseconds(number("compute")),
+         tick_error(guard_reason(table.texts.at("reason")[row]))},
+        static_cast<std::uint64_t>(std::min(std::max(0.0, number("missed")), 1e15)));
   }
   const std::size_t most = std::min<std::size_t>(kMostTicks, source.page_bytes / kTickBytes);
   // Both forces at the extremes of either.
@@ -65,14 +75,13 @@ Json recording_result(const ReportTable& table, const ReportSource& source) {
   std::inplace_merge(kept.begin(), kept.begin() + static_cast<std::ptrdiff_t>(middle), kept.end());
   kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
 
-  const double ticks = static_cast<double>(table.rows);
   return {
       {"kind", "recording"},
       {"origin", table.origin},
       {"figures",
        {{"ticks", table.rows},
-        {"missed", missed},
-        {"success_rate", table.rows ? ticks / (ticks + missed) : 1},
+        {"missed", record.missed()},
+        {"success_rate", record.success()},
         {"largest_force_step", of_rendered.largest_step},
         {"jumps_per_100k", of_rendered.jumps_per_100k()},
         {"lost_per_100k", of_rendered.lost_per_100k()},
@@ -85,9 +94,11 @@ Json recording_result(const ReportTable& table, const ReportSource& source) {
         {"sent_jumps_per_100k", of_sent.jumps_per_100k()},
         {"sent_lost_per_100k", of_sent.lost_per_100k()},
         {"largest_sent_force", of_sent.largest_force},
-        {"wake", json_of(wake)},
-        {"compute", json_of(compute)},
-        {"histograms", {{"wake", histogram_json(wake)}, {"compute", histogram_json(compute)}}}}},
+        {"wake", json_of(record.lateness())},
+        {"compute", json_of(record.compute())},
+        {"histograms",
+         {{"wake", histogram_json(record.lateness())},
+          {"compute", histogram_json(record.compute())}}}}},
       {"shown", kept.size()},
       {"time", packed_at<float>(kept, [&](std::size_t row) { return time[row]; })},
       {"rendered", packed_at<float>(kept, [&](std::size_t row) { return rendered(row).norm(); })},

@@ -16,7 +16,7 @@ const WantedColumns& wanted(TickTable kind) {
                                       {"method", "state"}};
   static const WantedColumns of_recording{
       {"time", "lateness", "compute", "missed", "fx", "fy", "fz", "sent_x", "sent_y", "sent_z"},
-      {"state", "guard"}};
+      {"state", "guard", "reason"}};
   return kind == TickTable::kTrace ? of_trace : of_recording;
 }
 
@@ -25,7 +25,7 @@ const WantedColumns& wanted(TickTable kind) {
 ReportTable read_csv_ticks(const ReportSource& source) {
   const auto &trace = wanted(TickTable::kTrace), &recording = wanted(TickTable::kRecording);
   const InputTable csv = read_csv(source.path, {.alternatives = {trace.numbers, recording.numbers},
-                                                .texts = {"method", "state", "guard"},
+                                                .texts = {"method", "state", "guard", "reason"},
                                                 .poll = stop_if_interrupted});
   ReportTable table;
   table.kind = csv.alternative == 0 ? TickTable::kTrace : TickTable::kRecording;
