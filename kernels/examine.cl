@@ -1,4 +1,5 @@
-// Samples patches: a work-item takes a patch, GLISS_LANES probes at a time.
+// Samples patches: a work-item takes a patch, GLISS_LANES probes at a time. `sextic` and `quad`: the
+// tables of second derivatives (second.h). `rows`: samples for tiles to be cut from.
 #include "kernels/arguments.h"
 #include "kernels/kernels.h"
 
@@ -7,7 +8,11 @@ __kernel GROUP void examine_patches(uint count, __global const scalar* domain,
                                     __global const uint* probe_begin,
                                     __global const uint* side_begin, __global const scalar* corner,
                                     __global const uint* triangle, __global const scalar* frame,
-                                    __global const scalar* control, __global scalar* shape) {
+                                    __global const scalar* control,
+                                    __global const uint* control_begin, __global const uint* form,
+                                    __global const scalar* sextic, __global const scalar* quad,
+                                    __global const uint* rows_begin, __global scalar* rows,
+                                    __global scalar* shape) {
   const uint i = (uint)get_global_id(0);
   if (i >= count) return;
   const uint first = side_begin[i];
@@ -15,6 +20,7 @@ __kernel GROUP void examine_patches(uint count, __global const scalar* domain,
   store_shape(
       shape + (ulong)i * SHAPE_REALS,
       examine(domain + domain_begin[n], probe + probe_begin[n], probe_count(n),
-              control + (ulong)first * SIDE_REALS, FORM_PAPER, corner + 6 * (ulong)first,
-              triangle + 3 * (ulong)(first - 2 * i), frame + (ulong)i * FRAME_REALS, n, 0, 0));
+              control + control_begin[i], form[i], corner + 6 * (ulong)first,
+              triangle + 3 * (ulong)(first - 2 * i), frame + (ulong)i * FRAME_REALS, n,
+              form[i] == FORM_SEXTIC ? sextic : quad, rows + rows_begin[i]));
 }

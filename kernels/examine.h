@@ -59,14 +59,14 @@ FN real zero_if_finite(real3 a) { return (a.x - a.x) + (a.y - a.y) + (a.z - a.z)
 
 // The least cosine at corners where the patch turns over, for probes do not come that close: where
 // the boundary turns back, or by more than half a turn; and -1 where a cross tangent changes so
-// fast (of a polygon in [-1, 1]^3) that it has no direction there. Of exact patches, whose boundary
-// the other forms share.
+// fast (of a polygon in [-1, 1]^3) that it has no direction there. `reals`: numbers of a side, of
+// the forms that blend sides; the others have boundaries that were examined so before.
 #define TWIST_MOST K(32)
-FN real corner_turn(GLOBAL scalar* control, GLOBAL scalar* corner, int n, real3 along) {
+FN real corner_turn(GLOBAL scalar* control, int reals, GLOBAL scalar* corner, int n, real3 along) {
   real least = splat(K(1));
   for (int k = 0; k < n; ++k) {
-    GLOBAL scalar* side = control + k * SIDE_REALS;
-    GLOBAL scalar* before = control + wrap(k - 1, n) * SIDE_REALS;
+    GLOBAL scalar* side = control + k * reals;
+    GLOBAL scalar* before = control + wrap(k - 1, n) * reals;
     const real3 in = cubic_at(before, SIDE_C, splat(K(1))).d, out = load3(side, SIDE_C + 1),
                 normal = cross3(in, out);
     const real turns_over = K(-1e-9f) * norm3(in) * norm3(out);
@@ -183,7 +183,8 @@ FN_LARGE patch_shape examine(GLOBAL scalar* domain, GLOBAL scalar* probe, int co
     const real3 p = load3(corner, 2 * k);
     r = widen(r, p, along_frame(p, normal, tangent));
   }
-  if (count > 0 && form == FORM_PAPER) r.turn = corner_turn(control, corner, n, normal);
+  if (count > 0 && (IS_FORM(form, FORM_PAPER) || IS_FORM(form, FORM_RIBBON)))
+    r.turn = corner_turn(control, side_reals(form), corner, n, normal);
   for (int first = 0; first < count; first += GLISS_LANES) {
     const real xi = load_lanes(probe + first), eta = load_lanes(probe + PROBE_STRIDE(n) + first);
     const patch_probe at =

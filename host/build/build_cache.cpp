@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <optional>
 #include <span>
 
+#include "gliss/base/pace.h"
 #include "gliss/base/plain_arithmetic.h"
 #include "gliss/build/fair_sides.h"
 #include "gliss/build/hierarchy.h"
@@ -22,8 +22,9 @@
 namespace gliss {
 namespace {
 
-// Faces that are built share nothing, so that they may be drafted in any order.
-constexpr std::size_t kGrain = 64;
+// Faces that are built share nothing, so that they may be drafted in any order. Those that fold
+// take a hundred times as long as others.
+constexpr std::size_t kGrain = 8;
 
 // A patch as it goes into the cache.
 struct FinishedPatch {
@@ -41,14 +42,12 @@ struct FinishedPatch {
   std::size_t real_count() const { return kernels<double>().control_reals(form, valence); }
 };
 
-// faces_[first] to faces_[first + count - 1]. What the paper's construction makes of them is a
-// batch; the others have drafts of their own.
+// faces_[first] to faces_[first + count - 1] and their patches, those that a backend builds first.
 struct Chunk {
   std::size_t first = 0, count = 0;
   PatchBatch batch;
   std::vector<PatchFrame> frame;        // [patch of the batch]
-  std::vector<std::uint32_t> in_batch;  // [face of the chunk], its patch there; kNone: none
-  std::vector<PatchDraft> single;       // [face of the chunk], of those not in the batch
+  std::vector<std::uint32_t> in_batch;  // [face of the chunk], its patch there
   std::vector<DraftedFace> drafted;     // [face of the chunk]
   // [face of the chunk], its own patch, or those that it becomes.
   std::vector<FinishedPatch> plain;
@@ -175,8 +174,10 @@ class CacheBuilder {
       if (mesh_frame().has_tangents(s)) return true;
     return false;
   }
-  // True if the batch has nothing for its patch.
-  bool is_single(std::uint32_t face) const { return is_fair(face) || is_sharp(face); }
+  // True if a backend builds its patch from corners alone; else it is drafted here.
+  bool is_to_build(std::uint32_t face) const {
+    return base_only_ || !(is_fair(face) || is_sharp(face));
+  }
 
   // Makes the tables of the faces, and of the triangles that a face may be split into.
   void make_tables() {
@@ -190,33 +191,37 @@ class CacheBuilder {
     tables_ = make_valence_tables(used);
   }
 
-  // Calls body(chunk) for all faces, in order, with the paper's patches of those that need them.
+  // Calls body(chunk) for all faces, in order, with their patches.
   template <class Body>
   void for_chunks(Body body) {
     Chunk c;
     c.batch.tables = &tables_;
-    std::vector<std::uint32_t> valences;
-    for (c.first = 0; c.first < faces_.size(); c.first += c.count) {
-      c.count = std::min(backend_.chunk, faces_.size() - c.first);
-      c.in_batch.assign(c.count, kNone);
+    std::vector<std::uint32_t> valences, forms;
+    Pace pace(8 * kGrain, backend_.chunk);
+    pace.for_pieces(faces_.size(), [&](std::size_t begin, std::size_t end) {
+      c.first = begin;
+      c.count = end - begin;
+      c.in_batch.resize(c.count);
       c.drafted.assign(c.count, {});
       c.plain.resize(c.count);
       c.tamer.assign(c.count, {});
-      valences.clear();
-      for (std::size_t i = 0; i < c.count; ++i) {
-        if (!base_only_ && is_single(faces_[c.first + i])) continue;
-        c.in_batch[i] = static_cast<std::uint32_t>(valences.size());
-        valences.push_back(cache_.face_valence[faces_[c.first + i]]);
+      valences.clear(), forms.clear();
+      for (const bool to_build : {true, false}) {
+        for (std::size_t i = 0; i < c.count; ++i) {
+          const std::uint32_t face = faces_[c.first + i], n = cache_.face_valence[face];
+          if (is_to_build(face) != to_build) continue;
+          c.in_batch[i] = static_cast<std::uint32_t>(valences.size());
+          valences.push_back(n);
+          forms.push_back(is_fair(face) ? fair_form(n) : kFormPaper);
+        }
+        if (to_build) c.batch.to_build = valences.size();
       }
-      c.single.resize(valences.size() < c.count ? c.count : 0);
-      c.batch.resize(valences);
+      c.batch.resize(valences, forms);
       c.frame.resize(valences.size());
-      for_faces(c, [&](std::size_t i) {
-        if (c.in_batch[i] != kNone) place(c, c.in_batch[i], faces_[c.first + i]);
-      });
-      if (!base_only_ && c.batch.size() > 0) backend_.build(c.batch, backend_.parallel);
+      for_faces(c, [&](std::size_t i) { place(c, c.in_batch[i], faces_[c.first + i]); });
+      if (!base_only_) backend_.build(c.batch, backend_.parallel);
       body(c);
-    }
+    });
   }
 
   // Calls body(i) for the faces of a chunk, on all threads.
@@ -227,12 +232,28 @@ class CacheBuilder {
     });
   }
 
+  // Puts the polygon of a face into the batch, with its patch if that comes drafted.
   void place(Chunk& c, std::size_t p, std::uint32_t face) const {
     thread_local FaceCorners corners;
-    corners_of(face, corners);
+    thread_local PatchDraft draft;
     PatchBatch& b = c.batch;
-    c.frame[p] = place_polygon(corners, all_corners(b.valence(p)), &b.corner[b.side_begin[p] * 6],
-                               &b.triangle[3 * b.first_triangle(p)]);
+    double* corner = &b.corner[b.side_begin[p] * 6];
+    std::uint32_t* triangle = &b.triangle[3 * b.first_triangle(p)];
+    b.turned[p] = 1;
+    if (p < b.to_build) {
+      corners_of(face, corners);
+      c.frame[p] = place_polygon(corners, all_corners(b.valence(p)), corner, triangle);
+    } else {
+      face_of(face, corners);
+      draft.face_corner = all_corners(b.valence(p));
+      draft_patch(corners, draft);
+      c.frame[p] = draft.frame;
+      std::copy(draft.corner.begin(), draft.corner.end(), corner);
+      std::copy(draft.triangle.begin(), draft.triangle.end(), triangle);
+      std::copy(draft.control.begin(), draft.control.end(), &b.control[b.control_begin[p]]);
+      b.soundness[p] = draft.soundness;
+      b.turned[p] = draft.turned;
+    }
     c.frame[p].store(&b.frame[p * kFrameReals]);
   }
 
@@ -240,47 +261,38 @@ class CacheBuilder {
   template <class Real>
   void build_face(Chunk& c, std::size_t i) const {
     thread_local PatchSamples samples;
-    thread_local FaceCorners corners;
     const std::uint32_t face = faces_[c.first + i], p = c.in_batch[i];
     DraftedFace& drafted = c.drafted[i];
     const PatchBatch& b = c.batch;
-    if (p == kNone) {
-      PatchDraft& single = c.single[i];
-      face_of(face, corners);
-      single.face_corner.resize(corners.position.size());
-      std::iota(single.face_corner.begin(), single.face_corner.end(), 0u);
-      draft_patch(corners, single);
-      judge(face, examine(single, tables_, &samples), single.soundness, drafted);
-      single.shape = drafted.shape;
-    } else if (base_only_) {
+    const double *corner = &b.corner[b.side_begin[p] * 6],
+                 *control = &b.control[b.control_begin[p]];
+    const std::uint32_t *triangle = &b.triangle[3 * b.first_triangle(p)], n = b.valence(p);
+    if (base_only_) {
       drafted.shape = base_shape(b, p);
     } else {
-      judge(face,
-            b.shape.empty() ? examine(c.frame[p], &b.corner[b.side_begin[p] * 6],
-                                      &b.triangle[3 * b.first_triangle(p)],
-                                      &b.control[b.side_begin[p] * kSideReals], kFormPaper,
-                                      b.valence(p), tables_, &samples)
-                            : shape_from(&b.shape[p * kShapeReals], b.valence(p)),
-            b.soundness[p], drafted);
+      PatchShape shape = b.shape.empty() ? examine(c.frame[p], corner, triangle, control, b.form[p],
+                                                   n, tables_, &samples)
+                                         : examined(b, p, samples);
+      if (!(b.turned[p] > 0)) shape.turn = -1;
+      judge(face, shape, b.soundness[p], drafted);
     }
     for (const PatchDraft& d : drafted.tamer) {
       c.tamer[i].push_back(to_finish(d));
       finish<Real>(c.tamer[i].back(), samples, false);
     }
     if (!drafted.tamer.empty()) return;
-    FinishedPatch& plain = c.plain[i];
-    if (p == kNone) {
-      plain = to_finish(c.single[i]);
-    } else {
-      plain = {b.valence(p),
-               PatchKind::kPlain,
-               &c.frame[p],
-               drafted.shape,
-               &b.corner[b.side_begin[p] * 6],
-               &b.control[b.side_begin[p] * kSideReals],
-               &b.triangle[3 * b.first_triangle(p)]};
-    }
-    finish<Real>(plain, samples, p == kNone || b.shape.empty());
+    c.plain[i] = {n,      PatchKind::kPlain, &c.frame[p], drafted.shape,
+                  corner, control,           triangle,    b.form[p]};
+    finish<Real>(c.plain[i], samples, true);
+  }
+
+  // The shape and the samples that a backend found.
+  static PatchShape examined(const PatchBatch& b, std::size_t p, PatchSamples& samples) {
+    const double* shape = &b.shape[p * kShapeReals];
+    samples.rows.assign(&b.sample[b.sample_begin[p]], &b.sample[b.sample_begin[p + 1] - 1] + 1);
+    samples.count = static_cast<std::uint32_t>(samples.rows.size() / kCutRows);
+    samples.stretch2 = shape[kShapeStretch2];
+    return shape_from(shape, b.valence(p));
   }
 
   static FinishedPatch to_finish(const PatchDraft& d) {

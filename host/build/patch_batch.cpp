@@ -51,26 +51,37 @@ DomainVec on_side(std::uint32_t n, std::uint32_t k, double t) {
   return {(1 - t) * std::cos(a) + t * std::cos(b), (1 - t) * std::sin(a) + t * std::sin(b)};
 }
 
-void PatchBatch::resize(std::span<const std::uint32_t> valences) {
+void PatchBatch::resize(std::span<const std::uint32_t> valences,
+                        std::span<const std::uint32_t> forms) {
   side_begin.assign(1, 0);
-  for (const std::uint32_t n : valences) side_begin.push_back(side_begin.back() + n);
+  control_begin.assign(1, 0);
+  sample_begin.assign(1, 0);
+  form.assign(forms.begin(), forms.end());
+  for (std::size_t p = 0; p < valences.size(); ++p) {
+    const std::size_t reals = kernels<double>().control_reals(forms[p], valences[p]);
+    side_begin.push_back(side_begin.back() + valences[p]);
+    control_begin.push_back(control_begin.back() + static_cast<std::uint32_t>(reals));
+    const std::size_t samples = kCutRows * kernels<double>().probe_reals(valences[p]) / 2;
+    sample_begin.push_back(sample_begin.back() + static_cast<std::uint32_t>(samples));
+  }
   const std::size_t sides = side_begin.back(), patches = size();
   corner.resize(sides * 6);
   triangle.resize(3 * (sides - 2 * patches));
   frame.resize(patches * kFrameReals);
-  control.resize(sides * kSideReals);
+  turned.resize(patches);
+  control.resize(control_begin.back());
   soundness.resize(patches);
-  shape.clear();
+  shape.clear(), sample.clear();
 }
 
 void build_patches(PatchBatch& b, const ParallelFor& parallel) {
   const Kernels<double>& k = kernels<double>();
-  parallel(b.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel(b.to_build, kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t first = begin, last; first < end; first = last) {  // of one valence
       const std::uint32_t n = b.valence(first);
       for (last = first + 1; last < end && b.valence(last) == n;) ++last;
       const std::size_t side = b.side_begin[first];
-      k.build_patches(&b.corner[side * 6], n, last - first, &b.control[side * kSideReals],
+      k.build_patches(&b.corner[side * 6], n, last - first, &b.control[b.control_begin[first]],
                       &b.soundness[first]);
     }
   });

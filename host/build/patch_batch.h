@@ -39,26 +39,33 @@ using DomainVec = Eigen::Matrix<double, 2, 1, Eigen::DontAlign>;
 // The point at t of side k of the domain of n sides.
 GLISS_EXPORT DomainVec on_side(std::uint32_t n, std::uint32_t k, double t);
 
+// Patches before `to_build` are the paper's, whose control data a backend computes from their
+// corners; the others come drafted.
 struct GLISS_EXPORT PatchBatch {
   const ValenceTables* tables = nullptr;
-  std::vector<std::uint32_t> side_begin{0};  // [patch + 1]
-  std::vector<double> corner;                // [side][2][3]: position (local frame), unit normal
-  std::vector<std::uint32_t> triangle;       // [side_begin[p] - 2 p][3]
-  std::vector<double> frame;  // [patch][kFrameReals]: unit normal, tangent of the base polygon
-  // Computed by a backend:
-  std::vector<double> control;    // [side][kSideReals]
+  std::size_t to_build = 0;
+  std::vector<std::uint32_t> side_begin{0};     // [patch + 1]
+  std::vector<std::uint32_t> control_begin{0};  // [patch + 1]
+  std::vector<std::uint32_t> form;              // [patch]
+  std::vector<double> corner;                   // [side][2][3]: position (local frame), unit normal
+  std::vector<std::uint32_t> triangle;          // [side_begin[p] - 2 p][3]
+  std::vector<double> frame;   // [patch][kFrameReals]: unit normal, tangent of the base polygon
+  std::vector<double> turned;  // [patch], as PatchDraft has it
+  // Computed by a backend, the first two up to `to_build`:
+  std::vector<double> control;    // [control_begin[patch]], in its form
   std::vector<double> soundness;  // [patch], of its weakest ribbon
   // [patch][kShapeReals]; empty: a backend may leave them to the build, which samples patches
-  // anyway.
-  std::vector<double> shape;
+  // anyway. With them the samples, [sample_begin[patch]], rows as PatchSamples has them.
+  std::vector<double> shape, sample;
+  std::vector<std::uint32_t> sample_begin{0};  // [patch + 1]
 
   std::size_t size() const { return side_begin.size() - 1; }
   std::uint32_t valence(std::size_t patch) const {
     return side_begin[patch + 1] - side_begin[patch];
   }
   std::size_t first_triangle(std::size_t patch) const { return side_begin[patch] - 2 * patch; }
-  // Room for patches of these valences in all arrays; their content is what it was.
-  void resize(std::span<const std::uint32_t> valences);
+  // Makes room in all arrays for patches of these valences and forms; their content is what it was.
+  void resize(std::span<const std::uint32_t> valences, std::span<const std::uint32_t> forms);
 };
 
 // Computes what of a batch is to be computed.
@@ -71,7 +78,9 @@ GLISS_EXPORT void build_patches(PatchBatch& batch, const ParallelFor& parallel);
 struct BuildBackend {
   ParallelFor parallel = serial_for;
   BatchBuilder build = build_patches;
-  std::size_t chunk = 8192;  // faces in a batch: bounds what is held besides the cache
+  // Faces in a batch at most: bounds what is held besides the cache. Batches that take long are
+  // smaller, and the cache is the same.
+  std::size_t chunk = 8192;
   // Told now and then how many of the faces are examined, from the thread that builds; what it
   // throws ends the build.
   std::function<void(std::size_t faces)> progress = [](std::size_t) {};

@@ -1,6 +1,8 @@
 // Patches built and examined on an OpenCL device: always in double, as on the host, so that a
 // device without fp64 leaves it to the host.
 #include <algorithm>
+#include <map>
+#include <optional>
 
 #include "gliss/engine/opencl_queue.h"
 #include "gliss/engine/opencl_shared.h"
@@ -14,74 +16,115 @@ namespace {
 constexpr std::size_t kPointsPerPatch = 16;
 
 // On the device, but for the tables.
-constexpr std::size_t kPatchBytes = (kShapeReals + kFrameReals) * sizeof(double) + sizeof(cl_uint),
-                      kSideBytes =
-                          (kSideReals + 6 + 1) * sizeof(double) + (1 + 3) * sizeof(cl_uint);
+constexpr std::size_t kPatchBytes =
+                          (kShapeReals + kFrameReals) * sizeof(double) + 4 * sizeof(cl_uint),
+                      kSideBytes = (6 + 1) * sizeof(double) + (1 + 3) * sizeof(cl_uint);
 
 class OpenClBuilder {
  public:
   explicit OpenClBuilder(const OpenClShared& shared)
       : shared_(shared),
         queue_(shared.device.context(), shared.device.id(), CL_QUEUE_PROFILING_ENABLE),
-        build_(shared.device, kBuildProgram, "build_sides", {Precision::kDouble, 1}),
-        examine_(shared.device, kExamineProgram, "examine_patches",
-                 {Precision::kDouble, shared.lanes(Precision::kDouble)}),
         begins_(shared.device, queue_, "the polygons"),
         side_patch_(shared.device, queue_, "the polygons"),
         triangle_(shared.device, queue_, "the polygons"),
         corner_(shared.device, queue_, "the polygons"),
         frame_(shared.device, queue_, "the polygons"),
+        form_(shared.device, queue_, "the polygons"),
         domain_(shared.device, queue_, "the tables"),
         probe_(shared.device, queue_, "the tables"),
         domain_begin_(shared.device, queue_, "the tables"),
         probe_begin_(shared.device, queue_, "the tables"),
+        sextic_(shared.device, queue_, "the tables"),
+        quad_(shared.device, queue_, "the tables"),
+        control_begin_(shared.device, queue_, "the control data"),
         control_(shared.device, queue_, "the control data"),
         sound_(shared.device, queue_, "the control data"),
+        sample_begin_(shared.device, queue_, "the samples"),
+        sample_(shared.device, queue_, "the samples"),
         shape_(shared.device, queue_, "the shapes") {}
 
   void run(PatchBatch& b) {
     const Idle idle{queue_};
-    const std::size_t patches = b.size(), sides = b.side_begin.back();
-    shared_.device.require_room(patches * kPatchBytes + sides * kSideBytes,
+    const std::size_t patches = b.size(), sides = b.side_begin.back(),
+                      built_sides = b.side_begin[b.to_build],
+                      built_reals = b.control_begin[b.to_build];
+    shared_.device.require_room(patches * kPatchBytes + sides * kSideBytes +
+                                    (b.control.size() + b.sample_begin.back()) * sizeof(double),
                                 "a batch of patches needs");
+    std::vector<cl::Event> kernels;
     upload(begins_, b.side_begin);
     upload(corner_, b.corner);
-    side_patch_.resize(sides);
-    cl_uint* side_patch = side_patch_.data();
-    for (std::size_t p = 0; p < patches; ++p) {
-      std::fill(side_patch + b.side_begin[p], side_patch + b.side_begin[p + 1],
-                static_cast<cl_uint>(p));
+    control_.resize(b.control.size());
+    if (built_reals < b.control.size()) {
+      std::copy(b.control.begin() + static_cast<std::ptrdiff_t>(built_reals), b.control.end(),
+                control_.data() + built_reals);
+      control_.upload(built_reals);
     }
-    side_patch_.upload();
-    control_.resize(sides * kSideReals);
-    sound_.resize(sides);
-    std::vector<cl::Event> kernels;
-    kernels.push_back(build_(queue_, sides, begins_.buffer(), side_patch_.buffer(),
-                             corner_.buffer(), control_.buffer(), sound_.buffer()));
+    if (b.to_build > 0) kernels.push_back(build(b, built_sides));
     upload(triangle_, b.triangle);
     upload(frame_, b.frame);
+    upload(form_, b.form);
+    upload(control_begin_, b.control_begin);
     upload(domain_, b.tables->domain);
     upload(probe_, b.tables->probe);
     upload(domain_begin_, b.tables->domain_begin);
     upload(probe_begin_, b.tables->probe_begin);
+    upload(sextic_, b.tables->sextic);
+    upload(quad_, b.tables->quad);
+    upload(sample_begin_, b.sample_begin);
+    sample_.resize(b.sample_begin.back());
     shape_.resize(patches * kShapeReals);
-    kernels.push_back(examine_(queue_, patches, domain_.buffer(), domain_begin_.buffer(),
-                               probe_.buffer(), probe_begin_.buffer(), begins_.buffer(),
-                               corner_.buffer(), triangle_.buffer(), frame_.buffer(),
-                               control_.buffer(), shape_.buffer()));
-    control_.download();
-    sound_.download();
+    kernels.push_back(examiner_of(b)(queue_, patches, domain_.buffer(), domain_begin_.buffer(),
+                                     probe_.buffer(), probe_begin_.buffer(), begins_.buffer(),
+                                     corner_.buffer(), triangle_.buffer(), frame_.buffer(),
+                                     control_.buffer(), control_begin_.buffer(), form_.buffer(),
+                                     sextic_.buffer(), quad_.buffer(), sample_begin_.buffer(),
+                                     sample_.buffer(), shape_.buffer()));
+    control_.download(built_reals);
+    if (b.to_build > 0) sound_.download();
+    sample_.download();
     shape_.download();
     queue_.finish();
     shared_.count(kernels);
-    std::copy_n(control_.data(), b.control.size(), b.control.begin());
-    b.shape.assign(shape_.data(), shape_.data() + patches * kShapeReals);
-    const double* sound = sound_.data();
-    for (std::size_t p = 0; p < patches; ++p)
+    // Mapped all before any is written: a call that fails leaves the batch to the host.
+    const double *shape = shape_.data(), *sample = sample_.data(), *control = control_.data(),
+                 *sound = b.to_build > 0 ? sound_.data() : nullptr;
+    b.shape.assign(shape, shape + patches * kShapeReals);
+    b.sample.assign(sample, sample + b.sample_begin.back());
+    std::copy_n(control, built_reals, b.control.begin());
+    for (std::size_t p = 0; p < b.to_build; ++p)
       b.soundness[p] = *std::min_element(sound + b.side_begin[p], sound + b.side_begin[p + 1]);
   }
 
  private:
+  // Computes the control data of the first `sides` sides.
+  cl::Event build(const PatchBatch& b, std::size_t sides) {
+    side_patch_.resize(sides);
+    cl_uint* side_patch = side_patch_.data();
+    for (std::size_t p = 0; p < b.to_build; ++p) {
+      std::fill(side_patch + b.side_begin[p], side_patch + b.side_begin[p + 1],
+                static_cast<cl_uint>(p));
+    }
+    side_patch_.upload();
+    sound_.resize(sides);
+    if (!build_)
+      build_.emplace(shared_.device, kBuildProgram, "build_sides",
+                     ProgramVariant{Precision::kDouble, 1});
+    return (*build_)(queue_, sides, begins_.buffer(), side_patch_.buffer(), corner_.buffer(),
+                     control_.buffer(), sound_.buffer());
+  }
+
+  // Examines patches of the forms that the batch has.
+  Launch& examiner_of(const PatchBatch& b) {
+    std::uint32_t forms = 0;
+    for (const std::uint32_t form : b.form) forms |= 1u << form;
+    return examine_
+        .try_emplace(forms, shared_.device, kExamineProgram, "examine_patches",
+                     ProgramVariant{Precision::kDouble, shared_.lanes(Precision::kDouble), forms})
+        .first->second;
+  }
+
   // Nothing is under way when work ends, however it ends.
   struct Idle {
     const cl::CommandQueue& queue;
@@ -90,18 +133,25 @@ class OpenClBuilder {
 
   template <class T>
   static void upload(Staging<T>& there, const std::vector<T>& here) {
-    there.resize(here.size());
+    there.resize(std::max<std::size_t>(here.size(), 1));  // no buffer is empty
     std::copy(here.begin(), here.end(), there.data());
     there.upload();
   }
 
   const OpenClShared& shared_;
   cl::CommandQueue queue_;
-  Launch build_, examine_;
+  std::optional<Launch> build_;
+  std::map<std::uint32_t, Launch> examine_;  // by forms
   Staging<cl_uint> begins_, side_patch_, triangle_;
-  Staging<double> corner_, frame_, domain_, probe_;
+  Staging<double> corner_, frame_;
+  Staging<cl_uint> form_;
+  Staging<double> domain_, probe_;
   Staging<cl_uint> domain_begin_, probe_begin_;
-  Staging<double> control_, sound_, shape_;
+  Staging<double> sextic_, quad_;
+  Staging<cl_uint> control_begin_;
+  Staging<double> control_, sound_;
+  Staging<cl_uint> sample_begin_;
+  Staging<double> sample_, shape_;
 };
 
 }  // namespace

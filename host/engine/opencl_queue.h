@@ -42,15 +42,20 @@ class Staging {
     return here_;
   }
   const cl::Buffer& buffer() const { return there_; }
-  void upload() {
+  // All from `first` on.
+  void upload(std::size_t first = 0) {
     if (shared()) {
       unmap();
-    } else {
-      queue_.enqueueWriteBuffer(there_, CL_FALSE, 0, size_ * sizeof(T), data());
+    } else if (first < size_) {
+      queue_.enqueueWriteBuffer(there_, CL_FALSE, first * sizeof(T), (size_ - first) * sizeof(T),
+                                data() + first);
     }
   }
-  void download() {
-    if (!shared()) queue_.enqueueReadBuffer(there_, CL_FALSE, 0, size_ * sizeof(T), data());
+  void download() { download(size_); }
+  // The first `count`.
+  void download(std::size_t count) {
+    if (!shared() && count > 0)
+      queue_.enqueueReadBuffer(there_, CL_FALSE, 0, count * sizeof(T), data());
   }
 
  private:

@@ -192,7 +192,8 @@ TEST(PatchBatch, agrees_with_single_drafts) {
   }
   PatchBatch b;
   b.tables = &tables();
-  b.resize(valences);
+  b.resize(valences, std::vector<std::uint32_t>(valences.size(), kFormPaper));
+  b.to_build = b.size();
   for (std::size_t p = 0; p < b.size(); ++p) {
     const PatchDraft& d = drafts[p];
     std::copy(d.corner.begin(), d.corner.end(), &b.corner[6 * b.side_begin[p]]);
@@ -203,7 +204,7 @@ TEST(PatchBatch, agrees_with_single_drafts) {
   for (std::size_t p = 0; p < b.size(); ++p) {
     const PatchDraft& d = drafts[p];
     EXPECT_EQ(b.soundness[p], d.soundness);
-    EXPECT_EQ(std::memcmp(&b.control[b.side_begin[p] * kSideReals], d.control.data(),
+    EXPECT_EQ(std::memcmp(&b.control[b.control_begin[p]], d.control.data(),
                           d.control.size() * sizeof(double)),
               0);
   }

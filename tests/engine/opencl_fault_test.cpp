@@ -66,7 +66,7 @@ class OpenClFault : public ::testing::TestWithParam<Precision> {
     const Mesh mesh = torus_knot(24, 6).mesh;
     BuildOptions build;
     build.precision = GetParam();
-    build.level.construction = Construction::kPaper;  // the host drafts fair quads
+    build.level.construction = Construction::kPaper;  // by both kernels: fair quads come drafted
     cache_ = build_cache(mesh, build);
     // Pieces for both queues: see options_for_sweeps().
     SweepOptions sweep;

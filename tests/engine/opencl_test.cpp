@@ -17,6 +17,7 @@
 #include "tests/support/bytes.h"
 #include "tests/support/open_meshes.h"
 #include "tests/support/require.h"
+#include "tests/support/sharp_meshes.h"
 #include "tests/support/surfaces.h"
 
 namespace gliss {
@@ -397,10 +398,7 @@ TEST_P(OpenClParity, builds) {
   }
   const auto opencl = engine();
   EXPECT_TRUE(test::bytes_of(opencl->build(mesh, options)) == want);
-  // The host drafts triangles and quads of the fair construction.
-  if (kind.name != std::string("fair")) {
-    EXPECT_GT(opencl->device_seconds(), 0) << "nothing ran on the device";
-  }
+  EXPECT_GT(opencl->device_seconds(), 0) << "nothing ran on the device";
 }
 
 TEST_P(OpenClParity, evaluates) {
@@ -529,7 +527,7 @@ TEST_P(OpenClSmall, builds) {
   const Mesh mesh = slow_ ? lantern({4}) : lantern({24, 8, 4, 4});
   BuildOptions options;
   options.precision = GetParam();
-  options.level.construction = Construction::kPaper;  // the host drafts fair patches
+  options.level.construction = Construction::kPaper;  // by both kernels
   const PatchCache want = build_cache(mesh, options);
   for (const int lanes : {1, 4, 8, 16}) {
     if (slow_ && lanes != 4) continue;
@@ -616,6 +614,38 @@ TEST_F(OpenCl, leaves_small_batches_to_the_host) {
   EXPECT_EQ(opencl->device_seconds(), 0);
   nearest_of(*there, questions_of(cache, 50), Solver::kNewton);
   EXPECT_GT(opencl->device_seconds(), 0);
+}
+
+// Fair patches and those beside creases come to the device drafted, alone and among patches that it
+// builds, whether memory is shared or copied.
+TEST_F(OpenCl, builds_drafted_patches_as_the_host_does) {
+  if (!exact()) GTEST_SKIP() << "skipped: " << device().name << " is not exact";
+  Mesh rim = prism(5).mesh;
+  rim.normals.clear(), rim.corner_normal.clear();
+  const Mesh meshes[] = {irregular(torus(16, 8), 1).mesh,
+                         torus_knot(24, 6).mesh,
+                         lantern({24, 8, 4, 4}),
+                         test::half_torus(),
+                         test::in_triangles(test::half_torus()),
+                         test::with_creases(test::l_solid()),
+                         test::with_creases(rim),
+                         fin().mesh};
+  for (const cl_ulong shared : {1, 0}) {
+    test::pretend(CL_DEVICE_HOST_UNIFIED_MEMORY, shared);
+    const auto opencl = engine();
+    for (const Mesh& mesh : meshes) {
+      for (const Precision precision : {Precision::kDouble, Precision::kFloat}) {
+        const double before = opencl->device_seconds();
+        BuildOptions options;
+        options.precision = precision;
+        BuildReport want, got;
+        const std::string bytes = test::bytes_of(build_cache(mesh, options, &want));
+        EXPECT_TRUE(test::bytes_of(opencl->build(mesh, options, &got)) == bytes) << mesh.source;
+        EXPECT_EQ(got.flagged_faces, want.flagged_faces) << mesh.source;
+        EXPECT_GT(opencl->device_seconds(), before) << mesh.source << ": nothing on the device";
+      }
+    }
+  }
 }
 
 TEST_F(OpenCl, answers_several_threads_at_once) {

@@ -341,7 +341,7 @@ Curvatures curvatures_of(const PatchCache& cache, double radius) {
 
 // The aim on tori is 2.2 at most; thin triangles reach 3, and slivers of irregular() far more.
 constexpr Curvatures kSphere{1.02, 1.05, 1.10}, kTorus{1.1, 2.2, 3.5}, kEllipsoid{1.1, 2.2, 3.5},
-    kCylinder{1.02, 1.05, 1.10}, kIrregular{1.05, 3.5, 120};
+    kCylinder{1.02, 1.05, 1.10}, kIrregular{1.05, 3.5, 120}, kTorusOwn{2, 4, 10};
 
 void record(const std::string& name, const Curvatures& fair, const Curvatures& paper) {
   test::record(name, "{:.3g} / {:.3g} / {:.3g}; paper {:.3g} / {:.3g} / {:.3g}", fair.median,
@@ -384,6 +384,15 @@ TEST(Fair, random_tori_are_hardly_more_curved_than_tori) {
     EXPECT_LE(fair.largest, kTorus.largest);
     EXPECT_GE(paper.p99, 50 * fair.p99);
     record(fmt::format("torus {}", seed), fair, paper);
+
+    Mesh own = mesh;  // makes its normals by itself
+    own.normals.clear();
+    own.corner_normal.clear();
+    const Curvatures fair_own = curvatures_of(fair_cache(own), 4);
+    EXPECT_LE(fair_own.p99, kTorusOwn.p99);
+    EXPECT_LE(fair_own.largest, kTorusOwn.largest);
+    record(fmt::format("torus {}, own normals", seed), fair_own,
+           curvatures_of(test::paper_cache_of(own), 4));
   }
 }
 
@@ -450,6 +459,47 @@ TEST(Fair, irregular_ellipsoids_and_cylinders_are_curved_as_these_but_for_sliver
     expect_hardly_more_curved(fmt::format("irregular cylinder {}", seed),
                               irregular(cylinder(24, 16, 10, 40), seed).mesh, on_cylinder,
                               kIrregular);
+  }
+}
+
+// Root mean square of the error of the push to a surface's nearest points over the depth, of HIPs
+// beneath the vertices of a dense mesh of the shape.
+double error_of_force(const PatchCache& cache, const Mesh& dense, double depth) {
+  double sum = 0;
+  for (std::size_t c = 0; c < dense.corner_vertex.size(); ++c) {
+    const Vec3 hip =
+        dense.positions[dense.corner_vertex[c]] - depth * dense.normals[dense.corner_normal[c]];
+    const Vec3 push = nearest(cache, hip).scp - hip;
+    sum += (push - depth * dense.normals[dense.corner_normal[c]]).squaredNorm();
+  }
+  return std::sqrt(sum / static_cast<double>(dense.corner_vertex.size())) / depth;
+}
+
+// The aim is half of the paper's, with the shape's normals and with those that each construction
+// makes by itself.
+TEST(Fair, force_beneath_random_shapes_errs_half_as_much_as_the_papers) {
+  struct Shape {
+    const char* name;
+    Generated coarse, dense;
+  };
+  for (const Shape& shape :
+       {Shape{"torus", torus(), torus(60, 25)}, Shape{"ellipsoid", ellipsoid(), ellipsoid(7)},
+        Shape{"sphere", goldberg(), goldberg(7)}}) {
+    for (const std::uint64_t seed : {1u, 2u, 3u, 4u}) {
+      Mesh mesh = irregular(shape.coarse, seed).mesh;
+      for (const bool exact : {true, false}) {
+        if (!exact) {
+          mesh.normals.clear();
+          mesh.corner_normal.clear();
+        }
+        const double fair = error_of_force(fair_cache(mesh), shape.dense.mesh, 1);
+        const double paper = error_of_force(test::paper_cache_of(mesh), shape.dense.mesh, 1);
+        EXPECT_LE(fair, 0.5 * paper) << shape.name << ' ' << seed << ' ' << exact;
+        test::record(
+            fmt::format("force, {} {}, {} normals", shape.name, seed, exact ? "exact" : "own"),
+            "{:.3g}; paper {:.3g}; {:.2f} of it", fair, paper, fair / paper);
+      }
+    }
   }
 }
 
