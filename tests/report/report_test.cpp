@@ -194,7 +194,7 @@ TEST_F(Report, RunsTellTheSameByReportAndRecording) {
   for (const char* key :
        {"ticks", "missed", "largest_force_step", "largest_sent_step", "largest_sent_force",
         "in_contact", "entries", "jumps_per_100k", "lost_per_100k", "sent_jumps_per_100k",
-        "sent_lost_per_100k", "unsound"}) {
+        "sent_lost_per_100k", "unsound", "success_rate"}) {
     EXPECT_EQ(figures[key], recorded[key]) << key;
     EXPECT_EQ(figures[key], results[2]["figures"][key]) << key;
   }

@@ -94,10 +94,10 @@ TEST_F(SweepPartsTest, go_on_from_wherever_the_sweep_was_stopped) {
 // first HIPs is kept, besides the chunks before.
 TEST_F(SweepPartsTest, keep_what_was_found_of_a_part_that_takes_long) {
   using namespace std::chrono_literals;
+  options_.part_contacts = std::uint64_t{1} << 40;  // one part
   const std::string want = swept(cache_, *engine_, options_);
   const std::uint64_t all =
       sample_count(cache_, options_.rings) * options_.depths.size() * options_.methods.size();
-  options_.part_contacts = std::uint64_t{1} << 40;  // one part
   const auto expect_goes_on = [&](int quick, std::uint64_t most) {
     std::atomic<int> polls = 0, calls = 0;
     const auto slow = make_serial_engine([&] {

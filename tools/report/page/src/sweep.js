@@ -86,7 +86,7 @@ function surfaceFigure(result) {
         }),
         button('Reset view', 'All of the surface', () => orbit.reset())),
     figure([`Points of the surface offset inward, lit as if the direction of the force were the normal: a smooth force looks smooth, an edge in the picture is an edge in the hand. ${some}; the cameras are linked. Drag turns, shift-drag moves, the wheel zooms once a view is clicked. `,
-      el('span.swatch.free'), ' no force.'], ...depths),
+      el('span.swatch.free'), ' no force: flat polygons and force shading feel none where a HIP is beneath the patches but outside the polygons.'], ...depths),
   ];
 }
 
@@ -115,7 +115,7 @@ function statistics(result) {
   ]));
   const made = table(header, rows, `Neighbouring samples, ${count(result.depths[0].samples)} a depth. A sweep has no time: a step is one from a sample to its neighbour, and where one of them is free, its force is zero.`);
   made.querySelector('thead').prepend(el('tr.groups', {}, el('td', {colspan: 2}),
-      ...[[3, 'Step within patches, N'], [3, 'Step across edges, N'], [3, 'Neighbours /100k'], [2, 'Angle, degrees'], [1, 'Error, N'], [1, '']]
+      ...[[3, 'Step within patches, N'], [3, 'Step across edges, N'], [3, 'Neighbours /100k'], [1, ''], [2, 'Angle, degrees'], [1, 'Error, N'], [1, '']]
           .map(([colspan, text]) => text ? el('th', {colspan, scope: 'colgroup'}, text) : el('td', {}))));
   return made;
 }
