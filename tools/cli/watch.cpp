@@ -33,7 +33,7 @@ Watch::Watch(const ReportOptions& options, std::string label, std::uint64_t tota
 Watch::~Watch() {
   const std::lock_guard lock(mutex);
   latest = outer_;
-  if (shown_ && done_ == total_) progress_.finish();
+  if (shown_ && done_ == total_ && std::uncaught_exceptions() == unwinding_) progress_.finish();
 }
 
 void Watch::add(std::uint64_t more) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <exception>
 #include <string>
 
 #include "tools/cli/command.h"
@@ -37,6 +38,7 @@ class Watch {
   Stopwatch clock_;
   std::uint64_t done_ = 0, total_;
   bool shown_ = false;
+  const int unwinding_ = std::uncaught_exceptions();
 };
 
 // Calls body(begin, end, watch) over [0, count) in blocks that bound the memory of the results.
