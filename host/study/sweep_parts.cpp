@@ -15,7 +15,6 @@
 #include <filesystem>
 #include <system_error>
 #include <type_traits>
-#include <utility>
 
 #include "gliss/files/atomic_file.h"
 #include "gliss/files/cache_format.h"
@@ -25,15 +24,15 @@
 namespace gliss {
 namespace {
 
-constexpr std::uint32_t kPartFormat = 5;
+constexpr std::uint32_t kPartFormat = 4;
 constexpr std::string_view kMagic = "GLSPART\n", kEnding = ".part";
 static_assert(std::is_trivially_copyable_v<SweepStatistics>);
 
-// A file: this, the statistics, the blocks, the contacts of chunks that are begun.
+// A file: this, the statistics, the blocks.
 struct PartHeader {
   char magic[8];
   std::uint64_t checksum;  // of all that follows
-  std::uint64_t part, chunks, begun;
+  std::uint64_t part;
 };
 constexpr std::size_t kChecked = offsetof(PartHeader, part);
 
@@ -122,14 +121,13 @@ std::uint64_t checksum_of(std::string_view file) {
 }  // namespace
 
 SweepParts::SweepParts(const std::string& folder, const PatchCache& cache,
-                       const SweepOptions& options, bool samples, double patience)
+                       const SweepOptions& options, bool samples)
     : cache_(cache),
       folder_(folder),
       key_(fmt::format("{:016x}-", hash_of_sweep(cache, options, samples))),
       samples_(samples),
       depths_(options.depths),
-      methods_(options.methods),
-      patience_(patience) {
+      methods_(options.methods) {
   open_folder();
   for (const auto& file : std::filesystem::directory_iterator(folder)) {
     const std::string name = file.path().filename();
@@ -167,10 +165,8 @@ std::optional<SweepPart> SweepParts::load(std::size_t part) {
   // Room for what comes before the blocks, should it have to be done.
   file_.assign(sizeof(PartHeader) + depths_.size() * methods_.size() * sizeof(SweepStatistics),
                '\0');
-  saved_ = clock_.seconds();
   struct stat status {};
-  is_there_ = lstat(path_of(part).c_str(), &status) == 0 || errno != ENOENT;
-  if (!is_there_) return {};
+  if (lstat(path_of(part).c_str(), &status) != 0 && errno == ENOENT) return {};
   auto found = read(part);
   if (!found) discard(part);
   return found;
@@ -194,18 +190,10 @@ std::optional<SweepPart> SweepParts::read(std::size_t part) const {
       !take(rest, found.statistics.data(), found.statistics.size() * sizeof(SweepStatistics))) {
     return {};
   }
-  found.chunks = header.chunks;
-  found.begun = header.begun;
-  const std::size_t kinds = found.statistics.size(), blocks = samples_ ? found.chunks * kinds : 0;
-  while (found.blocks.size() < blocks) {
+  while (!rest.empty()) {
     if (!take(rest, found.blocks.emplace_back(), depths_.size(), methods_.size())) return {};
   }
-  if (rest.size() % (SweepPart::kContactReals * methods_.size() * sizeof(double)) != 0 ||
-      rest.empty() != (found.begun == 0)) {
-    return {};
-  }
-  found.contacts.resize(rest.size() / sizeof(double));
-  if (!take(rest, found.contacts.data(), rest.size()) || !is_in_range(found)) return {};
+  if (!is_in_range(found)) return {};
   return found;
 }
 
@@ -235,7 +223,6 @@ void SweepParts::discard(std::size_t part) {
                             fmt::format("'{}' is no part of a sweep and cannot be removed", path));
   }
   --kept_;
-  is_there_ = false;
 }
 
 void SweepParts::add(const SweepBlock& block) {
@@ -247,15 +234,10 @@ void SweepParts::add(const SweepBlock& block) {
   });
 }
 
-void SweepParts::save(std::size_t part, const std::vector<SweepStatistics>& statistics,
-                      std::size_t chunks, std::size_t begun, std::span<const double> contacts) {
+void SweepParts::save(std::size_t part, const std::vector<SweepStatistics>& statistics) {
   PartHeader header{};
   kMagic.copy(header.magic, sizeof header.magic);
   header.part = part;
-  header.chunks = chunks;
-  header.begun = begun;
-  const std::size_t whole = file_.size();
-  put(file_, contacts.data(), contacts.size_bytes());
   std::memcpy(file_.data(), &header, sizeof header);
   std::memcpy(file_.data() + sizeof header, statistics.data(),
               statistics.size() * sizeof(SweepStatistics));
@@ -264,9 +246,7 @@ void SweepParts::save(std::size_t part, const std::vector<SweepStatistics>& stat
   AtomicFile file(path_of(part));
   file.write(file_);
   file.commit();
-  file_.resize(whole);
-  kept_ += !std::exchange(is_there_, true);
-  saved_ = clock_.seconds();
+  ++kept_;
 }
 
 void SweepParts::remove() {

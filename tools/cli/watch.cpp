@@ -1,6 +1,5 @@
 #include "tools/cli/watch.h"
 
-#include <mutex>
 #include <utility>
 
 #include "tools/cli/interrupt.h"
@@ -8,49 +7,32 @@
 namespace gliss::tools {
 namespace {
 
-constexpr double kPatience = 0.5;  // seconds
-
-std::mutex mutex;  // of all that is drawn
-Watch* latest = nullptr;
+constexpr double kPatience = 1;  // seconds
 
 }  // namespace
 
 void stop_if_interrupted() {
   if (interrupted()) throw Interrupted();
-  const std::lock_guard lock(mutex);
-  if (latest != nullptr) latest->draw();
 }
 
 Watch::Watch(const ReportOptions& options, std::string label, std::uint64_t total, std::string noun)
     : progress_(std::move(label), total, std::move(noun),
                 options.quiet ? ProgressStyle::kSilent : ProgressStyle::kAutomatic),
-      total_(total) {
-  const std::lock_guard lock(mutex);
-  outer_ = std::exchange(latest, this);
-}
+      total_(total) {}
 
 // Work that ended early says nothing of its own: an error does.
 Watch::~Watch() {
-  const std::lock_guard lock(mutex);
-  latest = outer_;
-  if (shown_ && done_ == total_ && std::uncaught_exceptions() == unwinding_) progress_.finish();
+  if (shown_ && done_ == total_) progress_.finish();
 }
 
 void Watch::add(std::uint64_t more) {
-  stop_if_interrupted();
-  const std::lock_guard lock(mutex);
-  done_ += more;
-  draw();
+  const std::lock_guard lock(mutex_);
+  reach(done_ + more);
 }
 
 void Watch::reach(std::uint64_t done) {
   stop_if_interrupted();
-  const std::lock_guard lock(mutex);
   done_ = done;
-  draw();
-}
-
-void Watch::draw() {
   shown_ = shown_ || clock_.seconds() > kPatience;
   if (shown_) progress_.update(done_);
 }
