@@ -161,8 +161,7 @@ void add_judge(Command& program) {
       "floor: lateness of the wakes of an empty loop. wake, compute: of a loop that follows a "
       "contact on 10,000 patches. They take turns of a second.\n"
       "success: the share of the periods that had a tick without an error; missed periods and "
-      "ticks "
-      "that lost the contact have none.\n"
+      "ticks that lost the contact have none.\n"
       "good: wake p99.9 within 50 us of the floor's, compute p99 within 50 us, 99.9 % of the "
       "periods succeed. usable: 2 ms, 500 us, 99 %. unfit: less.",
       "gliss judge --seconds 30 --json", describe, run);
