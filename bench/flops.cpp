@@ -108,6 +108,7 @@ GLISS_COMPARED(<)
 GLISS_COMPARED(>)
 GLISS_COMPARED(<=)
 GLISS_COMPARED(>=)
+GLISS_COMPARED(==)
 Counted operator-(Counted a) { return {-a.value, tape->operation(Tape::kNegate, a.node)}; }
 Counted counted_fma(Counted a, Counted b, Counted c) {
   return {std::fma(a.value, b.value, c.value), tape->operation(Tape::kFma, a.node, b.node, c.node)};
@@ -137,6 +138,7 @@ namespace counted {
 #include "kernels/quad.h"
 #include "kernels/bezier.h"
 #include "kernels/sextic.h"
+#include "kernels/curved.h"
 #include "kernels/table.h"
 #include "kernels/forms.h"
 #include "kernels/build.h"

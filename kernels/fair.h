@@ -17,6 +17,8 @@
 #define FAIR_MOST_SMOOTH_TURN K(0.15625f)
 #define FAIR_MOST_BEND K(2.5f)
 #define FAIR_MOST_TWIST K(1.25f)
+// The least cosine between a corner's normal and the face's that counts in full (fair_middle).
+#define FAIR_STEEP K(0.25f)
 
 FN real clamp_to(real x, real most) { return larger(smaller(x, most), -most); }
 
@@ -244,9 +246,9 @@ FN real3 bezier_point(const real3* power, int count, int degree, int i) {
   return sum;
 }
 
-// A side's C, C' and T in powers of t.
+// A side's C, C', T and, but for flat ones, m in powers of t.
 typedef struct {
-  real3 curve[6], slope[5], t[6];
+  real3 curve[6], slope[5], t[6], m[5];
   real turned;  // the least share of T that points into the face, at the ends: never below 0 unless
                 // the patch doubles back along the side
 } fair_tangent;
@@ -271,17 +273,18 @@ FN fair_tangent fair_tangent_of(GLOBAL scalar* side, real3 start, real3 end, GLO
     return r;
   }
   const real3 e = unit3(edge);
-  real3 m[5], m1 = {K(0), K(0), K(0)};
+  real3 m1 = {K(0), K(0), K(0)};
   for (int i = 0; i < 5; ++i) {
-    m[i] = cross3(load3(side, FAIR_NORMAL + i), e);
-    m1 = add3(m1, m[i]);
+    r.m[i] = cross3(load3(side, FAIR_NORMAL + i), e);
+    m1 = add3(m1, r.m[i]);
   }
-  const ribbon_part a = ribbon_part_of(start, r.curve[1], m[0]), b = ribbon_part_of(end, last, m1);
+  const ribbon_part a = ribbon_part_of(start, r.curve[1], r.m[0]),
+                    b = ribbon_part_of(end, last, m1);
   const real dk = b.k - a.k, dh = b.h - a.h;
   for (int i = 0; i < 6; ++i) {
     r.t[i] = mul3(K(0), edge);
-    if (i < 5) r.t[i] = fma3(a.k, r.slope[i], mul3(a.h, m[i]));
-    if (i > 0) r.t[i] = add3(r.t[i], fma3(dk, r.slope[i - 1], mul3(dh, m[i - 1])));
+    if (i < 5) r.t[i] = fma3(a.k, r.slope[i], mul3(a.h, r.m[i]));
+    if (i > 0) r.t[i] = add3(r.t[i], fma3(dk, r.slope[i - 1], mul3(dh, r.m[i - 1])));
   }
   r.turned = smaller(a.h / larger(norm3(start), TINY), b.h / larger(norm3(end), TINY));
   return r;
@@ -296,6 +299,93 @@ FN fair_tangent fair_tangent_at(GLOBAL scalar* sides, int n, int k, GLOBAL scala
   for (int i = 2; i < 6; ++i) back = fma3(K(i), load3(before, FAIR_CURVE + i), back);
   return fair_tangent_of(sides + k * FAIR_REALS, mul3(K(-1), back), load3(after, FAIR_CURVE + 1),
                          flat, length);
+}
+
+// A polynomial of `count` triples.
+FN real3 power_sum(const real3* power, int count, real t) {
+  real3 sum = power[count - 1];
+  for (int i = count - 2; i >= 0; --i) sum = fma3(t, sum, power[i]);
+  return sum;
+}
+
+// A point amid a face. For a quadratic surface f over its plane and any weights that add up to 1,
+//   f(m) = sum w_k (f(p_k) + grad f(p_k) . (m - p_k) / 2),  m = sum w_k p_k,
+// so the point lies on any such surface with the face's corners and normals. w_k is the length of
+// both sides at a corner.
+FN real3 fair_middle(GLOBAL scalar* sides, int n) {
+  const real3 zero = {K(0), K(0), K(0)};
+  real3 middle = zero, across = zero;
+  real total = K(0);
+  for (int k = 0; k < n; ++k) {
+    const real3 p = load3(sides + k * FAIR_REALS, FAIR_CURVE),
+                q = load3(sides + wrap(k + 1, n) * FAIR_REALS, FAIR_CURVE);
+    const real length = norm3(sub3(q, p));
+    middle = fma3(length, add3(p, q), middle);
+    total += K(2) * length;
+  }
+  middle = mul3(K(1) / total, middle);
+  for (int k = 0; k < n; ++k) {
+    const real3 p = load3(sides + k * FAIR_REALS, FAIR_CURVE),
+                q = load3(sides + wrap(k + 1, n) * FAIR_REALS, FAIR_CURVE);
+    across = add3(across, cross3(sub3(p, middle), sub3(q, middle)));
+  }
+  across = unit3(across);
+  real height = K(0);
+  for (int k = 0; k < n; ++k) {
+    GLOBAL scalar *side = sides + k * FAIR_REALS, *before = sides + wrap(k - 1, n) * FAIR_REALS,
+                  *after = sides + wrap(k + 1, n) * FAIR_REALS;
+    const real3 p = load3(side, FAIR_CURVE), normal = load3(side, FAIR_NORMAL);
+    const real weight =
+        norm3(sub3(load3(before, FAIR_CURVE), p)) + norm3(sub3(load3(after, FAIR_CURVE), p));
+    // Tangent planes that are steeper than FAIR_STEEP tell nothing of the middle.
+    height = fma(weight, dot3(normal, sub3(p, middle)) / larger(dot3(normal, across), FAIR_STEEP),
+                 height);
+  }
+  return fma3(K(0.5f) * height / total, across, middle);
+}
+
+// Control data of the patch between five sides and more, whose curves are cubic and whose normals
+// linear, in FORM_CURVED. `apothem`: that of the domain. Returns fair_tangent::turned of the worst.
+//
+// On a regular polygon in a plane a ribbon with linear k and h is the plane itself: the lines of
+// constant u_k meet where the sides beyond do, and d_k / unit goes from 0 to 1 along these. So T is
+// that over `unit`, and Q takes the ribbon's ends to the corners beyond. At u = 1/2 a ribbon shall
+// meet the middle of the face: T goes there, within the tangent plane, and Q takes what is left.
+FN_LARGE real fair_polygon(GLOBAL scalar* sides, int n, real apothem, GLOBAL_OUT scalar* out) {
+  const real unit = K(4) * apothem * (K(1) - apothem * apothem), over = K(1) / unit;
+  const real way = apothem * over, half = K(0.5f);
+  const real3 middle = fair_middle(sides, n);
+  real turned = K(1);
+  for (int k = 0; k < n; ++k) {
+    fair_tangent f = fair_tangent_at(sides, n, k, 0, K(1));
+    const real3 start = f.t[0], end = power_sum(f.t, 6, K(1));
+    const real3 slope = power_sum(f.slope, 5, half), m = power_sum(f.m, 5, half),
+                away = sub3(middle, power_sum(f.curve, 6, half));
+    const ribbon_part straight = ribbon_part_of(power_sum(f.t, 6, half), slope, m),
+                      wanted = ribbon_part_of(mul3(K(1) / way, away), slope, m);
+    // 4 t (1 - t) of the difference, which keeps h above 0.
+    const real dk = K(4) * (wanted.k - straight.k),
+               dh = K(4) * (larger(wanted.h, half * straight.h) - straight.h);
+    for (int i = 0; i < 3; ++i) {
+      const real3 more = fma3(dk, f.slope[i], mul3(dh, f.m[i]));
+      f.t[i + 1] = add3(f.t[i + 1], more);
+      f.t[i + 2] = sub3(f.t[i + 2], more);
+    }
+    const real3 p = f.curve[0], q = load3(sides + wrap(k + 1, n) * FAIR_REALS, FAIR_CURVE),
+                before = load3(sides + wrap(k - 1, n) * FAIR_REALS, FAIR_CURVE),
+                after = load3(sides + wrap(k + 2, n) * FAIR_REALS, FAIR_CURVE);
+    const real3 q0 = sub3(sub3(before, p), start), q2 = sub3(sub3(after, q), end),
+                q1 = mul3(K(1) / (way * way), fma3(-way, power_sum(f.t, 6, half), away));
+    const real3 bend[3] = {q0, fma3(K(4), q1, fma3(K(-3), q0, mul3(K(-1), q2))),
+                           fma3(K(-4), q1, mul3(K(2), add3(q0, q2)))};
+    GLOBAL_OUT scalar* to = out + k * CURVED_REALS;
+    for (int i = 0; i < 4; ++i)
+      store3(to + 3 * (CURVED_C + i), 1, i == 3 ? q : bezier_point(f.curve, 4, 3, i));
+    for (int i = 0; i < 5; ++i) store3(to + 3 * (CURVED_T + i), 1, mul3(over, f.t[i]));
+    for (int i = 0; i < 3; ++i) store3(to + 3 * (CURVED_Q + i), 1, mul3(over * over, bend[i]));
+    turned = smaller(f.turned, turned);
+  }
+  return turned;
 }
 
 // Control data of the quad between four sides, whose curves are cubic and whose normals quadratic,

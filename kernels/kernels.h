@@ -11,6 +11,7 @@
 #include "kernels/quad.h"
 #include "kernels/bezier.h"
 #include "kernels/sextic.h"
+#include "kernels/curved.h"
 #ifndef GLISS_PACKED
 #include "kernels/table.h"
 #endif

@@ -6,7 +6,7 @@
 
 // The form of a patch: how its control data are kept. A level, which a user asks for, picks a form
 // for each patch: `bezier` FORM_BEZIER for 3 and 4 sides and FORM_RIBBON for more; `exact` of the
-// fair construction FORM_BEZIER and FORM_SEXTIC, and FORM_PAPER for 5 sides and more. Whatever
+// fair construction FORM_SEXTIC, FORM_BEZIER, and FORM_CURVED for 5 sides and more. Whatever
 // their forms, neighbours have one normal along their edge, that of eq. 10; but for tables, which
 // come near to it.
 #define FORM_PAPER 0u   // the paper's patch
@@ -14,6 +14,9 @@
 #define FORM_BEZIER 2u  // a Gregory quad or triangle (bezier.h)
 #define FORM_TABLE 3u   // samples (table.h)
 #define FORM_SEXTIC 4u  // a Gregory triangle of degree 6 (sextic.h)
+#define FORM_CURVED 5u  // a blend of curved ribbons (curved.h)
+// The most sides of a fair patch; the blend of more is the paper's, whose numbers are made for it.
+#define FAIR_MOST_SIDES 31
 
 // Control data of a side, in the patch's local frame. Polynomials ascend in powers of t. What both
 // forms that blend sides (forms.h) begin with:

@@ -315,6 +315,7 @@ FN ulong control_reals(uint form, uint n) {
                      : kind == FORM_RIBBON ? RIBBON_REALS
                      : kind == FORM_BEZIER ? BEZIER_REALS
                      : kind == FORM_SEXTIC ? SEXTIC_REALS
+                     : kind == FORM_CURVED ? CURVED_REALS
                                            : TABLE_REALS(r));
 }
 

@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 
+#include "gliss/base/pace.h"
 #include "gliss/base/plain_arithmetic.h"
 #include "gliss/build/fair_sides.h"
 #include "gliss/build/hierarchy.h"
@@ -21,8 +22,9 @@
 namespace gliss {
 namespace {
 
-// Faces that are built share nothing, so that they may be drafted in any order.
-constexpr std::size_t kGrain = 64;
+// Faces that are built share nothing, so that they may be drafted in any order. Those that fold
+// take a hundred times as long as others.
+constexpr std::size_t kGrain = 8;
 
 // A patch as it goes into the cache.
 struct FinishedPatch {
@@ -163,7 +165,9 @@ class CacheBuilder {
     return c;
   }
 
-  bool is_fair(std::uint32_t face) const { return fair_ && cache_.face_valence[face] <= 4; }
+  bool is_fair(std::uint32_t face) const {
+    return fair_ && cache_.face_valence[face] <= kMostFairSides;
+  }
   // True if a side has tangents of its own.
   bool is_sharp(std::uint32_t face) const {
     for (std::uint32_t s = mesh_.face_begin[face]; s < mesh_.face_begin[face + 1]; ++s)
@@ -193,8 +197,10 @@ class CacheBuilder {
     Chunk c;
     c.batch.tables = &tables_;
     std::vector<std::uint32_t> valences, forms;
-    for (c.first = 0; c.first < faces_.size(); c.first += c.count) {
-      c.count = std::min(backend_.chunk, faces_.size() - c.first);
+    Pace pace(8 * kGrain, backend_.chunk);
+    pace.for_pieces(faces_.size(), [&](std::size_t begin, std::size_t end) {
+      c.first = begin;
+      c.count = end - begin;
       c.in_batch.resize(c.count);
       c.drafted.assign(c.count, {});
       c.plain.resize(c.count);
@@ -215,7 +221,7 @@ class CacheBuilder {
       for_faces(c, [&](std::size_t i) { place(c, c.in_batch[i], faces_[c.first + i]); });
       if (!base_only_) backend_.build(c.batch, backend_.parallel);
       body(c);
-    }
+    });
   }
 
   // Calls body(i) for the faces of a chunk, on all threads.

@@ -78,7 +78,9 @@ GLISS_EXPORT void build_patches(PatchBatch& batch, const ParallelFor& parallel);
 struct BuildBackend {
   ParallelFor parallel = serial_for;
   BatchBuilder build = build_patches;
-  std::size_t chunk = 8192;  // faces in a batch: bounds what is held besides the cache
+  // Faces in a batch at most: bounds what is held besides the cache. Batches that take long are
+  // smaller, and the cache is the same.
+  std::size_t chunk = 8192;
   // Told now and then how many of the faces are examined, from the thread that builds; what it
   // throws ends the build.
   std::function<void(std::size_t faces)> progress = [](std::size_t) {};

@@ -136,6 +136,24 @@ void draft_sharp(const FaceCorners& face, PatchDraft& d) {
       kernels<double>().build_sharp_patch(d.corner.data(), tangents.data(), n, d.control.data());
 }
 
+void draft_paper(const FaceCorners& face, PatchDraft& d) {
+  d.control.resize(d.valence() * kSideReals);
+  if (!face.tangent.empty()) return draft_sharp(face, d);
+  kernels<double>().build_patches(d.corner.data(), d.valence(), 1, d.control.data(), &d.soundness);
+}
+
+// Makes a plain draft of its face_corner, without control data.
+void place(const FaceCorners& face, PatchDraft& d) {
+  const std::size_t n = d.face_corner.size();
+  d.kind = PatchKind::kPlain;
+  d.form = kFormPaper;
+  d.soundness = d.turned = 1;
+  d.side.clear();
+  d.corner.resize(n * 6);
+  d.triangle.resize(3 * (n - 2));
+  d.frame = place_polygon(face, d.face_corner, d.corner.data(), d.triangle.data());
+}
+
 // Its control data, from sides that both patches at an edge have in common.
 void draft_fair(const FaceCorners& face, PatchDraft& d) {
   const std::uint32_t n = d.valence();
@@ -163,18 +181,17 @@ PatchDraft draft_patch(const FaceCorners& face, std::vector<std::uint32_t> face_
 }
 
 void draft_patch(const FaceCorners& face, PatchDraft& d) {
-  const std::size_t n = d.face_corner.size();
-  d.kind = PatchKind::kPlain;
-  d.form = kFormPaper;
-  d.soundness = d.turned = 1;
-  d.side.clear();
-  d.corner.resize(n * 6);
-  d.triangle.resize(3 * (n - 2));
-  d.frame = place_polygon(face, d.face_corner, d.corner.data(), d.triangle.data());
-  if (face.is_fair() && n <= 4) return draft_fair(face, d);
-  d.control.resize(n * kSideReals);
-  if (!face.tangent.empty()) return draft_sharp(face, d);
-  kernels<double>().build_patches(d.corner.data(), d.valence(), 1, d.control.data(), &d.soundness);
+  place(face, d);
+  if (face.is_fair() && d.valence() <= kMostFairSides) return draft_fair(face, d);
+  draft_paper(face, d);
+}
+
+PatchDraft draft_paper(const FaceCorners& face, std::vector<std::uint32_t> face_corner) {
+  PatchDraft d;
+  d.face_corner = std::move(face_corner);
+  place(face, d);
+  draft_paper(face, d);
+  return d;
 }
 
 PatchShape examine(const PatchFrame& frame, const double* corner, const std::uint32_t* triangle,

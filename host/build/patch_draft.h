@@ -88,14 +88,18 @@ struct PatchDraft {
   std::uint32_t valence() const { return static_cast<std::uint32_t>(face_corner.size()); }
 };
 
-// The form of a fair patch of 3 or 4 sides.
-constexpr std::uint32_t fair_form(std::uint32_t n) { return n == 3 ? kFormSextic : kFormBezier; }
+// The form of a fair patch.
+constexpr std::uint32_t fair_form(std::uint32_t n) {
+  return n == 3 ? kFormSextic : n == 4 ? kFormBezier : kFormCurved;
+}
 
 // The patch of some corners of a face, not yet examined: a fair one where the face has fair sides
-// and there are three or four corners, else the paper's.
+// and no more than kMostFairSides, else the paper's.
 PatchDraft draft_patch(const FaceCorners& face, std::vector<std::uint32_t> face_corner);
 // The same in a draft that has its face_corner and may be one of before, whose memory it takes.
 void draft_patch(const FaceCorners& face, PatchDraft& draft);
+// The paper's patch, whatever the face has.
+PatchDraft draft_paper(const FaceCorners& face, std::vector<std::uint32_t> face_corner);
 // Normals, of any length, at `at`: domain points.
 std::vector<Vec3> normals_of(const PatchDraft& draft, const ValenceTables& tables,
                              std::span<const Eigen::Vector2d> at);

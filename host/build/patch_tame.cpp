@@ -210,7 +210,14 @@ double worst_turn(const std::vector<PatchDraft>& drafts) {
 
 std::vector<PatchDraft> draft_tamer(const FaceCorners& face, PatchDraft exact,
                                     const ValenceTables& tables) {
+  const bool is_curved = exact.form == kFormCurved;
+  if (is_curved) {  // the paper's keeps the boundary normals too
+    exact = draft_paper(face, std::move(exact.face_corner));
+    exact.kind = PatchKind::kEased;
+    exact.shape = examine(exact, tables);
+  }
   if (is_degenerate(exact.soundness)) exact.shape.turn = -1;
+  if (is_curved && exact.shape.turn > kSafeTurn) return {std::move(exact)};
   const std::uint32_t n = exact.valence();
   std::vector<FaceCorners> fans;
   if (n <= kMaxFan) fans = with_centres(face, exact, tables);

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
+
+#include "gliss/base/pace.h"
 
 namespace gliss {
 namespace {
@@ -10,12 +13,16 @@ constexpr std::size_t kPointGrain = 4096, kHipGrain = 256;
 
 class SerialEngine final : public Engine {
  public:
+  using Engine::Engine;
   const char* name() const override { return "serial"; }
   int threads() const override { return 1; }
   std::size_t batch() const override { return kPointGrain; }
   void for_each(std::size_t count, std::size_t grain,
                 const std::function<void(std::size_t, std::size_t)>& body) const override {
-    serial_for(count, grain, body);
+    serial_for(count, grain, [&](std::size_t begin, std::size_t end) {
+      poll();
+      body(begin, end);
+    });
   }
 };
 
@@ -93,7 +100,7 @@ class HostSurface final : public ResidentSurface {
                       const QueryOptions& options, std::span<const ContactArrays<T>> out) const {
     require_room(kMethods, methods.size());
     require_room(out.size(), methods.size());
-    engine_.for_each(hips.count, kHipGrain, [&](std::size_t begin, std::size_t end) {
+    for_hips(hips.count, [&](std::size_t begin, std::size_t end) {
       std::array<ContactArrays<T>, kMethods> there;
       for (std::size_t m = 0; m < methods.size(); ++m) there[m] = out[m].from(begin);
       gliss::nearest(cache_, piece_of(hips, begin, end), methods, options, there);
@@ -104,9 +111,23 @@ class HostSurface final : public ResidentSurface {
   void track_pieces(const HipArrays<T>& hips, const PointArrays<T>& starts,
                     const QueryOptions& options, const ContactArrays<T>& out) const {
     require_room(starts.count, hips.count);
-    engine_.for_each(hips.count, kHipGrain, [&](std::size_t begin, std::size_t end) {
+    for_hips(hips.count, [&](std::size_t begin, std::size_t end) {
       gliss::track(cache_, piece_of(hips, begin, end), piece_of(starts, begin, end), options,
                    out.from(begin));
+    });
+  }
+
+  // Calls body(begin, end) for few HIPs at a time where each takes long. A few have a thread each.
+  template <class Body>
+  void for_hips(std::size_t count, Body body) const {
+    const std::size_t shares = 4 * static_cast<std::size_t>(engine_.threads());
+    const std::size_t grain = std::clamp<std::size_t>(count / shares, 1, kHipGrain);
+    Pace pace;
+    engine_.for_each(count, grain, [&](std::size_t first, std::size_t last) {
+      pace.for_pieces(last - first, [&](std::size_t begin, std::size_t end) {
+        engine_.poll();
+        body(first + begin, first + end);
+      });
     });
   }
 
@@ -132,6 +153,8 @@ std::unique_ptr<ResidentSurface> Engine::reside(const PatchCache& cache) const {
   return std::make_unique<HostSurface>(*this, cache);
 }
 
-std::unique_ptr<Engine> make_serial_engine() { return std::make_unique<SerialEngine>(); }
+std::unique_ptr<Engine> make_serial_engine(std::function<void()> poll) {
+  return std::make_unique<SerialEngine>(std::move(poll));
+}
 
 }  // namespace gliss

@@ -2,8 +2,10 @@
 // (host/engine/opencl.h) behind it.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
+#include <utility>
 
 #include "gliss/base/export.h"
 #include "gliss/build/build_cache.h"
@@ -67,7 +69,13 @@ class GLISS_EXPORT ResidentSurface {
 
 class GLISS_EXPORT Engine {
  public:
+  // `poll` is asked many times a second while the host works, from any of its threads; what it
+  // throws ends the work, and is thrown again by whatever was asked for.
+  explicit Engine(std::function<void()> poll = nullptr) : poll_(std::move(poll)) {}
   virtual ~Engine() = default;
+  void poll() const {
+    if (poll_) poll_();
+  }
   virtual const char* name() const = 0;  // "serial", "tbb", "opencl"
   virtual int threads() const = 0;       // of the host
   // HIPs or points that keep it busy at once.
@@ -88,10 +96,14 @@ class GLISS_EXPORT Engine {
   // patches.
   virtual std::unique_ptr<ResidentSurface> reside(const PatchCache& cache) const;
   std::unique_ptr<ResidentSurface> reside(const PatchCache&&) const = delete;
+
+ private:
+  std::function<void()> poll_;
 };
 
-GLISS_EXPORT std::unique_ptr<Engine> make_serial_engine();
+GLISS_EXPORT std::unique_ptr<Engine> make_serial_engine(std::function<void()> poll = nullptr);
 // threads = 0: as many as the machine has.
-GLISS_EXPORT std::unique_ptr<Engine> make_tbb_engine(int threads = 0);
+GLISS_EXPORT std::unique_ptr<Engine> make_tbb_engine(int threads = 0,
+                                                     std::function<void()> poll = nullptr);
 
 }  // namespace gliss

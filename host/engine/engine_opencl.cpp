@@ -8,7 +8,7 @@ namespace {
 class OpenClEngine final : public Engine {
  public:
   explicit OpenClEngine(const OpenClOptions& options)
-      : shared_(options), builder_(make_opencl_builder(shared_)) {}
+      : Engine(options.poll), shared_(options), builder_(make_opencl_builder(shared_)) {}
   const char* name() const override { return "opencl"; }
   int threads() const override { return shared_.host->threads(); }
   std::size_t batch() const override {
@@ -44,7 +44,7 @@ std::unique_ptr<Engine> make_opencl_engine(const OpenClOptions& options) {
   } catch (const DeviceError& e) {
     if (!options.fall_back) throw;
     tell_fallback(options, e);
-    return make_tbb_engine(options.threads);
+    return make_tbb_engine(options.threads, options.poll);
   }
 }
 

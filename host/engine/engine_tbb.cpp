@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <atomic>
 #include <optional>
+#include <utility>
 
 #include "gliss/base/plain_arithmetic.h"
 #include "gliss/engine/engine.h"
@@ -30,8 +31,9 @@ Handover work, results;  // of all loops: to find one of its own would be a read
 
 class TbbEngine final : public Engine {
  public:
-  explicit TbbEngine(int threads)
-      : threads_(threads > 0 ? threads : tbb::info::default_concurrency()),
+  TbbEngine(int threads, std::function<void()> poll)
+      : Engine(std::move(poll)),
+        threads_(threads > 0 ? threads : tbb::info::default_concurrency()),
         arena_(threads_ + kCallers - 1, kCallers) {
     // More threads than cores are allowed when they are asked for.
     if (threads > 0) {
@@ -50,6 +52,7 @@ class TbbEngine final : public Engine {
     const auto do_piece = [&](std::size_t i) {
       work.take();
       const PlainArithmetic plain;
+      poll();
       body(i * grain, std::min(count, (i + 1) * grain));
       results.give();
     };
@@ -74,8 +77,8 @@ class TbbEngine final : public Engine {
 
 }  // namespace
 
-std::unique_ptr<Engine> make_tbb_engine(int threads) {
-  return std::make_unique<TbbEngine>(threads);
+std::unique_ptr<Engine> make_tbb_engine(int threads, std::function<void()> poll) {
+  return std::make_unique<TbbEngine>(threads, std::move(poll));
 }
 
 }  // namespace gliss

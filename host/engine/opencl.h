@@ -44,7 +44,8 @@ struct OpenClOptions {
   // The host does what the device fails to do, and all where no GPU is found and none is named.
   bool fall_back = false;
   // Lines for the user: that kernels are compiled, that the host takes over.
-  std::function<void(const std::string&)> notice;
+  std::function<void(const std::string&)> notice = nullptr;
+  std::function<void()> poll = nullptr;  // as of Engine
 };
 
 // Throws DeviceError where there is no such device; with options.fall_back the engine is oneTBB's

@@ -19,7 +19,7 @@ struct OpenClShared {
   mutable std::atomic<bool> broken = false;  // the device has failed: the host does all
 
   explicit OpenClShared(const OpenClOptions& given)
-      : device(given), host(make_tbb_engine(given.threads)), options(given) {}
+      : device(given), host(make_tbb_engine(given.threads, given.poll)), options(given) {}
 
   // Runs on_device; what fails there is thrown, or left to on_host.
   template <class OnDevice, class OnHost>

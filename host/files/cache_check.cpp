@@ -196,6 +196,8 @@ class Check {
         return valence <= 4 && (is_fair || c_.level.kind >= Level::kBezier);
       case kFormSextic:
         return valence == 3 && is_fair;
+      case kFormCurved:
+        return valence > 4 && valence <= kMostFairSides && is_fair;
       case kFormRibbon:
         return is_fair || c_.level.kind >= Level::kRibbon;
       case kFormTable:

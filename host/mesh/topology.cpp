@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "gliss/mesh/creases.h"
+#include "gliss/mesh/fitted_normals.h"
 #include "gliss/mesh/mesh_edges.h"
 
 namespace gliss {
@@ -139,25 +140,67 @@ void for_corners(const Mesh& mesh, Groups group, F f) {
   }
 }
 
-// Moves normals towards Max's where both see all corners.
-void smooth_normals(const Mesh& mesh, Groups group, std::vector<Vec3>& normals) {
-  constexpr double kApart = 0.80, kAgreed = 0.95;  // least cosines to a corner's own normal
-  std::vector<Vec3> smooth(normals.size(), Vec3::Zero());
-  for_corners(mesh, group, [&](std::uint32_t v, const Vec3& ahead, const Vec3& back) {
+// The sums of e_1 x e_2 / (|e_1|^2 |e_2|^2) over the corners of a group, unit length (Max 1999).
+std::vector<Vec3> max_normals(const Mesh& mesh, Groups group, std::size_t count) {
+  std::vector<Vec3> normals(count, Vec3::Zero());
+  for_corners(mesh, group, [&](std::uint32_t g, const Vec3& ahead, const Vec3& back) {
     const Vec3 normal =
         ahead.stableNormalized().cross(back.stableNormalized()) / (ahead.norm() * back.norm());
-    if (normal.allFinite()) smooth[v] += normal;
+    if (normal.allFinite()) normals[g] += normal;
   });
-  std::vector<double> least(normals.size(), 1);
-  for (Vec3& n : smooth) n = n.stableNormalized();
-  for_corners(mesh, group, [&](std::uint32_t v, const Vec3& ahead, const Vec3& back) {
+  for (Vec3& n : normals) n = n.stableNormalized();
+  return normals;
+}
+
+// Rises from 0 at `none` to 1 at `all`, smoothly.
+double share_between(double none, double all, double value) {
+  const double x = std::clamp((value - none) / (all - none), 0.0, 1.0);
+  return x * x * (3 - 2 * x);
+}
+
+Vec3 blend(const Vec3& from, const Vec3& to, double share) {
+  return (from + share * (to - from)).stableNormalized();
+}
+
+// Turns Max's normals to those of quadrics through the vertices around. Returns how far each
+// quadric was believed, 0 to 1.
+std::vector<double> turn_to_quadrics(const Mesh& mesh, Groups group,
+                                     std::span<const FittedNormal> fitted,
+                                     std::vector<Vec3>& normals) {
+  std::vector<double> spread(normals.size(), 0);  // of a group's corners
+  for_corners(mesh, group, [&](std::uint32_t g, const Vec3& ahead, const Vec3& back) {
+    spread[g] = std::max(spread[g], (ahead.cross(back).stableNormalized() - normals[g]).norm());
+  });
+  std::vector<double> believed(normals.size(), 1);
+  for (std::size_t g = 0; g < normals.size(); ++g) {
+    const double turn = (fitted[g].normal - normals[g]).norm();
+    if (turn == 0) continue;
+    // Far from the corners lie only quadrics through too few vertices or noise. Where the corners
+    // agree the surface is flat, whatever comes farther off.
+    believed[g] = share_between(0.35, 0.18, turn);
+    normals[g] =
+        blend(normals[g], fitted[g].normal, believed[g] * std::min(1.0, spread[g] / turn));
+  }
+  return believed;
+}
+
+// Moves normals towards those of the quadrics, where these fit.
+void smooth_normals(const Mesh& mesh, Groups group, std::vector<Vec3>& normals) {
+  std::vector<Vec3> smooth = max_normals(mesh, group, normals.size());
+  const std::vector<FittedNormal> fitted = fitted_normals(mesh, group, normals.size(), smooth);
+  const std::vector<double> believed = turn_to_quadrics(mesh, group, fitted, smooth);
+  std::vector<double> agreed(normals.size(), 1), seen(normals.size(), 1);  // least cosines
+  for_corners(mesh, group, [&](std::uint32_t g, const Vec3& ahead, const Vec3& back) {
     const Vec3 corner = ahead.cross(back).stableNormalized();
-    least[v] = std::min({least[v], corner.dot(normals[v]), corner.dot(smooth[v])});
+    seen[g] = std::min(seen[g], corner.dot(smooth[g]));
+    agreed[g] = std::min({agreed[g], corner.dot(normals[g]), seen[g]});
   });
-  for (std::size_t v = 0; v < normals.size(); ++v) {
-    const double x = std::clamp((least[v] - kApart) / (kAgreed - kApart), 0.0, 1.0);
-    const double share = x * x * (3 - 2 * x);
-    if (share > 0) normals[v] = (normals[v] + share * (smooth[v] - normals[v])).normalized();
+  // Across an edge of a right angle between squares the vertices around are off by 0.25.
+  for (std::size_t g = 0; g < normals.size(); ++g) {
+    const double fits = believed[g] * share_between(0.25, 0.15, fitted[g].error);
+    const double share =
+        std::max(share_between(0.80, 0.95, agreed[g]), fits * share_between(0.1, 0.3, seen[g]));
+    if (share > 0) normals[g] = blend(normals[g], smooth[g], share);
   }
 }
 

@@ -94,8 +94,14 @@ double Histogram::quantile(double q) const {
   const auto wanted = static_cast<std::uint64_t>(std::ceil(q * static_cast<double>(count_)));
   std::uint64_t seen = 0;
   for (int i = 0; i < kBins; ++i) {
-    seen += bins_[static_cast<std::size_t>(i)];
-    if (seen >= wanted && seen > 0) return std::min(bin_edge(i), max_);
+    const std::uint64_t here = bins_[static_cast<std::size_t>(i)], before = seen;
+    seen += here;
+    if (seen < wanted || seen == 0) continue;
+    const double most = std::min(bin_edge(i), max_);
+    if (i == 0) return most;
+    const double least = bin_edge(i - 1);
+    const double share = static_cast<double>(wanted - before) / static_cast<double>(here);
+    return least < most ? least * std::pow(most / least, share) : most;
   }
   return max_;
 }

@@ -1,14 +1,18 @@
 #include "gliss/study/sweep.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <future>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <random>
 #include <utility>
 
+#include "gliss/base/pace.h"
 #include "gliss/base/plain_arithmetic.h"
+#include "gliss/base/stopwatch.h"
 #include "gliss/query/force_statistics.h"
 #include "gliss/study/sweep_grid.h"
 #include "gliss/study/sweep_parts.h"
@@ -16,6 +20,7 @@
 namespace gliss {
 namespace {
 
+constexpr double kAskEvery = 0.1;    // s
 constexpr int kSpotChecks = 4;       // of a block that is read
 constexpr double kRounding = 1e-9;   // of a point of a domain
 constexpr double kAgreement = 1e-3;  // of a depth, and of the force there
@@ -28,6 +33,34 @@ struct Touch {
   int iterations, crossings;
   std::uint32_t flags;
 };
+
+// A contact as a part keeps it, whose force is a push still.
+using TouchReals = std::array<double, SweepPart::kContactReals>;
+
+TouchReals reals_of(const Touch& t) {
+  return {t.scp.x(),
+          t.scp.y(),
+          t.scp.z(),
+          t.force.x(),
+          t.force.y(),
+          t.force.z(),
+          t.residual_angle,
+          static_cast<double>(t.iterations),
+          static_cast<double>(t.crossings),
+          static_cast<double>(t.flags),
+          static_cast<double>(t.touching)};
+}
+
+Touch touch_of(const double* r) {
+  const auto count = [](double x) { return x >= 0 && x < 2147483648.0 ? static_cast<int>(x) : 0; };
+  return {.touching = r[10] != 0,
+          .scp = {r[0], r[1], r[2]},
+          .force = {r[3], r[4], r[5]},
+          .residual_angle = r[6],
+          .iterations = count(r[7]),
+          .crossings = count(r[8]),
+          .flags = static_cast<std::uint32_t>(count(r[9]))};
+}
 
 // Their pushes come where their forces are to be.
 ContactArrays<double> touch_arrays(std::span<Touch> touches) {
@@ -58,6 +91,10 @@ struct Window {
   std::vector<Vec3> positions, normals;  // [point]
   std::vector<Vec3> hips;                // [depth][point]
   std::vector<Touch> touches;            // [method][depth][point]
+  std::size_t felt = 0;                  // HIPs whose touches are there
+
+  void resize(std::size_t methods) { touches.resize(methods * hips.size()); }
+  Touch& touch(std::size_t method, std::size_t hip) { return touches[method * hips.size() + hip]; }
 };
 
 class Sweeper {
@@ -84,26 +121,49 @@ class Sweeper {
     };
     const std::size_t end = grid_.chunks().size();
     for (std::size_t first = 0, part = 0; first < end && result.complete; ++part) {
-      const std::size_t part_end = end_of_part(first);
+      const std::size_t part_begin = first, part_end = end_of_part(first);
+      std::optional<SweepPart> kept;
       if (parts != nullptr) {
         finish();
-        const auto kept = parts->load(part);
-        if (kept && holds(*kept, first, part_end, sink != nullptr)) {
-          for (const SweepBlock& block : kept->blocks) sink(block);
-          merge(kept->statistics, result.statistics);
-          done += samples_of(first, part_end);
-          first = part_end;
-          if (progress && !progress(done, total)) result.complete = false;
-        } else if (kept) {
+        kept = parts->load(part);
+        if (kept && !holds(*kept, first, part_end, sink != nullptr)) {
           parts->discard(part);
+          kept.reset();
         }
+      }
+      if (kept) {
+        const bool is_whole = kept->chunks == part_end - first;
+        for (const SweepBlock& block : kept->blocks) {
+          if (!is_whole) parts->add(block);
+          sink(block);
+        }
+        merge(kept->statistics, is_whole ? result.statistics : of_part);
+        done += samples_of(first, first + kept->chunks);
+        first += kept->chunks;
+        if (progress && !progress(done, total)) result.complete = false;
       }
       while (first < part_end && result.complete) {
         Window& window = windows[turn++ % 2];
-        collect(first, part_end, window);
-        feel(window);
+        if (kept && kept->begun > 0)
+          collect(first, first + kept->begun, std::numeric_limits<std::size_t>::max(), window);
+        else
+          collect(first, part_end, enough(), window);
+        place(window);
+        if (kept) take_begun(*kept, window);
+        kept.reset();
+        const std::size_t next = first + window.pieces.size(), ready = window.felt;
+        const std::uint64_t samples = samples_of(first, next);
+        feel(window, [&] {
+          if (parts != nullptr && parts->is_due()) {
+            finish();
+            parts->save(part, of_part, first - part_begin, window.pieces.size(), begun(window));
+          }
+          if (progress && !progress(done + samples * window.felt / window.hips.size(), total))
+            result.complete = false;
+          return result.complete;
+        });
         finish();
-        const std::size_t next = first + window.pieces.size();
+        if (!result.complete) break;
         const bool saves = parts != nullptr && next == part_end && next < end;
         counting = std::async(policy, [=, this, &window, &sink, &result, &of_part] {
           count(window, sink != nullptr);
@@ -115,12 +175,12 @@ class Sweeper {
             }
           }
           if (next < part_end) return;
-          if (saves) parts->save(part, of_part);
+          if (saves) parts->save(part, of_part, part_end - part_begin);
           merge(of_part, result.statistics);
           of_part = no_statistics();
         });
-        done += samples_of(first, next);
-        result.computed += samples_of(first, next) * options_.methods.size();
+        done += samples;
+        result.computed += samples * options_.methods.size() * (window.felt - ready) / window.felt;
         first = next;
         if (progress && !progress(done, total)) result.complete = false;
       }
@@ -165,12 +225,14 @@ class Sweeper {
   // done again, are the same. Another engine may round otherwise.
   bool holds(const SweepPart& part, std::size_t first, std::size_t last, bool samples) const {
     const std::size_t methods = options_.methods.size(), kinds = options_.depths.size() * methods;
+    if (part.chunks > last - first || part.begun > last - first - part.chunks) return false;
     std::uint64_t points = 0;
-    for (std::size_t c = first; c < last; ++c) points += grid_.own_points(grid_.chunks()[c]);
+    for (std::size_t c = first; c < first + part.chunks; ++c)
+      points += grid_.own_points(grid_.chunks()[c]);
     for (const SweepStatistics& s : part.statistics) {
       if (s.samples != points) return false;
     }
-    if (part.blocks.size() != (samples ? (last - first) * kinds : 0)) return false;
+    if (part.blocks.size() != (samples ? part.chunks * kinds : 0)) return false;
     std::vector<DomainPoint> own;
     for (std::size_t b = 0; b < part.blocks.size(); ++b) {
       const SweepBlock& block = part.blocks[b];
@@ -191,6 +253,43 @@ class Sweeper {
     }
     for (std::size_t method = 0; method < methods; ++method) {
       if (!agrees(part.blocks, method)) return false;
+    }
+    return begun_agrees(part, first + part.chunks);
+  }
+  // True if some contacts of chunks that were begun, from `first` on, and all that are not finite,
+  // are the same when they are done again.
+  bool begun_agrees(const SweepPart& part, std::size_t first) const {
+    if (part.begun == 0) return true;
+    Window window;
+    collect(first, first + part.begun, std::numeric_limits<std::size_t>::max(), window);
+    place(window);
+    const std::size_t methods = options_.methods.size(),
+                      felt = part.contacts.size() / (methods * SweepPart::kContactReals);
+    if (felt > window.hips.size()) return false;
+    take_begun(part, window);
+    std::minstd_rand dice(std::random_device{}());
+    std::vector<std::size_t> chosen;  // HIPs
+    std::vector<Vec3> hips;
+    for (std::size_t hip = 0; hip < felt; ++hip) {
+      for (std::size_t m = 0; m < methods; ++m) {
+        const Touch& t = window.touch(m, hip);
+        if (t.scp.allFinite() && t.force.allFinite() && std::isfinite(t.residual_angle)) continue;
+        chosen.push_back(hip);
+        break;
+      }
+    }
+    for (int i = 0; i < kSpotChecks; ++i) chosen.push_back(dice() % felt);
+    for (const std::size_t hip : chosen) hips.push_back(window.hips[hip]);
+    std::vector<Contact> contacts(methods * hips.size());
+    surface_->nearest(hips, options_.methods, QueryOptions{options_}, contacts);
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+      const std::size_t points = window.points.size();
+      const double depth = options_.depths[chosen[i] / points] / cache_.unit;
+      for (std::size_t m = 0; m < methods; ++m) {
+        const Touch& t = window.touch(m, chosen[i]);
+        const Contact& contact = contacts[m * chosen.size() + i];
+        if (!agree(t.scp, contact.scp, depth) || !agree(t.force, contact.push, depth)) return false;
+      }
     }
     return true;
   }
@@ -251,10 +350,15 @@ class Sweeper {
     return (a - b).norm() <= kAgreement * size;
   }
 
-  void collect(std::size_t first, std::size_t last, Window& window) const {
+  // Points that keep the engine busy.
+  std::size_t enough() const {
+    return std::max<std::size_t>(engine_.batch() / options_.depths.size(), 1);
+  }
+
+  // Takes chunks [first, last) up to `enough` points.
+  void collect(std::size_t first, std::size_t last, std::size_t enough, Window& window) const {
     window.pieces.clear();
     window.points.clear();
-    const std::size_t enough = std::max<std::size_t>(engine_.batch() / options_.depths.size(), 1);
     for (std::size_t c = first; c < last && window.points.size() < enough; ++c) {
       const SweepChunk& chunk = grid_.chunks()[c];
       const std::size_t begin = window.points.size();
@@ -263,7 +367,8 @@ class Sweeper {
     }
   }
 
-  void feel(Window& window) const {
+  // Finds the HIPs of a window.
+  void place(Window& window) const {
     const std::size_t points = window.points.size(), depths = options_.depths.size();
     window.positions.resize(points);
     window.normals.resize(points);
@@ -276,12 +381,50 @@ class Sweeper {
       for (std::size_t p = 0; p < points; ++p)
         window.hips.push_back(window.positions[p] - depth / cache_.unit * window.normals[p]);
     }
-    const std::size_t hips = window.hips.size();
-    window.touches.resize(options_.methods.size() * hips);
-    std::vector<ContactArrays<double>> out;
-    for (std::size_t m = 0; m < options_.methods.size(); ++m)
-      out.push_back(touch_arrays(std::span(window.touches).subspan(m * hips, hips)));
-    surface_->nearest(arrays_of(window.hips), options_.methods, QueryOptions{options_}, out);
+    window.resize(options_.methods.size());
+    window.felt = 0;
+  }
+
+  // The contacts of a window so far, as a part keeps them; and back.
+  std::vector<double> begun(Window& window) const {
+    std::vector<double> reals;
+    reals.reserve(window.felt * options_.methods.size() * SweepPart::kContactReals);
+    for (std::size_t hip = 0; hip < window.felt; ++hip) {
+      for (std::size_t m = 0; m < options_.methods.size(); ++m) {
+        const TouchReals touch = reals_of(window.touch(m, hip));
+        reals.insert(reals.end(), touch.begin(), touch.end());
+      }
+    }
+    return reals;
+  }
+  void take_begun(const SweepPart& part, Window& window) const {
+    const double* reals = part.contacts.data();
+    window.felt = part.contacts.size() / (options_.methods.size() * SweepPart::kContactReals);
+    for (std::size_t hip = 0; hip < window.felt; ++hip) {
+      for (std::size_t m = 0; m < options_.methods.size(); ++m, reals += SweepPart::kContactReals)
+        window.touch(m, hip) = touch_of(reals);
+    }
+  }
+
+  // Finds the contacts of a window's HIPs. Where that takes long, calls go_on() several times a
+  // second, and stops where it says so.
+  void feel(Window& window, const std::function<bool()>& go_on) {
+    const std::size_t methods = options_.methods.size();
+    Stopwatch asked;
+    bool goes_on = true;
+    pace_.for_pieces(window.hips.size() - window.felt, [&](std::size_t begin, std::size_t end) {
+      if (!goes_on) return;
+      const std::size_t from = window.felt, count = end - begin;
+      std::vector<ContactArrays<double>> out;
+      for (std::size_t m = 0; m < methods; ++m)
+        out.push_back(touch_arrays({&window.touch(m, from), count}));
+      surface_->nearest(arrays_of(std::span(window.hips).subspan(from, count)), options_.methods,
+                        QueryOptions{options_}, out);
+      window.felt += count;
+      if (window.felt == window.hips.size() || asked.seconds() < kAskEvery) return;
+      goes_on = go_on();
+      asked = {};
+    });
   }
 
   void count(Window& window, bool keep) const {
@@ -440,6 +583,7 @@ class Sweeper {
   const SweepOptions& options_;
   const SweepGrid grid_;
   const std::unique_ptr<ResidentSurface> surface_;
+  Pace pace_;  // of HIPs
 };
 
 }  // namespace

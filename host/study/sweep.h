@@ -45,7 +45,8 @@ class GLISS_EXPORT Histogram {
     return count_ == unsound_ ? 0 : sum_ / static_cast<double>(count_ - unsound_);
   }
   double max() const { return max_; }
-  double quantile(double q) const;  // upper edge of the bin that holds it, never above max()
+  // Interpolated within the bin that holds it, which is 12 % wide; never above max().
+  double quantile(double q) const;
   const std::array<std::uint64_t, kBins>& bins() const { return bins_; }
   static double bin_edge(int bin);  // upper edge
 
@@ -96,7 +97,8 @@ struct SweepBlock {
 // Blocks arrive in order (chunk, depth, method), always from one thread at a time; null: only
 // statistics are kept.
 using SweepSink = std::function<void(const SweepBlock&)>;
-// Called after each window of chunks; false stops the sweep.
+// Called after each window of chunks, and several times a second where one takes long; false stops
+// the sweep.
 using SweepProgress = std::function<bool(std::uint64_t done, std::uint64_t total)>;
 
 struct SweepResult {

@@ -15,6 +15,7 @@
 #include <filesystem>
 #include <system_error>
 #include <type_traits>
+#include <utility>
 
 #include "gliss/files/atomic_file.h"
 #include "gliss/files/cache_format.h"
@@ -24,15 +25,15 @@
 namespace gliss {
 namespace {
 
-constexpr std::uint32_t kPartFormat = 4;
+constexpr std::uint32_t kPartFormat = 5;
 constexpr std::string_view kMagic = "GLSPART\n", kEnding = ".part";
 static_assert(std::is_trivially_copyable_v<SweepStatistics>);
 
-// A file: this, the statistics, the blocks.
+// A file: this, the statistics, the blocks, the contacts of chunks that are begun.
 struct PartHeader {
   char magic[8];
   std::uint64_t checksum;  // of all that follows
-  std::uint64_t part;
+  std::uint64_t part, chunks, begun;
 };
 constexpr std::size_t kChecked = offsetof(PartHeader, part);
 
@@ -121,13 +122,14 @@ std::uint64_t checksum_of(std::string_view file) {
 }  // namespace
 
 SweepParts::SweepParts(const std::string& folder, const PatchCache& cache,
-                       const SweepOptions& options, bool samples)
+                       const SweepOptions& options, bool samples, double patience)
     : cache_(cache),
       folder_(folder),
       key_(fmt::format("{:016x}-", hash_of_sweep(cache, options, samples))),
       samples_(samples),
       depths_(options.depths),
-      methods_(options.methods) {
+      methods_(options.methods),
+      patience_(patience) {
   open_folder();
   for (const auto& file : std::filesystem::directory_iterator(folder)) {
     const std::string name = file.path().filename();
@@ -165,8 +167,10 @@ std::optional<SweepPart> SweepParts::load(std::size_t part) {
   // Room for what comes before the blocks, should it have to be done.
   file_.assign(sizeof(PartHeader) + depths_.size() * methods_.size() * sizeof(SweepStatistics),
                '\0');
+  saved_ = clock_.seconds();
   struct stat status {};
-  if (lstat(path_of(part).c_str(), &status) != 0 && errno == ENOENT) return {};
+  is_there_ = lstat(path_of(part).c_str(), &status) == 0 || errno != ENOENT;
+  if (!is_there_) return {};
   auto found = read(part);
   if (!found) discard(part);
   return found;
@@ -190,10 +194,18 @@ std::optional<SweepPart> SweepParts::read(std::size_t part) const {
       !take(rest, found.statistics.data(), found.statistics.size() * sizeof(SweepStatistics))) {
     return {};
   }
-  while (!rest.empty()) {
+  found.chunks = header.chunks;
+  found.begun = header.begun;
+  const std::size_t kinds = found.statistics.size(), blocks = samples_ ? found.chunks * kinds : 0;
+  while (found.blocks.size() < blocks) {
     if (!take(rest, found.blocks.emplace_back(), depths_.size(), methods_.size())) return {};
   }
-  if (!is_in_range(found)) return {};
+  if (rest.size() % (SweepPart::kContactReals * methods_.size() * sizeof(double)) != 0 ||
+      rest.empty() != (found.begun == 0)) {
+    return {};
+  }
+  found.contacts.resize(rest.size() / sizeof(double));
+  if (!take(rest, found.contacts.data(), rest.size()) || !is_in_range(found)) return {};
   return found;
 }
 
@@ -223,6 +235,7 @@ void SweepParts::discard(std::size_t part) {
                             fmt::format("'{}' is no part of a sweep and cannot be removed", path));
   }
   --kept_;
+  is_there_ = false;
 }
 
 void SweepParts::add(const SweepBlock& block) {
@@ -234,10 +247,15 @@ void SweepParts::add(const SweepBlock& block) {
   });
 }
 
-void SweepParts::save(std::size_t part, const std::vector<SweepStatistics>& statistics) {
+void SweepParts::save(std::size_t part, const std::vector<SweepStatistics>& statistics,
+                      std::size_t chunks, std::size_t begun, std::span<const double> contacts) {
   PartHeader header{};
   kMagic.copy(header.magic, sizeof header.magic);
   header.part = part;
+  header.chunks = chunks;
+  header.begun = begun;
+  const std::size_t whole = file_.size();
+  put(file_, contacts.data(), contacts.size_bytes());
   std::memcpy(file_.data(), &header, sizeof header);
   std::memcpy(file_.data() + sizeof header, statistics.data(),
               statistics.size() * sizeof(SweepStatistics));
@@ -246,7 +264,9 @@ void SweepParts::save(std::size_t part, const std::vector<SweepStatistics>& stat
   AtomicFile file(path_of(part));
   file.write(file_);
   file.commit();
-  ++kept_;
+  file_.resize(whole);
+  kept_ += !std::exchange(is_there_, true);
+  saved_ = clock_.seconds();
 }
 
 void SweepParts::remove() {

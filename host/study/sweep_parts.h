@@ -2,20 +2,30 @@
 // moment goes on where it was.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "gliss/base/export.h"
+#include "gliss/base/stopwatch.h"
 #include "gliss/study/sweep.h"
 
 namespace gliss {
 
-// Contents of a part: statistics [depth][method], and blocks where samples are kept.
+// Contents of a part, or of the beginning of one that took long: statistics [depth][method] of its
+// first chunks, and their blocks where samples are kept.
 struct SweepPart {
   std::vector<SweepStatistics> statistics;
   std::vector<SweepBlock> blocks;
+  std::size_t chunks = 0;
+  // Chunks behind these that were under way, and what was found of their first HIPs, in the sweep's
+  // own form: reals[HIP][method][kContactReals].
+  std::size_t begun = 0;
+  std::vector<double> contacts;
+  static constexpr std::size_t kContactReals = 11;
 };
 
 // A part is a file of its own that is there as a whole or not at all, with a checksum. Its name
@@ -28,10 +38,12 @@ class GLISS_EXPORT SweepParts {
   // Creates the folder where it is not there, for this user alone. Throws std::runtime_error where
   // another process works in it, and where others could leave parts: in what is no folder but a
   // link to one, and in folders that belong to another user or that all may write to. `samples`:
-  // parts keep blocks besides statistics. The cache must outlive the parts.
+  // parts keep blocks besides statistics. `patience`: seconds of work after which a part is saved
+  // though it is not whole. The cache must outlive the parts.
   SweepParts(const std::string& folder, const PatchCache& cache, const SweepOptions& options,
-             bool samples);
-  SweepParts(const std::string&, const PatchCache&&, const SweepOptions&, bool) = delete;
+             bool samples, double patience = 3);
+  SweepParts(const std::string&, const PatchCache&&, const SweepOptions&, bool,
+             double patience = 3) = delete;
   ~SweepParts();  // removes the folder if it is empty and was made by a sweep
   SweepParts(const SweepParts&) = delete;
   SweepParts& operator=(const SweepParts&) = delete;
@@ -41,13 +53,19 @@ class GLISS_EXPORT SweepParts {
   std::size_t foreign() const { return foreign_; }  // files of other sweeps
   const std::vector<std::string>& damaged() const { return damaged_; }  // files met so far
 
-  // Nothing where the part is not there or cannot be used: then it is under way, blocks are added,
-  // and it is saved. What a part holds is within range, but need not be finite.
+  // Nothing where the part is not there or cannot be used. Then, and where it is not whole, it is
+  // under way: blocks are added, those that were loaded first, and it is saved. What a part holds
+  // is within range, but need not be finite.
   std::optional<SweepPart> load(std::size_t part);
   // Removes a part that was loaded and turned out to be damaged.
   void discard(std::size_t part);
   void add(const SweepBlock& block);
-  void save(std::size_t part, const std::vector<SweepStatistics>& statistics);
+  // True if nothing was loaded or saved for longer than the patience.
+  bool is_due() const { return clock_.seconds() - saved_ > patience_; }
+  // Saves the part under way: all that was added, `chunks` in number, and the contacts of those
+  // that are begun, if there are any.
+  void save(std::size_t part, const std::vector<SweepStatistics>& statistics, std::size_t chunks,
+            std::size_t begun = 0, std::span<const double> contacts = {});
 
   void remove();  // all parts of this sweep: its result is safe elsewhere
 
@@ -65,9 +83,13 @@ class GLISS_EXPORT SweepParts {
   int lock_ = -1;
   std::vector<double> depths_;
   std::vector<Method> methods_;
+  double patience_;
+  Stopwatch clock_;
+  std::atomic<double> saved_ = 0;  // s, when a part was saved or loaded last
   std::size_t kept_ = 0, foreign_ = 0;
   std::vector<std::string> damaged_;
-  std::string file_;  // the part under way
+  std::string file_;       // the part under way
+  bool is_there_ = false;  // its file
 };
 
 }  // namespace gliss

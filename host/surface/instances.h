@@ -126,10 +126,10 @@ struct Kernels {
   // null; `is_smooth`: these tell how an edge between two quads turns, and no more.
   void (*fair_side)(const Real* start, const FairEdge<Real>& edge, const FairVertex<Real>* from,
                     const FairVertex<Real>* to, bool is_smooth, Real* side);
-  // Control data from the sides of a triangle (FORM_SEXTIC) or a quad (FORM_BEZIER). Returns the
-  // least share of a cross tangent that points into the face: 0 or less where the patch doubles
-  // back. `flat`: null, or a unit normal that the cross tangents shall lie across,
-  // `length` times as long.
+  // Control data from the sides of a triangle (FORM_SEXTIC), a quad (FORM_BEZIER) or another
+  // polygon (FORM_CURVED). Returns the least share of a cross tangent that points into the face: 0
+  // or less where the patch doubles back. `flat`, of triangles and quads: null, or a unit normal
+  // that the cross tangents shall lie across, `length` times as long.
   Real (*fair_control)(const Real* sides, std::uint32_t n, const Real* flat, Real length,
                        Real* control);
   // G, G_xi, G_eta as nine rows of `stride` numbers, at `count` points of one patch.

@@ -15,7 +15,8 @@ inline constexpr std::size_t kSideReals = SIDE_REALS, kPatchReals = PATCH_REALS,
                              kNodeReals = NODE_REALS;
 inline constexpr std::uint32_t kFormPaper = FORM_PAPER, kFormRibbon = FORM_RIBBON,
                                kFormBezier = FORM_BEZIER, kFormTable = FORM_TABLE,
-                               kFormSextic = FORM_SEXTIC;
+                               kFormSextic = FORM_SEXTIC, kFormCurved = FORM_CURVED;
+inline constexpr std::uint32_t kMostFairSides = FAIR_MOST_SIDES;
 inline constexpr std::uint32_t kFormsUnited = 256;  // among bits of forms: parts overlap
 inline constexpr std::uint32_t kFormMask = 255;     // above it, the r of a table
 inline constexpr std::size_t kSideLength = SIDE_LENGTH, kSideEase = SIDE_EASE;
@@ -76,6 +77,8 @@ static_assert(kNone == NONE);
 #undef FORM_BEZIER
 #undef FORM_TABLE
 #undef FORM_SEXTIC
+#undef FORM_CURVED
+#undef FAIR_MOST_SIDES
 #undef SIDE_C
 #undef SIDE_T_0
 #undef SIDE_T_1

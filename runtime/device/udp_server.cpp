@@ -58,6 +58,7 @@ void UdpServer::run(const std::function<bool()>& stop) {
 // The state goes out first: what became of the loop since is then known when its force is decided.
 void UdpServer::step(Nanoseconds now) noexcept {
   now_ = now;
+  if (options_.waits && counts_.peers == 0) return receive(now);
   publish(now);
   receive(now);
   if (peer_ != 0 && !silent_ && late(heard_, now)) {

@@ -25,6 +25,9 @@ struct UdpServerOptions {
   // loop, and engages again by itself where a loop that was late or silent asks for little force.
   // None: the loop's own guard is all there is, and the device's largest force.
   std::optional<GuardLimits> guard = GuardLimits{};
+  // The device is neither read nor written before the first loop comes: a hand that follows a path
+  // begins it then.
+  bool waits = false;
 };
 
 struct UdpServerCounts {

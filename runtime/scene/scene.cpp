@@ -68,8 +68,8 @@ ObjectDescription read_object(TomlTable table, const std::string& scene, std::si
   std::error_code unknown;  // a name too long for the system throws without
   if (!std::filesystem::exists(object.surface, unknown))
     table.fail(mesh.empty() ? "cache" : "mesh", fmt::format("there is no '{}'", object.surface));
-  if (get_parsed(table, "unit", object.unit, parse_unit) && mesh.empty())
-    table.fail("unit", "a cache has its own unit");
+  object.has_unit = get_parsed(table, "unit", object.unit, parse_unit);
+  if (object.has_unit && mesh.empty()) table.fail("unit", "a cache has its own unit");
   if (table.has("precision")) table.get("precision", object.precision.emplace(), kPrecisionNames);
   table.get_positive("stiffness", object.stiffness, parse_stiffness);
   std::string level;

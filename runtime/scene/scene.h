@@ -35,6 +35,7 @@ struct ObjectDescription : SolverOptions {
   std::string surface;  // path of a mesh or a cache, from the scene's folder
   bool from_cache = false;
   double unit = 1;                           // m, of a mesh's coordinates
+  bool has_unit = false;                     // the scene says so
   std::optional<Precision> precision;        // as the cache has it, or double
   std::optional<Level> level;                // as the cache has it, or exact
   std::optional<Construction> construction;  // as the cache has it, or fair

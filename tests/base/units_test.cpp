@@ -87,6 +87,8 @@ TEST(ProgressText, SaysRateAndTimeLeft) {
   EXPECT_EQ(progress_text({250, 1000, 5}, "points"),
             " 25 %  250 of 1.00 k points  50/s  15 s left");
   EXPECT_EQ(progress_text({1000, 1000, 5}, "points"), "100 %  1.00 k of 1.00 k points  200/s");
+  EXPECT_EQ(progress_text({0, 1000, 5}, "points"), "  0 %  0 of 1.00 k points  5.0 s so far");
+  EXPECT_EQ(progress_text({0, 0, 5}, ""), "5.0 s");
   EXPECT_EQ(progress_text({250, 0, 5}, "points"), "250 points  50/s");
   EXPECT_EQ(finished_text({1000, 1000, 5}, "points"), "1.00 k points in 5.0 s, 200/s");
   EXPECT_EQ(progress_bar({5, 10, 1}, 12), "[#####-----]");
@@ -104,8 +106,10 @@ TEST(ProgressText, LogLinesAreFew) {
   LinePace quick;
   EXPECT_FALSE(quick.due({900, 1000, 1.9}));
   LinePace slow;
-  EXPECT_FALSE(slow.due({1, 1000, 59}));
-  EXPECT_TRUE(slow.due({1, 1000, 60}));
+  EXPECT_FALSE(slow.due({1, 1000, 4.9}));
+  EXPECT_TRUE(slow.due({1, 1000, 5}));  // the first tells how long it will take
+  EXPECT_FALSE(slow.due({2, 1000, 64}));
+  EXPECT_TRUE(slow.due({2, 1000, 65}));
 }
 
 }  // namespace

@@ -578,6 +578,23 @@ TEST_F(Program, AnInterruptedSweepLeavesNothing) {
   EXPECT_EQ(folder_.file_count(), files);
 }
 
+// Each tick is there once a method, in the order of the path.
+TEST_F(Program, TraceCarriesColumnsAlong) {
+  folder_.write("timed.csv", "x_mm,y_mm,z_mm,time,id\n62,0,0,0.5,7\n61,0,0,0.25,8\n");
+  const std::string out =
+      output_of("trace knot.obj --unit mm --path timed.csv --method flat,shaded --keep time,id");
+  std::istringstream lines(out);
+  std::string line;
+  std::getline(lines, line);
+  EXPECT_THAT(line, EndsWith(",patch,state,time,id"));
+  for (const char* kept : {",0.5,7", ",0.5,7", ",0.25,8", ",0.25,8"}) {
+    std::getline(lines, line);
+    EXPECT_THAT(line, EndsWith(kept));
+  }
+  EXPECT_THAT(run("trace knot.obj --unit mm --path timed.csv --keep when").err,
+              HasSubstr("--keep: timed.csv has no column 'when'"));
+}
+
 TEST_F(Program, AKilledSweepGoesOnFromItsParts) {
   const std::vector<std::string> words = words_of_sweep("2e6");
   ASSERT_EQ(test::Process(folder_ / "", test::kProgram, words).wait().code, 0);
@@ -601,12 +618,12 @@ TEST_F(Program, AKilledSweepGoesOnFromItsParts) {
     EXPECT_EQ(folder_.read("s.h5"), "old");
     if (signal == SIGINT) {
       EXPECT_EQ(outcome.code, 130);
-      EXPECT_THAT(outcome.err, HasSubstr("finished parts are in 's.h5.parts'"));
+      EXPECT_THAT(outcome.err, HasSubstr("parts are in 's.h5.parts'"));
     }
   }
   const test::Outcome last = test::Process(folder_ / "", test::kProgram, words).wait();
   EXPECT_EQ(last.code, 0);
-  EXPECT_THAT(last.err, HasSubstr("goes on from 2 finished parts in 's.h5.parts'"));
+  EXPECT_THAT(last.err, HasSubstr("goes on from 2 parts in 's.h5.parts'"));
   EXPECT_TRUE(folder_.read("s.h5") == want);
   EXPECT_FALSE(std::filesystem::exists(folder_ / "s.h5.parts"));
 }

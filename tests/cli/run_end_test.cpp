@@ -93,7 +93,7 @@ TEST_F(RunEnd, names_what_is_wrong_before_anything_runs) {
   expect_error(run("scene.toml --device replay:nan.csv"), 2, "nan.csv:2: column 'z'");
   folder_.write("none.h5", "");
   expect_error(run("scene.toml --device replay:none.h5"), 2, "none.h5");
-  folder_.write("bare.toml", "[[object]]\nmesh = 'ball.obj'\n");
+  folder_.write("bare.toml", "[[object]]\nmesh = 'ball.obj'\nunit = 'mm'\n");
   expect_error(run("bare.toml"), 2, "[sim]");
   folder_.write("wrong.toml", "[[object]]\nmesh = 'ball.obj'\nstifness = 3\n");
   expect_error(run("wrong.toml"), 2, "wrong.toml:3: object.stifness: ");

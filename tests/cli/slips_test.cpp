@@ -69,6 +69,15 @@ TEST_F(Slips, units_have_names_as_people_write_them) {
   EXPECT_THAT(told("info torus.obj --quiet"), IsEmpty());
 }
 
+TEST_F(Slips, a_scene_that_does_not_name_a_unit_hears_of_an_odd_size) {
+  folder_.write("metres.toml", "[[object]]\nmesh = \"torus.obj\"\n");
+  EXPECT_THAT(told("run metres.toml --device replay:far.csv --no-wait"),
+              HasSubstr("torus.obj is 115 m across: 'unit = \"mm\"' if its coordinates are "
+                        "millimetres\n"));
+  folder_.write("meant.toml", "[[object]]\nmesh = \"torus.obj\"\nunit = \"m\"\n");
+  EXPECT_THAT(told("run meant.toml --device replay:far.csv --no-wait"), Not(HasSubstr("across")));
+}
+
 TEST_F(Slips, depths_beyond_the_mesh_are_refused_and_beyond_its_thickness_said) {
   EXPECT_THAT(refusal("sweep torus.obj --unit mm --depth 2 -o a.csv --samples 500"),
               AllOf(HasSubstr("a depth of 2 m is more than the 115 mm that the surface is across"),

@@ -416,6 +416,27 @@ TEST(UdpServer, leaves_no_force_however_it_ends) {
   }
 }
 
+// A hand that follows a path would be inside before anybody feels it.
+TEST(UdpServer, leaves_a_device_that_waits_alone_until_the_first_loop_comes) {
+  test::FakeDevice device;
+  UdpServer server(device, 0, {.guard = std::nullopt, .waits = true});
+  Nanoseconds now = monotonic_time();
+  const auto step = [&] { server.step(now += 1ms); };
+  for (int i = 0; i < 100; ++i) step();
+  EXPECT_EQ(device.state.sequence, 0u);
+  EXPECT_EQ(device.last, Vec3(9, 9, 9));  // not written
+  Peer loop(server);
+  loop.force(Vec3::Zero(), 1, now);
+  step();
+  step();
+  const auto state = loop.receive<udp::StateDatagram>();
+  ASSERT_TRUE(state);
+  EXPECT_EQ(state->sequence, 1u);
+  loop.force(Vec3::Zero(), 2, now, udp::kBye);
+  for (int i = 0; i < 10; ++i) step();
+  EXPECT_EQ(device.state.sequence, 11u);  // goes on without a loop
+}
+
 TEST(UdpServer, tells_the_loop_that_nothing_comes_after) {
   Served served;
   Peer loop(served.server);

@@ -92,12 +92,12 @@ class Judge {
     return !is_degenerate(exact);
   }
 
-  // `fair` is the oracle of the fair triangles; null where they have none.
+  // `fair` is the oracle of fair faces but quads; null where they have none.
   void judge_face(const PatchCache& cache, const Polygon& polygon, const oracle::Fair* fair,
                   std::uint32_t face, bool flagged, const std::string& name) {
     const int n = polygon.size();
     const Exact exact = exact_of(polygon);
-    const bool is_fair = construction_ == Construction::kFair && n <= 4;
+    const bool is_fair = construction_ == Construction::kFair && n <= 31;
     const double size = oracle::size_of(polygon);
     const bool degenerate = is_degenerate(exact);
     if (degenerate && !flagged) {
@@ -113,7 +113,7 @@ class Judge {
       note_finite(got, where);
       if (flagged || degenerate) continue;
       if (!is_fair) found_.sound.add(got, oracle::evaluate(exact, X.x(), X.y()), size, where);
-      if (is_fair && n == 3 && fair != nullptr)
+      if (is_fair && n != 4 && fair != nullptr)
         found_.sound.add(got, fair->evaluate(face, X.x(), X.y()), size, where);
     }
     if (flagged && is_fair && n == 3) return;  // its sides are not those of eq. 6

@@ -1,4 +1,5 @@
-// The oracle of the fair construction: its triangles, slow and literal, in long double.
+// The oracle of the fair construction: its triangles, and its patches of five sides and more, slow
+// and literal, in long double.
 //
 // A side's curve C and normal n are polynomials in t, by their powers. A side that is *fair* is a
 // triangle's, and its neighbour is a triangle with the same normals at both ends, or none. All
@@ -9,7 +10,8 @@
 //   4  a quintic curve with the curvature of that shape operator;
 //   5  a quartic normal n with which n_c = C' x (n x e) has its twist;
 //   6  a cross tangent T = k C' + h m with m = n x e, k and h linear;
-//   7  a Gregory triangle of degree 6 with these sides.
+//   7  a Gregory triangle of degree 6 with these sides; or
+//   8  a blend of one curved ribbon a side.
 // Every side is made from its own start to its own end: that both faces find one curve and one
 // normal is not assumed. It reads a mesh and its twins as data, and uses nothing else of Gliss.
 #pragma once
@@ -105,8 +107,10 @@ class Fair {
     return point;
   }
 
-  /// The same at a point of the domain, as oracle::evaluate gives it.
+  /// A triangle, or a face of five sides and more, at a point of the domain, as oracle::evaluate
+  /// gives it.
   Sample<Real> evaluate(std::uint32_t face, Real xi, Real eta) const {
+    if (mesh_.valence(face) != 3) return blend(face, xi, eta);
     std::array<Real, 3> at{};
     std::array<Vec2<Real>, 3> corner;
     for (int k = 0; k < 3; ++k) {
@@ -192,6 +196,10 @@ class Fair {
   std::uint32_t next(std::uint32_t s) const {
     const std::uint32_t f = face_of(s);
     return s + 1 == mesh_.face_begin[f + 1] ? mesh_.face_begin[f] : s + 1;
+  }
+  std::uint32_t before(std::uint32_t s) const {
+    const std::uint32_t f = face_of(s);
+    return s == mesh_.face_begin[f] ? mesh_.face_begin[f + 1] - 1 : s - 1;
   }
   V position(std::uint32_t corner) const {
     return mesh_.positions[mesh_.corner_vertex[corner]].cast<Real>();
@@ -330,11 +338,11 @@ class Fair {
     return {n.dot(wanted.cross(m)) / area, n.dot(d.cross(wanted)) / area};
   }
 
-  /// Side k of a face, 0 to 2, and the sides before and after it.
+  /// T of a side, from the sides before and after it.
   Poly cross_tangent(std::uint32_t s) const {
-    const Side &side = sides_[s], &after = sides_[next(s)], &before = sides_[next(next(s))];
+    const Side &side = sides_[s], &after = sides_[next(s)], &last = sides_[before(s)];
     const Poly dC = derivative(side.C), m = cross(side.n, side.e);
-    const auto at0 = shares(-value(derivative(before.C), 1), value(dC, 0), value(m, 0), normal(s));
+    const auto at0 = shares(-value(derivative(last.C), 1), value(dC, 0), value(m, 0), normal(s));
     const auto at1 =
         shares(value(derivative(after.C), 0), value(dC, 1), value(m, 1), normal(next(s)));
     return sum(times_linear(dC, at0[0], at1[0]), times_linear(m, at0[1], at1[1]));
@@ -384,6 +392,116 @@ class Fair {
     }
     net.points[place({2, 2, 2})] = six + (six - three) / 2;
     return net;
+  }
+
+  // ---- Step 8 ----
+  /// C, T and Q of a side, by their powers: the ribbon C(u) + H (T(u) + H Q(u)).
+  struct Ribbon {
+    Poly C, T, Q;
+  };
+
+  /// The mean of the corners p, each as heavy as both of its sides are long, and half of what the
+  /// tangent planes of the corners say there, along the normal of the face.
+  V middle_of(std::uint32_t face) const {
+    const std::uint32_t begin = mesh_.face_begin[face], end = mesh_.face_begin[face + 1];
+    const auto weight = [&](std::uint32_t s) {
+      return (position(next(s)) - position(s)).norm() + (position(before(s)) - position(s)).norm();
+    };
+    V mean = V::Zero(), across = V::Zero();
+    Real total = 0, height = 0;
+    for (std::uint32_t s = begin; s < end; ++s) {
+      mean += weight(s) * position(s);
+      total += weight(s);
+      across += position(s).cross(position(next(s)));
+    }
+    mean /= total;
+    across.normalize();
+    for (std::uint32_t s = begin; s < end; ++s) {
+      const Real steep = std::max(normal(s).dot(across), Real(1) / 4);
+      height += weight(s) / total * normal(s).dot(position(s) - mean) / steep;
+    }
+    return mean + height / 2 * across;
+  }
+
+  /// `way`: H at the middle of the domain.
+  Ribbon ribbon_of(std::uint32_t s, Real way) const {
+    const Poly C = sides_[s].C, dC = derivative(C), m = cross(sides_[s].n, sides_[s].e);
+    Poly T = cross_tangent(s);
+    const Real half = Real(1) / 2;
+    const V x = value(C, half), d = value(dC, half), m_half = value(m, half);
+    const V n = d.cross(m_half), to_middle = middle_of(face_of(s)) - x;
+    const auto straight = shares(value(T, half), d, m_half, n);
+    auto wanted = shares(to_middle / way, d, m_half, n);
+    wanted[1] = std::max(wanted[1], straight[1] / 2);
+    const auto bubble = [](const Poly& p) { return times_linear(times_linear(p, 0, 4), 1, 0); };
+    T = sum(T, bubble(times_linear(dC, wanted[0] - straight[0], wanted[0] - straight[0])));
+    T = sum(T, bubble(times_linear(m, wanted[1] - straight[1], wanted[1] - straight[1])));
+    const V Q0 = position(before(s)) - position(s) - value(T, 0);
+    const V Q1 = position(next(next(s))) - position(next(s)) - value(T, 1);
+    const V Q_half = (to_middle - way * value(T, half)) / (way * way);
+    return {C, T,
+            sum(sum(along(Q0, {1, -3, 2}), along(Q_half, {0, 4, -4})), along(Q1, {0, -1, 2}))};
+  }
+
+  /// C(u) less C(0), or less C(1) if `from_end`, as a product with u or with `rest` = 1 - u:
+  /// weights change by 1 / r at r from a corner, so that a rounding of C would count there.
+  static V rise(const Poly& C, Real u, Real rest, bool from_end) {
+    Poly over;  // (C - C(0)) / t, or (C - C(1)) / (t - 1)
+    V sum = V::Zero();
+    for (std::size_t i = C.size(); i-- > 1;) {
+      sum = from_end ? V(sum + C[i]) : C[i];
+      over.insert(over.begin(), sum);
+    }
+    return (from_end ? -rest : u) * value(over, u);
+  }
+
+  Sample<Real> blend(std::uint32_t face, Real xi, Real eta) const {
+    const int n = static_cast<int>(mesh_.valence(face));
+    assert(n >= 5);
+    const Real pi = std::numbers::pi_v<Real>;
+    const Real unit = 2 * std::sin(pi / n) * std::sin(2 * pi / n);
+    std::vector<Jet> d, weight;
+    for (int k = 0; k < n; ++k) d.push_back(side_distance(n, k, xi, eta));
+    const auto at = [&](int k) { return d[static_cast<std::size_t>((k + n) % n)]; };
+    Jet total{0, 0, 0};
+    for (int k = 0; k < n; ++k) {
+      Jet product{1, 0, 0};
+      for (int j = 1; j < n; ++j) product = product * at(k + j) * at(k + j);
+      weight.push_back(product);
+      total = total + product;
+    }
+    if (total.value == 0) {  // a corner: both of its ribbons have its slopes
+      for (int k = 0; k < n; ++k) weight[static_cast<std::size_t>(k)] = {0, 0, 0};
+      const auto on = std::find_if(d.begin(), d.end(), [](const Jet& j) { return j.value == 0; });
+      total = weight[static_cast<std::size_t>(on - d.begin())] = {1, 0, 0};
+    }
+    // Corner `near` has the least d_(near - 1) + d_near.
+    int near = 0;
+    const auto around = [&](int k) { return at(k - 1).value + at(k).value; };
+    for (int k = 1; k < n; ++k) near = around(k) < around(near) ? k : near;
+    const V from = position(mesh_.face_begin[face] + static_cast<std::uint32_t>(near));
+    Sample<Real> sample{V::Zero(), V::Zero(), V::Zero(), V::Zero()};
+    for (int k = 0; k < n; ++k) {
+      const auto i = static_cast<std::uint32_t>(k);
+      const Ribbon r = ribbon_of(mesh_.face_begin[face] + i, std::cos(pi / n) / unit);
+      const Jet u = at(k - 1) / (at(k - 1) + at(k + 1)), H = at(k) / Jet{unit, 0, 0};
+      const Jet w = weight[static_cast<std::size_t>(k)] / total;
+      const auto slope = [&](const Poly& p) { return value(derivative(p), u.value); };
+      const V T = value(r.T, u.value), Q = value(r.Q, u.value);
+      const bool ends = (k + 1) % n == near;
+      const Real rest = at(k + 1).value / (at(k - 1).value + at(k + 1).value);
+      const V C =
+          k == near || ends ? rise(r.C, u.value, rest, ends) : V(value(r.C, u.value) - from);
+      const V R = C + H.value * (T + H.value * Q);
+      const V R_u = slope(r.C) + H.value * (slope(r.T) + H.value * slope(r.Q));
+      const V R_H = T + 2 * H.value * Q;
+      sample.G += w.value * R;
+      sample.G_xi += w.xi * R + w.value * (u.xi * R_u + H.xi * R_H);
+      sample.G_eta += w.eta * R + w.value * (u.eta * R_u + H.eta * R_H);
+    }
+    sample.G += from;
+    sample.normal = sample.G_xi.cross(sample.G_eta).normalized();
+    return sample;
   }
 
   const Mesh& mesh_;

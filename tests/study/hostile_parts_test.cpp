@@ -24,8 +24,8 @@ using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-// Offsets in a part's file: a name, a checksum of all behind it, a number, statistics, blocks.
-constexpr std::size_t kChecksumAt = 8, kCheckedFrom = 16, kStatisticsAt = 24;
+// Offsets in a part's file: a name, a checksum of all behind it, three numbers, statistics, blocks.
+constexpr std::size_t kChecksumAt = 8, kCheckedFrom = 16, kStatisticsAt = 40;
 
 class HostileParts : public ::testing::Test {
  protected:

@@ -1,5 +1,5 @@
-// The fair construction: its triangles against the oracle, smooth across every edge, and as curved
-// as what they stand for.
+// The fair construction: its triangles and its polygons of more sides against the oracle, smooth
+// across every edge, and as curved as what they stand for.
 #include "tests/oracle/fair_oracle.h"
 
 #include <cstring>
@@ -9,6 +9,7 @@
 #include "gliss/validate/validate.h"
 #include "tests/support/patch_errors.h"
 #include "tests/support/random_meshes.h"
+#include "tests/support/surfaces.h"
 
 namespace gliss {
 namespace {
@@ -66,20 +67,21 @@ INSTANTIATE_TEST_SUITE_P(, FairTest, ::testing::Values(Precision::kDouble, Preci
                          });
 
 // Points inside, near sides, on sides and on corners.
-std::vector<Vec2> points_of_triangle(Rng& rng) {
+std::vector<Vec2> points_of_polygon(Rng& rng, int n) {
   std::vector<Vec2> points{Vec2::Zero()};
-  for (int i = 0; i < 12; ++i) points.push_back(oracle::random_inside<double>(rng, 3));
-  for (int k = 0; k < 3; ++k) {
-    points.push_back(oracle::domain_corner(3, k));
+  for (int i = 0; i < 12; ++i) points.push_back(oracle::random_inside<double>(rng, n));
+  for (int k = 0; k < n; ++k) {
+    points.push_back(oracle::domain_corner(n, k));
     for (const double t : {1e-9, 0.25, 0.5, oracle::uniform(rng, 0, 1)})
-      points.push_back(oracle::on_side(3, k, t));
+      points.push_back(oracle::on_side(n, k, t));
     for (const double inward : {1e-12, 1e-6, 1e-3}) {
-      points.push_back((1 - inward) * oracle::on_side(3, k, oracle::uniform(rng, 0, 1)));
-      points.push_back((1 - inward) * oracle::domain_corner(3, k));
+      points.push_back((1 - inward) * oracle::on_side(n, k, oracle::uniform(rng, 0, 1)));
+      points.push_back((1 - inward) * oracle::domain_corner(n, k));
     }
   }
   return points;
 }
+std::vector<Vec2> points_of_triangle(Rng& rng) { return points_of_polygon(rng, 3); }
 
 TEST_P(FairTest, triangles_agree_with_the_oracle) {
   const double bound = is_float() ? 1e-6 : 1e-11;
@@ -111,6 +113,31 @@ TEST_P(FairTest, triangles_agree_with_the_oracle) {
   }
   // Every branch was met.
   EXPECT_GE(std::min({all.foot, all.turn, all.fade, all.curvature, all.twist}), 5);
+}
+
+TEST_P(FairTest, polygons_agree_with_the_oracle) {
+  Rng rng(28);
+  for (const int n : {5, 6, 7, 8, 12, 31}) {
+    // u loses n^2 roundings of the distances.
+    const double bound = (is_float() ? 2e-6 : 1e-11) * (n > 12 ? 10 : 1);
+    test::Errors errors;
+    int judged = 0;
+    for (int i = 0; i < 8; ++i) {
+      const auto polygon = oracle::with_unit_normals(oracle::random_polygon(rng, n, 0.3));
+      const Mesh mesh = test::mesh_of(polygon);
+      const Topology topology = build_topology(mesh);
+      const oracle::Fair fair(mesh, topology);
+      const PatchCache cache = fair_cache(mesh, GetParam(), false);
+      if (cache.folded[0] != 0) continue;
+      ++judged;
+      for (const Vec2& X : points_of_polygon(rng, n)) {
+        const Vec2 Y = held(X);
+        errors.add(at(cache, 0, Y), fair.evaluate(0, Y.x(), Y.y()), oracle::size_of(polygon));
+      }
+    }
+    EXPECT_GE(judged, 4) << n;
+    errors.expect_below(bound, bound, bound, fmt::format("{} sides", n));
+  }
 }
 
 TEST_P(FairTest, corners_have_the_normals_of_their_vertices) {
@@ -314,7 +341,7 @@ Curvatures curvatures_of(const PatchCache& cache, double radius) {
 
 // The aim on tori is 2.2 at most; thin triangles reach 3, and slivers of irregular() far more.
 constexpr Curvatures kSphere{1.02, 1.05, 1.10}, kTorus{1.1, 2.2, 3.5}, kEllipsoid{1.1, 2.2, 3.5},
-    kCylinder{1.02, 1.05, 1.10}, kIrregular{1.05, 3.5, 120};
+    kCylinder{1.02, 1.05, 1.10}, kIrregular{1.05, 3.5, 120}, kTorusOwn{2, 4, 10};
 
 void record(const std::string& name, const Curvatures& fair, const Curvatures& paper) {
   test::record(name, "{:.3g} / {:.3g} / {:.3g}; paper {:.3g} / {:.3g} / {:.3g}", fair.median,
@@ -335,6 +362,17 @@ TEST(Fair, random_spheres_are_as_curved_as_spheres) {
   }
 }
 
+TEST(Fair, pentagons_and_hexagons_of_spheres_are_as_curved_as_spheres) {
+  for (const int frequency : {2, 4}) {
+    const Mesh mesh = goldberg(frequency, 10).mesh;
+    const Curvatures fair = curvatures_of(fair_cache(mesh), 10);
+    const Curvatures paper = curvatures_of(test::paper_cache_of(mesh), 10);
+    EXPECT_LE(fair.largest, frequency == 2 ? 1.2 : 1.1);
+    EXPECT_GE(paper.median, 2.7);
+    record(fmt::format("goldberg {}", frequency), fair, paper);
+  }
+}
+
 TEST(Fair, random_tori_are_hardly_more_curved_than_tori) {
   for (const std::uint64_t seed : {1u, 2u, 3u, 4u}) {
     Rng rng(seed);
@@ -346,6 +384,15 @@ TEST(Fair, random_tori_are_hardly_more_curved_than_tori) {
     EXPECT_LE(fair.largest, kTorus.largest);
     EXPECT_GE(paper.p99, 50 * fair.p99);
     record(fmt::format("torus {}", seed), fair, paper);
+
+    Mesh own = mesh;  // makes its normals by itself
+    own.normals.clear();
+    own.corner_normal.clear();
+    const Curvatures fair_own = curvatures_of(fair_cache(own), 4);
+    EXPECT_LE(fair_own.p99, kTorusOwn.p99);
+    EXPECT_LE(fair_own.largest, kTorusOwn.largest);
+    record(fmt::format("torus {}, own normals", seed), fair_own,
+           curvatures_of(test::paper_cache_of(own), 4));
   }
 }
 
@@ -412,6 +459,47 @@ TEST(Fair, irregular_ellipsoids_and_cylinders_are_curved_as_these_but_for_sliver
     expect_hardly_more_curved(fmt::format("irregular cylinder {}", seed),
                               irregular(cylinder(24, 16, 10, 40), seed).mesh, on_cylinder,
                               kIrregular);
+  }
+}
+
+// Root mean square of the error of the push to a surface's nearest points over the depth, of HIPs
+// beneath the vertices of a dense mesh of the shape.
+double error_of_force(const PatchCache& cache, const Mesh& dense, double depth) {
+  double sum = 0;
+  for (std::size_t c = 0; c < dense.corner_vertex.size(); ++c) {
+    const Vec3 hip =
+        dense.positions[dense.corner_vertex[c]] - depth * dense.normals[dense.corner_normal[c]];
+    const Vec3 push = nearest(cache, hip).scp - hip;
+    sum += (push - depth * dense.normals[dense.corner_normal[c]]).squaredNorm();
+  }
+  return std::sqrt(sum / static_cast<double>(dense.corner_vertex.size())) / depth;
+}
+
+// The aim is half of the paper's, with the shape's normals and with those that each construction
+// makes by itself.
+TEST(Fair, force_beneath_random_shapes_errs_half_as_much_as_the_papers) {
+  struct Shape {
+    const char* name;
+    Generated coarse, dense;
+  };
+  for (const Shape& shape :
+       {Shape{"torus", torus(), torus(60, 25)}, Shape{"ellipsoid", ellipsoid(), ellipsoid(7)},
+        Shape{"sphere", goldberg(), goldberg(7)}}) {
+    for (const std::uint64_t seed : {1u, 2u, 3u, 4u}) {
+      Mesh mesh = irregular(shape.coarse, seed).mesh;
+      for (const bool exact : {true, false}) {
+        if (!exact) {
+          mesh.normals.clear();
+          mesh.corner_normal.clear();
+        }
+        const double fair = error_of_force(fair_cache(mesh), shape.dense.mesh, 1);
+        const double paper = error_of_force(test::paper_cache_of(mesh), shape.dense.mesh, 1);
+        EXPECT_LE(fair, 0.5 * paper) << shape.name << ' ' << seed << ' ' << exact;
+        test::record(
+            fmt::format("force, {} {}, {} normals", shape.name, seed, exact ? "exact" : "own"),
+            "{:.3g}; paper {:.3g}; {:.2f} of it", fair, paper, fair / paper);
+      }
+    }
   }
 }
 

@@ -209,7 +209,7 @@ CompareWalks make_walks(const ComparingOptions& options, const Mesh& mesh, const
   made.depth = walk_depth_of(options, mesh);
   WalkOptions walk = options.walk;
   walk.depth = made.depth / mesh.unit;
-  made.walks = walk_paths(mesh, topology, walk, interruptible(engine));
+  made.walks = walk_paths(mesh, topology, walk, engine.build_backend().parallel);
   made.loops = loop_paths(mesh, topology, walk.depth, kLoops, walk.seed);
   return made;
 }

@@ -95,24 +95,27 @@ void run(const EvalOptions& options) {
   ResultTable table(*file, "", add_kept(columns, options.keep));
   const Stopwatch clock;
   const auto surface = engine->reside(cache);
-  for_blocks(options, "eval", points.table.rows, "points", [&](std::size_t begin, std::size_t end) {
-    const std::size_t rows = end - begin;
-    const PointArrays<double> asked = points.arrays(begin, end);
-    table.fill(rows, [&](std::size_t i) { return asked.face[i]; });
-    table.fill(rows, [&](std::size_t i) { return asked.xi[i]; });
-    table.fill(rows, [&](std::size_t i) { return asked.eta[i]; });
-    const VectorColumns position = extend_vectors(table, rows), d_xi = extend_vectors(table, rows),
-                        d_eta = extend_vectors(table, rows), normal = extend_vectors(table, rows);
-    surface->evaluate(
-        asked, {vectors_of(position), vectors_of(d_xi), vectors_of(d_eta), vectors_of(normal)});
-    for (const VectorColumns& vectors : {position, d_xi, d_eta}) {
-      for (const auto& column : vectors) {
-        for (double& x : column) x = length(x);
-      }
-    }
-    fill_kept(table, options.keep, points.table, begin, end);
-    table.write();
-  });
+  for_blocks(options, "eval", points.table.rows, "points",
+             [&](std::size_t begin, std::size_t end, Watch&) {
+               const std::size_t rows = end - begin;
+               const PointArrays<double> asked = points.arrays(begin, end);
+               table.fill(rows, [&](std::size_t i) { return asked.face[i]; });
+               table.fill(rows, [&](std::size_t i) { return asked.xi[i]; });
+               table.fill(rows, [&](std::size_t i) { return asked.eta[i]; });
+               const VectorColumns position = extend_vectors(table, rows),
+                                   d_xi = extend_vectors(table, rows),
+                                   d_eta = extend_vectors(table, rows),
+                                   normal = extend_vectors(table, rows);
+               surface->evaluate(asked, {vectors_of(position), vectors_of(d_xi), vectors_of(d_eta),
+                                         vectors_of(normal)});
+               for (const VectorColumns& vectors : {position, d_xi, d_eta}) {
+                 for (const auto& column : vectors) {
+                   for (double& x : column) x = length(x);
+                 }
+               }
+               fill_kept(table, options.keep, points.table, begin, end);
+               table.write();
+             });
   file->close();
   const double seconds = clock.seconds();
   report(options, fmt::format("{} points, {:.2f} s\n", points.table.rows, seconds),

@@ -67,8 +67,9 @@ std::map<std::string, std::uint32_t> count_forms(const PatchCache& cache) {
   std::visit(
       [&](const auto& surface) {
         for (const std::uint32_t form : surface.form)
-          ++forms[form == kFormSextic
-                      ? "sextic"
+          ++forms[form == kFormSextic ? "sextic"
+                  : form == kFormCurved
+                      ? "curved"
                       : name_of(kLevelNames, static_cast<Level::Kind>(form & kFormMask))];
       },
       cache.surface);

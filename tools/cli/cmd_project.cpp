@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "gliss/base/pace.h"
 #include "gliss/tables/result_table.h"
 #include "tools/cli/outputs.h"
 #include "tools/cli/slips.h"
@@ -66,12 +67,13 @@ void run(const ProjectOptions& options) {
   const Stopwatch clock;
   Pace pace;
   for_blocks(options, "project", hips.points.size(), "HIPs",
-             [&](std::size_t begin, std::size_t end) {
+             [&](std::size_t begin, std::size_t end, Watch& watch) {
                const std::size_t rows = end - begin;
                found.resize(rows);
                pace.for_pieces(rows, [&](std::size_t from, std::size_t to) {
                  surface->project(std::span(hips.points).subspan(begin + from, to - from),
                                   options.query, std::span(found).subspan(from, to - from));
+                 watch.reach(begin + to);
                });
                table.fill(rows, [&](std::size_t i) { return found[i].at.face; });
                table.fill(rows, [&](std::size_t i) { return found[i].at.xi; });

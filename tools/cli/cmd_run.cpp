@@ -63,7 +63,7 @@ void describe(Command& command, RunOptions& options) {
 
 // With progress, on all threads, and Ctrl-C.
 std::vector<SceneObject> open_objects(const Scene& scene, const RunOptions& options) {
-  const auto engine = make_tbb_engine(options.threads);
+  const auto engine = make_tbb_engine(options.threads, stop_if_interrupted);
   SurfaceOptions surface;
   surface.threads = options.threads;
   surface.quiet = options.quiet;
@@ -71,7 +71,8 @@ std::vector<SceneObject> open_objects(const Scene& scene, const RunOptions& opti
   opening.read_mesh = [&](const ObjectDescription& described) {
     surface.surface = described.surface;
     surface.unit = described.unit;
-    surface.has_unit = true;  // a scene is written once, and errors of it are one line
+    surface.has_unit = described.has_unit;
+    surface.in_scene = true;
     surface.creases = described.creases;
     surface.crease_radius = described.crease_radius;
     return read_mesh(surface);

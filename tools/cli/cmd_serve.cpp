@@ -18,6 +18,7 @@ struct ServeOptions : ReportOptions {
   std::string scene, device = "sim";
   int port = 10002;
   double seconds = 0;  // 0: until it is interrupted
+  bool at_once = false;
 };
 
 void describe(Command& command, ServeOptions& options) {
@@ -28,6 +29,8 @@ void describe(Command& command, ServeOptions& options) {
                  options.port, 0, 65535);
   command.option({"--seconds", "SECONDS", "end after so long; default: when interrupted"},
                  options.seconds, 1e-3, 1e7);
+  command.flag("--at-once", options.at_once,
+               "the hand of sim and replay starts now, not when the first loop comes");
 }
 
 void run(const ServeOptions& options) {
@@ -36,6 +39,8 @@ void run(const ServeOptions& options) {
   UdpServerOptions limits;
   limits.guard = scene.loop.guard;
   limits.guard->max_force = std::min(limits.guard->max_force, scene.max_force);
+  const bool has_path = options.device == "sim" || options.device.starts_with("replay:");
+  limits.waits = has_path && !options.at_once;
   UdpServer server(*device, static_cast<std::uint16_t>(options.port), limits);
   if (!options.quiet)
     tell(fmt::format("serving {} as udp:{}\n", device->info().name, server.port()));

@@ -68,8 +68,7 @@ std::string parts_folder(const SweepingOptions& options) {
 void tell_found(const SweepParts& parts, const SweepingOptions& options) {
   if (options.quiet) return;
   if (parts.kept() > 0)
-    tell(fmt::format("gliss: goes on from {} finished parts in '{}'\n", parts.kept(),
-                     parts.folder()));
+    tell(fmt::format("gliss: goes on from {} parts in '{}'\n", parts.kept(), parts.folder()));
   if (parts.foreign() > 0)
     tell(fmt::format("gliss: {} files of other sweeps in '{}' are left alone\n", parts.foreign(),
                      parts.folder()));
@@ -107,8 +106,8 @@ SweepResult watched_sweep(const SweepingOptions& options, const PatchCache& cach
     result = sweep(cache, engine, grid, sink, reach, parts);
   } catch (const Interrupted&) {
     if (parts == nullptr || parts->kept() == 0) throw;
-    throw Interrupted{fmt::format("finished parts are in '{}': the same command goes on from them",
-                                  parts->folder())};
+    throw Interrupted{
+        fmt::format("parts are in '{}': the same command goes on from them", parts->folder())};
   }
   if (parts != nullptr) {
     for (const std::string& path : parts->damaged())

@@ -19,6 +19,7 @@ constexpr std::size_t kBlockRows = 16384;
 
 struct TracingOptions : TableOptions {
   std::string path;
+  std::vector<std::string> keep;
   TraceOptions trace;
 };
 
@@ -28,6 +29,7 @@ void describe(Command& command, TracingOptions& options) {
       command, "--path", options.path,
       "HIPs, one a tick: columns x,y,z in the unit of --unit, or x_mm,y_mm,z_mm; perhaps step");
   add_output_option(command, options.output, "table to write; CSV on standard output without it");
+  add_keep_option(command, options.keep);
   add_stiffness_option(command, options.trace.stiffness);
   add_methods_option(command, options.trace.methods);
   add_solver_options(command, options.trace);
@@ -44,13 +46,15 @@ ColumnType step_type(const std::vector<double>* steps) {
 
 // A tick with one method.
 struct Row {
+  std::size_t tick;
   double step;
   Vec3 hip;  // in the unit of --unit
   Method method;
   TraceStep felt;
 };
 
-void write(const std::vector<Row>& rows, const UnitChange& length, ResultTable& table) {
+void write(const std::vector<Row>& rows, const UnitChange& length,
+           const std::vector<std::string>& keep, const InputTable& path, ResultTable& table) {
   const std::size_t count = rows.size();
   table.fill(count, [&](std::size_t i) { return rows[i].step; });
   table.fill(count, [&](std::size_t i) { return method_name(rows[i].method); });
@@ -60,6 +64,10 @@ void write(const std::vector<Row>& rows, const UnitChange& length, ResultTable& 
   table.fill(count, [&](std::size_t i) { return rows[i].felt.contact.at.face; });
   table.fill(count,
              [&](std::size_t i) { return rows[i].felt.contact.touching ? "contact" : "free"; });
+  for (const std::string& name : keep) {
+    const std::vector<double>& values = *path.find(name);
+    table.fill(count, [&](std::size_t i) { return values[rows[i].tick]; });
+  }
   table.write();
 }
 
@@ -107,7 +115,10 @@ void run(const TracingOptions& options) {
   check_outputs({options.output}, {options.surface, options.path});
   const auto engine = make_engine(options);
   const PatchCache cache = open_surface(options, *engine);
-  const PointTable path = read_points(options.path, options.unit, {"step"}, stop_if_interrupted);
+  std::vector<std::string> further = options.keep;
+  further.push_back("step");
+  const PointTable path = read_points(options.path, options.unit, further, stop_if_interrupted);
+  check_kept(options.keep, path.table, options.path);
   const std::vector<double>* steps = path.table.find("step");
   const UnitChange across(path.unit, options.unit);
   tell_soft_spring(options, options.trace.stiffness, "--stiffness");
@@ -118,14 +129,14 @@ void run(const TracingOptions& options) {
   const std::string unit = unit_name(options.unit);
   const auto file = create_described_file(options.output, cache, options);
   file->set_attribute({"stiffness_N_per_m", options.trace.stiffness});
-  ResultTable table(*file, "",
-                    Columns()
-                        .add({"step"}, step_type(steps))
-                        .add({"method"}, ColumnType::kText)
-                        .add({"x", "y", "z", "scp_x", "scp_y", "scp_z"}, ColumnType::kFloat64, unit)
-                        .add({"fx", "fy", "fz"}, ColumnType::kFloat64, "N")
-                        .add({"patch"}, ColumnType::kUint32)
-                        .add({"state"}, ColumnType::kText));
+  Columns columns;
+  columns.add({"step"}, step_type(steps))
+      .add({"method"}, ColumnType::kText)
+      .add({"x", "y", "z", "scp_x", "scp_y", "scp_z"}, ColumnType::kFloat64, unit)
+      .add({"fx", "fy", "fz"}, ColumnType::kFloat64, "N")
+      .add({"patch"}, ColumnType::kUint32)
+      .add({"state"}, ColumnType::kText);
+  ResultTable table(*file, "", add_kept(columns, options.keep));
   const UnitChange outward(cache.unit, options.unit);
   std::vector<Row> rows;
   double deepest = 0;  // of the patches' contacts, m
@@ -135,17 +146,17 @@ void run(const TracingOptions& options) {
         for (std::size_t m = 0; m < felt.size(); ++m) {
           if (options.trace.methods[m] == Method::kGregory && felt[m].contact.touching)
             deepest = std::max(deepest, -felt[m].contact.distance * cache.unit);
-          rows.push_back({steps ? (*steps)[tick] : static_cast<double>(tick),
+          rows.push_back({tick, steps ? (*steps)[tick] : static_cast<double>(tick),
                           across(path.points[tick]), options.trace.methods[m], felt[m]});
         }
         if (rows.size() >= kBlockRows) {
-          write(rows, outward, table);
+          write(rows, outward, options.keep, path.table, table);
           rows.clear();
         }
         watch.reach(tick + 1);
         return true;
       });
-  write(rows, outward, table);
+  write(rows, outward, options.keep, path.table, table);
   file->close();
   tell_tight_curvature(options, cache, deepest, "the deepest contact");
   if (std::all_of(statistics.begin(), statistics.end(),

@@ -219,12 +219,13 @@ std::unique_ptr<Engine> make_engine(const CommonOptions& options) {
     throw InputError("--opencl-device and --device-memory ask for --backend opencl or auto");
   if (options.has_old_device && !options.quiet)
     tell("gliss: --device: the OpenCL device is --opencl-device now; the old name will go\n");
-  if (options.backend == "serial") return make_serial_engine();
-  if (options.backend == "tbb") return make_tbb_engine(options.threads);
+  if (options.backend == "serial") return make_serial_engine(stop_if_interrupted);
+  if (options.backend == "tbb") return make_tbb_engine(options.threads, stop_if_interrupted);
   OpenClOptions opencl;
   opencl.device = options.device;
   opencl.memory = static_cast<std::uint64_t>(options.device_memory) << 20;
   opencl.threads = options.threads;
+  opencl.poll = stop_if_interrupted;
   opencl.fall_back = options.backend == "auto";
   if (!options.quiet) {
     opencl.notice = [](const std::string& line) { tell(fmt::format("gliss: {}\n", line)); };
@@ -254,15 +255,6 @@ void report(const ReportOptions& options, const std::string& text, const Json& j
 
 std::string printed(const Json& json) {
   return json_for_terminal(json.dump(2, ' ', false, Json::error_handler_t::replace)) + "\n";
-}
-
-ParallelFor interruptible(const Engine& engine) {
-  return [&engine](std::size_t count, std::size_t grain, const auto& body) {
-    engine.for_each(count, grain, [&](std::size_t begin, std::size_t end) {
-      stop_if_interrupted();
-      body(begin, end);
-    });
-  };
 }
 
 std::string unsound_text(std::uint64_t count, const std::string& what) {

@@ -49,6 +49,7 @@ struct SurfaceOptions : CommonOptions {
   bool from_cache = false;                   // it must be a cache
   double unit = 1;                           // m, of coordinates read and written
   bool has_unit = false;                     // it was given
+  bool in_scene = false;                     // a scene names the mesh, and says what is said here
   std::optional<Precision> precision;        // as the cache has it, or double
   std::optional<Level> level;                // as the cache has it, or exact
   std::optional<Construction> construction;  // as the cache has it, or the paper's
@@ -131,9 +132,7 @@ void add_command(Command& parent, const std::string& name, const std::string& de
   command.on_run([options, run] { run(*options); });
 }
 
-// Loops on the engine's threads that end with Interrupted after Ctrl-C.
-ParallelFor interruptible(const Engine& engine);
-
+// An engine whose work ends with Interrupted after Ctrl-C.
 std::unique_ptr<Engine> make_engine(const CommonOptions& options);
 
 // The command line as given, for the files that it leaves.

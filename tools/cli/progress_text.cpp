@@ -36,12 +36,14 @@ std::string duration_text(double seconds) {
 }
 
 std::string progress_text(const ProgressState& state, const std::string& noun) {
+  if (state.done == 0 && state.total == 0) return duration_text(state.seconds);
   const std::string done = count_text(static_cast<double>(state.done));
   std::string text = state.total == 0
                          ? fmt::format("{} {}", done, noun)
                          : fmt::format("{:3.0f} %  {} of {} {}", std::floor(100 * fraction(state)),
                                        done, count_text(static_cast<double>(state.total)), noun);
-  if (state.done == 0 || state.seconds <= 0) return text;
+  if (state.seconds <= 0) return text;
+  if (state.done == 0) return text + fmt::format("  {} so far", duration_text(state.seconds));
   text += fmt::format("  {}/s", count_text(rate(state)));
   if (state.total <= state.done) return text;
   const double left = static_cast<double>(state.total - state.done) / rate(state);
@@ -49,6 +51,7 @@ std::string progress_text(const ProgressState& state, const std::string& noun) {
 }
 
 std::string finished_text(const ProgressState& state, const std::string& noun) {
+  if (state.done == 0 && state.total == 0) return duration_text(state.seconds);
   const std::string done = count_text(static_cast<double>(state.done));
   return fmt::format("{} {} in {}, {}/s", done, noun, duration_text(state.seconds),
                      count_text(rate(state)));
@@ -63,7 +66,8 @@ std::string progress_bar(const ProgressState& state, int width) {
 
 bool LinePace::due(const ProgressState& state) {
   const double waited = state.seconds - last_seconds_;
-  if (waited < 2 || (waited < 60 && fraction(state) - last_fraction_ < 0.1)) return false;
+  const double patience = last_seconds_ == 0 ? 5 : 60;
+  if (waited < 2 || (waited < patience && fraction(state) - last_fraction_ < 0.1)) return false;
   last_seconds_ = state.seconds;
   last_fraction_ = fraction(state);
   return true;

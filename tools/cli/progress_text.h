@@ -15,14 +15,15 @@ struct ProgressState {
 std::string count_text(double count);       // "950", "12.3 k", "4.56 M", "1.20 G"
 std::string duration_text(double seconds);  // "0.8 s", "42 s", "3:07 min", "2:15 h"
 
-// "43 %  1.20 M of 2.80 M points  312 k/s  5.1 s left"; no rate before there is one.
+// "43 %  1.20 M of 2.80 M points  312 k/s  5.1 s left"; before there is a
+// rate "0 %  0 of 2.80 M points  5.1 s so far"; nothing counted: "5.1 s".
 std::string progress_text(const ProgressState& state, const std::string& noun);
 std::string finished_text(const ProgressState& state, const std::string& noun);
 std::string progress_bar(const ProgressState& state,
                          int width);  // "[####------]"; empty: total unknown
 
 // Plain lines in a log: at least 2 s apart, and then each 10 % or each minute, whatever comes
-// first.
+// first; the first of them after 5 s.
 class LinePace {
  public:
   bool due(const ProgressState& state);

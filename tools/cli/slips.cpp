@@ -49,17 +49,22 @@ std::string length_text(double metres) {
   return fmt::format("{:.3g} um", metres * 1e6);
 }
 
+// A unit as it is written on the command line, or in a scene.
+std::string unit_words(const SurfaceOptions& options, const std::string& unit) {
+  return fmt::format(fmt::runtime(options.in_scene ? "unit = \"{}\"" : "--unit {}"), unit);
+}
+
 }  // namespace
 
 void tell_odd_size(const SurfaceOptions& options, const Mesh& mesh) {
   if (options.quiet || mesh.positions.empty()) return;
   const double across = diagonal_of(box_of(mesh.positions)) * mesh.unit;
   if (across > kHouse && !options.has_unit) {
-    tell(fmt::format("gliss: {} is {} across: '--unit mm' if its coordinates are millimetres\n",
-                     options.surface, length_text(across)));
+    tell(fmt::format("gliss: {} is {} across: '{}' if its coordinates are millimetres\n",
+                     options.surface, length_text(across), unit_words(options, "mm")));
   } else if (across < kUnseen) {
-    tell(fmt::format("gliss: {} is {} across: is '--unit {}' right?\n", options.surface,
-                     length_text(across), unit_name(options.unit)));
+    tell(fmt::format("gliss: {} is {} across: is '{}' right?\n", options.surface,
+                     length_text(across), unit_words(options, unit_name(options.unit))));
   }
 }
 

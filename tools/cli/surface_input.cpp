@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <numbers>
+#include <optional>
 #include <span>
 
 #include "gliss/build/build_cache.h"
@@ -50,7 +51,8 @@ Mesh load_mesh(const SurfaceOptions& options, std::vector<Finding>& findings) {
         "--crease-radius: add which edges it rounds, as '--crease auto' or '--crease "
         "40deg'");
   if (options.split_non_manifold && !options.quiet)
-    tell("gliss: --split-non-manifold: meshes are cut open without it; it will go\n");
+    tell("gliss: --split-non-manifold: meshes are cut open without it; it will go with 0.2\n");
+  const Watch watch(options, "read " + options.surface);
   return gliss::load_mesh(options.surface,
                           {.unit = options.unit,
                            .strict = options.strict,
@@ -128,7 +130,6 @@ PatchCache build(const Mesh& mesh, const SurfaceOptions& options, const Engine& 
               build_options.faces.empty() ? mesh.face_count() : build_options.faces.size(),
               "faces");
   BuildBackend backend = engine.build_backend();
-  backend.parallel = interruptible(engine);
   backend.progress = [&](std::size_t faces) { watch.reach(faces); };
   return build_cache(mesh, build_options, report, backend);
 }
@@ -141,9 +142,11 @@ PatchCache open_surface(const SurfaceOptions& options, const Engine& engine) {
     throw InputError(
         fmt::format("{}: a cache has the creases that it was baked with; {} is for meshes",
                     options.surface, marks ? "--crease" : "--crease-radius"));
+  std::optional<Watch> watch(std::in_place, options, "read " + options.surface);
   PatchCache cache =
       load_cache_of(options.surface, {options.precision, options.level, options.construction},
                     stop_if_interrupted);
+  watch.reset();
   tell_edited_mesh(options, cache);
   return cache;
 }

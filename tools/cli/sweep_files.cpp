@@ -100,6 +100,7 @@ void SampleFile::add_statistics(const SweepResult& result) {
   columns.add({"depth"}, ColumnType::kFloat64, "m").add({"method"}, ColumnType::kText);
   columns.add({"samples", "touching", "unconverged", "iterations", "crossings"});
   columns.add({"jumps_per_100k", "lost_per_100k", "leaps_per_100k"});
+  columns.add({"iterations_sum", "crossings_sum"});  // those of version 0.1 are the same
   for (const auto& [name, unit, histogram] : kHistograms) {
     for (const char* figure : {"count", "mean", "p50", "p99", "max", "unsound"}) {
       columns.add({fmt::format("{}_{}", name, figure).c_str()}, ColumnType::kFloat64,
@@ -120,6 +121,8 @@ void SampleFile::add_statistics(const SweepResult& result) {
   column([](const SweepStatistics& s) { return s.jumps_per_100k(); });
   column([](const SweepStatistics& s) { return s.lost_per_100k(); });
   column([](const SweepStatistics& s) { return s.leaps_per_100k(); });
+  column([](const SweepStatistics& s) { return s.iterations; });
+  column([](const SweepStatistics& s) { return s.crossings; });
   for (const auto& named : kHistograms) {
     const auto histogram = named.histogram;
     column([histogram](const SweepStatistics& s) { return (s.*histogram).count(); });

@@ -12,7 +12,9 @@ Json json_of(const SweepStatistics& s) {
                {"samples", s.samples},
                {"touching", s.touching},
                {"unconverged", s.unconverged},
-               {"iterations", s.iterations},
+               {"iterations_sum", s.iterations},
+               {"crossings_sum", s.crossings},
+               {"iterations", s.iterations},  // of version 0.1: the sums
                {"crossings", s.crossings},
                {"jumps_per_100k", s.jumps_per_100k()},
                {"lost_per_100k", s.lost_per_100k()},
