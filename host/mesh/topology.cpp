@@ -178,8 +178,7 @@ std::vector<double> turn_to_quadrics(const Mesh& mesh, Groups group,
     // Far from the corners lie only quadrics through too few vertices or noise. Where the corners
     // agree the surface is flat, whatever comes farther off.
     believed[g] = share_between(0.35, 0.18, turn);
-    normals[g] =
-        blend(normals[g], fitted[g].normal, believed[g] * std::min(1.0, spread[g] / turn));
+    normals[g] = blend(normals[g], fitted[g].normal, believed[g] * std::min(1.0, spread[g] / turn));
   }
   return believed;
 }

@@ -4,19 +4,21 @@
 
 #include <utility>
 
+#include "gliss/base/poll.h"
 #include "gliss/base/units.h"
 #include "gliss/tables/hdf5_reader.h"
 
 namespace gliss {
 namespace {
 
-std::vector<Vec3> read_recording(const Hdf5Reader& file, const std::string& action) {
+std::vector<Vec3> read_recording(const Hdf5Reader& file, const std::string& action, Poll poll) {
   const auto x = file.numbers("ticks/x"), y = file.numbers("ticks/y"), z = file.numbers("ticks/z");
   if (y.size() != x.size() || z.size() != x.size())
     throw std::runtime_error(action + ": x, y and z are not equally long");
   std::vector<Vec3> points;
   points.reserve(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) {
+    poll();
     points.emplace_back(x[i], y[i], z[i]);
     if (!points.back().allFinite())
       throw std::runtime_error(fmt::format("{}: tick {} is not finite", action, i));
@@ -34,7 +36,8 @@ PointTable read_points(const std::string& path, double unit,
     try {
       const Hdf5Reader file(path, "a recording", poll);
       if (!file.has("x") && !file.has("x_mm")) {
-        result.points = read_recording(file, fmt::format("cannot read '{}' as a recording", path));
+        const std::string action = fmt::format("cannot read '{}' as a recording", path);
+        result.points = read_recording(file, action, Poll(poll));
         return result;
       }
     } catch (const std::runtime_error& error) {

@@ -144,10 +144,11 @@ TEST_F(HostileFiles, of_scenes_are_bounded) {
               AllOf(HasSubstr("hole.toml"), HasSubstr("put long paths into a CSV file")));
 }
 
-// Calls read(poll) with one that throws at its first call, in the middle and at the last; expects
-// some, none later than is promised.
+// Calls read(poll) of a kind of file with one that throws at its first call, in the middle and at
+// the last; expects some, none later than is promised.
 template <class Read>
-void expect_to_stop(const Read& read, int least) {
+void expect_to_stop(const char* kind, const Read& read, int least) {
+  SCOPED_TRACE(kind);
   int calls = 0;
   test::PollGap gap;
   read([&] { ++calls, gap.poll(); });
@@ -166,22 +167,26 @@ void expect_to_stop(const Read& read, int least) {
 TEST_F(HostileFiles, that_are_large_are_stopped_in_the_middle) {
   const Mesh mesh = torus_knot(200, 40).mesh;
   save_obj(mesh, folder_ / "a.obj");
-  expect_to_stop([&](const auto& poll) { load_mesh(folder_ / "a.obj", {.poll = poll}); }, 10);
+  expect_to_stop(
+      "OBJ", [&](const auto& poll) { load_mesh(folder_ / "a.obj", {.poll = poll}); }, 10);
 
   std::string table = "x,y,z\n";
   while (table.size() < (5u << 20)) table += "0.125,0.25,0.5\n";
   folder_.write("a.csv", table);
-  expect_to_stop([&](const auto& poll) { read_points(folder_ / "a.csv", 1, {}, poll); }, 5);
+  expect_to_stop(
+      "CSV", [&](const auto& poll) { read_points(folder_ / "a.csv", 1, {}, poll); }, 5);
 
   save_cache(test::cache_of(mesh), folder_ / "a.gliss");
-  expect_to_stop([&](const auto& poll) { load_cache(folder_ / "a.gliss", poll); }, 10);
+  expect_to_stop(
+      "cache", [&](const auto& poll) { load_cache(folder_ / "a.gliss", poll); }, 10);
 
   const auto file = create_result_file(folder_ / "a.h5");
   ResultTable rows(*file, "ticks", Columns().add({"x", "y", "z"}), {}, 3 << 20);
   for (int axis = 0; axis < 3; ++axis) rows.fill(3 << 20, [](std::size_t i) { return 1.0 * i; });
   rows.write();
   file->close();
-  expect_to_stop([&](const auto& poll) { read_points(folder_ / "a.h5", 1, {}, poll); }, 9);
+  expect_to_stop(
+      "HDF5", [&](const auto& poll) { read_points(folder_ / "a.h5", 1, {}, poll); }, 9);
 }
 
 // HDF5 by hand: what no writer of ours makes.

@@ -76,7 +76,7 @@ class UnionOracle {
  public:
   // Takes so many samples along each side of a face; 0: none.
   explicit UnionOracle(const std::vector<Mesh>& parts, int resolution) {
-    for (const Mesh& mesh : parts) parts_.push_back(cache_of(with_normals(mesh)));
+    for (const Mesh& mesh : parts) parts_.push_back(cache_of(mesh));
     if (resolution == 0) return;
     for (std::size_t part = 0; part < parts_.size(); ++part) {
       const PatchCache& cache = parts_[part];
@@ -183,7 +183,7 @@ class Winding {
   // Right for points that are farther than `least` from all surfaces.
   Winding(const std::vector<Mesh>& parts, double least) : least_(least) {
     for (const Mesh& part : parts) {
-      PatchCache cache = cache_of(with_normals(part));
+      PatchCache cache = cache_of(part);
       const Box box = box_round(cache);
       parts_.push_back({std::move(cache), box, {}});
       Part& p = parts_.back();

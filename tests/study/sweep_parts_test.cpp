@@ -67,7 +67,8 @@ TEST_F(SweepPartsTest, are_left_by_a_whole_sweep_and_removed_when_asked) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "parts"));
 }
 
-// Stopped after each window in turn, by another engine each time.
+// Stopped after each window in turn, by another engine each time; a little later where a machine is
+// so slow that it is asked within windows.
 TEST_F(SweepPartsTest, go_on_from_wherever_the_sweep_was_stopped) {
   const std::string want = swept(cache_, *engine_, options_);
   const auto serial = make_serial_engine();
@@ -81,7 +82,7 @@ TEST_F(SweepPartsTest, go_on_from_wherever_the_sweep_was_stopped) {
     complete = true;
     const std::string got = swept(
         cache_, engine, options_, &parts,
-        [&](std::uint64_t, std::uint64_t) { return complete = ++windows < kept + 2 + stops; });
+        [&](std::uint64_t, std::uint64_t) { return complete = ++windows < kept + 1 + stops / 10; });
     if (complete) {
       EXPECT_EQ(got, want);
     }
@@ -101,7 +102,7 @@ TEST_F(SweepPartsTest, keep_what_was_found_of_a_part_that_takes_long) {
   const auto expect_goes_on = [&](int quick, std::uint64_t most) {
     std::atomic<int> polls = 0, calls = 0;
     const auto slow = make_serial_engine([&] {
-      if (++polls > quick) std::this_thread::sleep_for(60ms);
+      if (++polls > quick) std::this_thread::sleep_for(20ms);
     });
     {
       SweepParts parts(folder_ / "parts", cache_, options_, true, 0);
