@@ -324,8 +324,9 @@ FN_LARGE void settle(surface_view view, hip_point h, union_search* u, track_opti
       const real slope = dot3(along, u->push);
       real bend = K(1);
       if (last_step != K(0)) {
+        // In the middle of a round seam it is hardly bent, as seen from the HIP.
         bend = fabs((slope - last_slope) / last_step);
-        bend = smaller(larger(bend, K(0.125f)), K(4));
+        bend = smaller(larger(bend, K(0x1p-7f)), K(4));
       }
       last_slope = slope;
       last_step = smaller(larger(-slope / bend, -most / K(2)), most / K(2));

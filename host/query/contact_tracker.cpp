@@ -155,6 +155,13 @@ class ContactTracker::Tick {
     return clear_of(contact_of(cache_, s_, raw));
   }
 
+  // True if the search ended, or nothing is nearer by more than a hundredth of the way: in the
+  // middle of a ball no search ends within a tick, nor does it matter.
+  bool is_sure(const RawContact<Real>& found) const {
+    return !is_unfinished(found) ||
+           clear_of(found) >= 0.99 * std::abs(contact_of(cache_, s_, found).distance);
+  }
+
   Contact contact(const RawContact<Real>& raw) const {
     Contact c = contact_of(cache_, s_, raw);
     c.iterations = spent_ - 1;
@@ -252,7 +259,7 @@ class ContactTracker::Tick {
   Contact arrive(const RawContact<Real>& end) {
     const Vec3 from = t_.last_, way = hip_ - from;
     const double length = way.norm();
-    const bool crosses = !is_unfinished(end) && is_touching(end) != t_.behind_;
+    const bool crosses = is_sure(end) && is_touching(end) != t_.behind_;
     // From where squares overflow nothing is swept.
     const double uncovered =
         std::isfinite(length) ? length - clear_of(end) + (crosses ? on_surface_ : -on_surface_) : 0;
@@ -287,7 +294,7 @@ class ContactTracker::Tick {
       }
       at += step;
     }
-    if (is_unfinished(end)) return pause(hip_, clear_of(end), end);
+    if (!is_sure(end)) return pause(hip_, clear_of(end), end);
     // A HIP that was near a surface and ends inside has come in, though its place was not found.
     return is_closed(end) || (was_near && !behind) ? accept(end) : accept_free(end);
   }
