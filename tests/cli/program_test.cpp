@@ -484,6 +484,25 @@ TEST_F(Program, CreasesAreListedAndKept) {
   for (const auto& row : rows) EXPECT_LT(row["max_distance"], 1e-8) << row["level"];
 }
 
+TEST_F(Program, ComparesTheMeshOfACache) {
+  output_of("bake knot.obj --unit mm -o knot.gliss");
+  const std::string options = " --levels exact,flat --walks 2 --ticks 100 --dense-limit 0";
+  const auto of_mesh = json_of("compare knot.obj --unit mm" + options),
+             of_cache = json_of("compare knot.gliss" + options);
+  EXPECT_EQ(of_cache["faces"], of_mesh["faces"]);
+  ASSERT_EQ(of_cache["rows"].size(), of_mesh["rows"].size());
+  for (std::size_t i = 0; i < of_mesh["rows"].size(); ++i) {
+    const auto &row = of_cache["rows"][i], &same = of_mesh["rows"][i];
+    EXPECT_EQ(row["level"], same["level"]);
+    EXPECT_NEAR(row["max_force_step"].get<double>(), same["max_force_step"].get<double>(), 1e-5);
+  }
+  output_of("generate cube -o cube.obj");
+  output_of("bake cube.obj --unit mm --crease 40deg -o sharp.gliss");
+  const test::Outcome sharp = run("compare sharp.gliss");
+  EXPECT_EQ(sharp.code, 2);
+  EXPECT_THAT(sharp.err, HasSubstr("does not keep all of its mesh; compare the mesh itself"));
+}
+
 TEST_F(Program, CreasesAreRounded) {
   output_of("generate cube -o cube.obj");
   const std::string rounded = "cube.obj --unit mm --crease normals --crease-radius 1mm";

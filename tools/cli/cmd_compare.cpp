@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "gliss/base/units.h"
 #include "gliss/build/build_cache.h"
+#include "gliss/build/cache_mesh.h"
 #include "gliss/generate/generate.h"
 #include "gliss/study/compare.h"
 #include "tools/cli/compare_picture.h"
@@ -102,7 +104,7 @@ void add_walk_options(Command& command, ComparingOptions& options) {
 void describe(Command& command, ComparingOptions& options) {
   options.compare.candidates = kEverything;
   CompareOptions& compare = options.compare;
-  add_mesh_options(command, options, "MESH");
+  add_mesh_options(command, options, "MESH_OR_CACHE");
   command.option(
       {"--levels", "LIST",
        "of exact, ribbon, bezier, table, table:N, fair, shaded, flat; without table:N all"},
@@ -264,9 +266,20 @@ const CompareRow* smoothest(const std::vector<CompareRow>& rows) {
   return best;
 }
 
+// The mesh of a file, or that of a cache, which has normals.
+Mesh compared_mesh(const ComparingOptions& options) {
+  if (!is_cache(options)) return read_mesh(options);
+  const PatchCache cache = read_cache(options);
+  try {
+    return mesh_of(cache);
+  } catch (const std::invalid_argument& error) {
+    throw InputError(fmt::format("{}: {}; compare the mesh itself", options.surface, error.what()));
+  }
+}
+
 // A mesh, and the same without its creases: walks and baselines are the same with them and without.
 struct ComparedMesh {
-  explicit ComparedMesh(const ComparingOptions& options) : mesh(read_mesh(options)) {
+  explicit ComparedMesh(const ComparingOptions& options) : mesh(compared_mesh(options)) {
     normals_given = !mesh.normals.empty();
     if (!mesh.sharp.empty()) {
       smooth = mesh;

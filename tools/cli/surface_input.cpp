@@ -134,9 +134,11 @@ PatchCache build(const Mesh& mesh, const SurfaceOptions& options, const Engine& 
   return build_cache(mesh, build_options, report, backend);
 }
 
-PatchCache open_surface(const SurfaceOptions& options, const Engine& engine) {
-  if (!options.from_cache && !is_meant_as_cache(options.surface))
-    return build(read_mesh(options), options, engine);
+bool is_cache(const SurfaceOptions& options) {
+  return options.from_cache || is_meant_as_cache(options.surface);
+}
+
+PatchCache read_cache(const SurfaceOptions& options) {
   const bool marks = options.creases.any();
   if (marks || options.crease_radius > 0)
     throw InputError(
@@ -149,6 +151,10 @@ PatchCache open_surface(const SurfaceOptions& options, const Engine& engine) {
   watch.reset();
   tell_edited_mesh(options, cache);
   return cache;
+}
+
+PatchCache open_surface(const SurfaceOptions& options, const Engine& engine) {
+  return is_cache(options) ? read_cache(options) : build(read_mesh(options), options, engine);
 }
 
 std::unique_ptr<ResultFile> create_described_file(const std::string& path, const PatchCache& cache,

@@ -45,6 +45,12 @@ void tell_plain_creases(const SurfaceOptions& options, const Mesh& mesh);
 PatchCache build(const Mesh& mesh, const SurfaceOptions& options, const Engine& engine,
                  BuildOptions build_options = {}, BuildReport* report = nullptr);
 
+// True if the surface is a cache, or is meant as one.
+bool is_cache(const SurfaceOptions& options);
+// Throws CacheError where it is not of the wanted precision, InputError where creases are asked
+// for.
+PatchCache read_cache(const SurfaceOptions& options);
+
 // A cache as it is, a mesh built. Throws CacheError where a cache is not of the wanted precision.
 PatchCache open_surface(const SurfaceOptions& options, const Engine& engine);
 

@@ -1,0 +1,101 @@
+#include "gliss/build/cache_mesh.h"
+
+#include <numeric>
+#include <stdexcept>
+
+#include "gliss/surface/layout.h"
+
+namespace gliss {
+namespace {
+
+template <class Real>
+class MeshMaker {
+ public:
+  MeshMaker(const PatchCache& cache, const Surface<Real>& surface) : cache_(cache), s_(surface) {}
+
+  Mesh make() {
+    for (const std::uint32_t valence : cache_.face_valence)
+      mesh_.face_begin.push_back(mesh_.face_begin.back() + valence);
+    find_sides();
+    same_.resize(mesh_.face_begin.back());
+    std::iota(same_.begin(), same_.end(), 0u);
+    for (std::uint32_t corner = 0; corner < same_.size(); ++corner) join_twin(corner);
+    number_vertices();
+    mesh_.unit = cache_.unit;
+    return std::move(mesh_);
+  }
+
+ private:
+  // Finds the side of a patch that each side of a face is. A split face has other sides within.
+  void find_sides() {
+    side_.assign(mesh_.face_begin.back(), kNone);
+    for (std::uint32_t side = 0; side < s_.side_patch.size(); ++side) {
+      const std::uint32_t patch = s_.side_patch[side], face = cache_.patch_face[patch],
+                          n = cache_.face_valence[face], first = s_.side_begin[patch];
+      const std::uint32_t next = first + (side - first + 1) % s_.valence(patch);
+      const std::uint32_t corner = cache_.corner_of_face[side];
+      if (corner < n && cache_.corner_of_face[next] == (corner + 1) % n)
+        side_[mesh_.face_begin[face] + corner] = side;
+    }
+  }
+
+  // Both ends of an edge are vertices of both its faces.
+  void join_twin(std::uint32_t corner) {
+    const std::uint32_t twin = s_.side_twin[side_[corner]];
+    if (twin == kNone) return;
+    const std::uint32_t other = cache_.patch_face[s_.side_patch[twin]];
+    const std::uint32_t begin = mesh_.face_begin[other], n = cache_.face_valence[other];
+    join(corner, begin + (cache_.corner_of_face[twin] + 1) % n);
+  }
+  void join(std::uint32_t a, std::uint32_t b) {
+    a = first_of(a), b = first_of(b);
+    same_[std::max(a, b)] = std::min(a, b);
+  }
+  // The first corner known to be at the same vertex.
+  std::uint32_t first_of(std::uint32_t corner) {
+    while (same_[corner] != corner) corner = same_[corner] = same_[same_[corner]];
+    return corner;
+  }
+
+  void number_vertices() {
+    for (std::uint32_t corner = 0; corner < same_.size(); ++corner) {
+      const std::uint32_t first = first_of(corner);
+      if (first < corner) {
+        mesh_.corner_vertex.push_back(mesh_.corner_vertex[first]);
+        continue;
+      }
+      mesh_.corner_vertex.push_back(static_cast<std::uint32_t>(mesh_.positions.size()));
+      add_vertex(side_[corner]);
+    }
+    mesh_.corner_normal = mesh_.corner_vertex;
+  }
+  // The vertex at which a side of a patch starts.
+  void add_vertex(std::uint32_t side) {
+    const Real *numbers = &s_.patch[std::size_t{s_.side_patch[side]} * kPatchReals],
+               *corner = &s_.corner[6 * std::size_t{side}];
+    const auto triple = [](const Real* from) { return Vec3(from[0], from[1], from[2]); };
+    const double unscale = static_cast<double>(numbers[kPatchUnscale]);
+    mesh_.positions.push_back(
+        cache_.origin + (triple(numbers + kPatchOrigin) + unscale * triple(corner)) / cache_.scale);
+    mesh_.normals.push_back(triple(corner + 3).normalized());
+  }
+
+  const PatchCache& cache_;
+  const Surface<Real>& s_;
+  Mesh mesh_;
+  std::vector<std::uint32_t> side_, same_;  // [corner]
+};
+
+}  // namespace
+
+Mesh mesh_of(const PatchCache& cache) {
+  if (cache.crease_count > 0)
+    throw std::invalid_argument("a cache with creases does not keep all of its mesh");
+  for (const std::uint32_t patch : cache.face_patch) {
+    if (patch == kNone) throw std::invalid_argument("faces of the cache are not built");
+  }
+  return std::visit([&](const auto& surface) { return MeshMaker(cache, surface).make(); },
+                    cache.surface);
+}
+
+}  // namespace gliss
