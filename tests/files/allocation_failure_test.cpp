@@ -186,7 +186,8 @@ TEST_F(AllocationFailure, of_the_program_is_one_line_and_exit_code_1) {
   };
   const test::Outcome outcome =
       test::Process(folder_ / "", test::kProgram,
-                    {"bake", "large.ply", "-o", "large.gliss", "--threads", "1"}, little_memory)
+                    {"bake", "large.ply", "-o", "large.gliss", "--threads", "1", "--quiet"},
+                    little_memory)
           .wait();
   EXPECT_EQ(outcome.code, 1);
   EXPECT_EQ(outcome.err, "gliss: out of memory\n");
