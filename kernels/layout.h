@@ -15,6 +15,7 @@
 #define FORM_TABLE 3u   // samples (table.h)
 #define FORM_SEXTIC 4u  // a Gregory triangle of degree 6 (sextic.h)
 #define FORM_CURVED 5u  // a blend of curved ribbons (curved.h)
+#define FORM_COUNT 6u
 // The most sides of a fair patch; the blend of more is the paper's, whose numbers are made for it.
 #define FAIR_MOST_SIDES 31
 

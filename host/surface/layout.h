@@ -78,6 +78,7 @@ static_assert(kNone == NONE);
 #undef FORM_TABLE
 #undef FORM_SEXTIC
 #undef FORM_CURVED
+#undef FORM_COUNT
 #undef FAIR_MOST_SIDES
 #undef SIDE_C
 #undef SIDE_T_0
