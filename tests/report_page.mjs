@@ -247,6 +247,30 @@ async function checkCharts(page) {
   }
 }
 
+const choice = (page, label) => page.evaluateHandle(
+    wanted => [...document.querySelectorAll('.choice')].find(c => c.innerText.startsWith(wanted)).querySelector('select'), label);
+const choose = async (page, list, value) => {
+  await list.evaluate((element, chosen) => ((element.value = chosen), element.dispatchEvent(new Event('change'))), value);
+  await settle(page);
+};
+
+// Rows whose figure is 0 are points as well: the comparison's rows of level full have no jumps.
+async function checkZeros(page) {
+  await choose(page, await choice(page, 'Upward'), 'jumps');
+  const chart = '[aria-label^="jumps per"]';
+  await center(page, chart);
+  await page.focus(chart);
+  const told = [];
+  for (let i = 0; i < 6; i++) {
+    await page.keyboard.press('ArrowRight');
+    told.push(await tooltip(page));
+  }
+  for (const level of ['full', 'reduced', 'flat']) {
+    for (const precision of ['double', 'float']) assert(told.some(text => text.startsWith(`level ${level}, ${precision}`)), `${level}, ${precision} is not drawn`);
+  }
+  await page.keyboard.press('Escape');
+}
+
 // Surfaces, and dots where rows jump, which a choice brings and takes away.
 async function checkSurfaces(page) {
   const views = await page.$$eval('canvas[data-view]', all => all.map(canvas => canvas.dataset.view));
@@ -261,16 +285,15 @@ async function checkSurfaces(page) {
     assert(await colors(page, `[data-view="${view}"]`) > 100, `${view} is blank`);
   }
   const own = await picture();
-  const choice = await page.evaluateHandle(() => [...document.querySelectorAll('.choice')].find(c => c.innerText.startsWith('Jumps of')).querySelector('select'));
-  const choose = async value => {
-    await choice.evaluate((list, chosen) => ((list.value = chosen), list.dispatchEvent(new Event('change'))), value);
-    await settle(page);
+  const jumps = await choice(page, 'Jumps of');
+  const marked = async value => {
+    await choose(page, jumps, value);
     return picture();
   };
-  const none = await choose('');
+  const none = await marked('');
   assert(own[0] === none[0] && own[1] !== none[1], 'dots are marked where a construction jumps');
   assert((await about()).every(text => !text.includes('jumps marked')));
-  const flat = await choose('4');
+  const flat = await marked('4');
   assert(flat.every((image, i) => image !== none[i]), 'a row is marked in all views');
 
   // A dot and a face without one, somewhere on the ball.
@@ -311,6 +334,7 @@ try {
     await checkBars(page);
     await checkViews(page);
     await checkCharts(page);
+    await checkZeros(page);
     await page.screenshot({path: join(folder, `${theme}.png`), fullPage: true});
     await page.click('.theme');
     assert.equal(await brightness(page) > 128, theme === 'dark', 'the button changes the theme');
