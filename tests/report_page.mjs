@@ -271,6 +271,23 @@ async function checkZeros(page) {
   await page.keyboard.press('Escape');
 }
 
+// What all rows share stands in the caption, and the column that names them stays when the table is scrolled.
+async function checkTables(page) {
+  const about = await page.evaluate(() => {
+    const made = [...document.querySelectorAll('.tabled')].find(t => t.innerText.startsWith('All that was compared'));
+    const scroll = made.querySelector('.table'), name = made.querySelector('tbody tr:last-child > *');
+    const before = name.getBoundingClientRect().left;
+    scroll.scrollLeft = 90;
+    const moved = name.getBoundingClientRect().left - before, by = scroll.scrollLeft;
+    scroll.scrollLeft = 0;
+    return {caption: made.querySelector('.caption').innerText, heads: [...made.querySelectorAll('thead th')].map(th => th.innerText), moved, by};
+  });
+  assert.match(about.caption, /In all rows: Solver newton; Backend tbb/);
+  assert.equal(about.heads[0], 'Level, precision');
+  assert(!about.heads.includes('Solver'));
+  assert(about.by > 50 && Math.abs(about.moved) < 1, 'the first column stays');
+}
+
 // Surfaces, and dots where rows jump, which a choice brings and takes away.
 async function checkSurfaces(page) {
   const views = await page.$$eval('canvas[data-view]', all => all.map(canvas => canvas.dataset.view));
@@ -346,6 +363,12 @@ try {
     assert(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), 'nothing is wider than the page');
     await page.screenshot({path: join(folder, `${name}.png`), fullPage: true});
     if (width > 1000) await checkSurfaces(page);
+    await page.close();
+  }
+  {
+    const {page, complaints} = await open(browser, 'report.html', 'light', 420);
+    assert(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), 'nothing is wider than the page');
+    await checkTables(page);
     assert.deepEqual(complaints, []);
     await page.close();
   }

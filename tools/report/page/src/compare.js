@@ -1,9 +1,9 @@
 // What gliss compare found: what smoothness costs in time and memory, and the dense mesh that would do as well.
 import {Chart, floorBelow} from './chart.js';
 import {el, figure, select, swatch, table} from './dom.js';
-import {bytes, count, number, percent, rate} from './format.js';
+import {bytes, capital, count, number, percent, rate} from './format.js';
 import {methodColor, methodTitle} from './methods.js';
-import {chiefRow, groupColor, grouped, groupOf, groupTitle, rowName, sameRow, shortName} from './rows.js';
+import {chiefRow, groupColor, grouped, groupOf, groupTitle, rowName, sameRow, sharedKeys, shortName, variedKeys} from './rows.js';
 import {surfaceFigure} from './surface.js';
 import {color} from './theme.js';
 
@@ -89,7 +89,7 @@ function tellRow(row) {
 const micro = value => value === null ? null : 1e6 * value;
 const milli = value => value === null || value === undefined ? null : 1e-3 * value;
 
-// What decides comes first: a narrow window cuts the rest.
+// What decides comes first: a narrow window shows the rest only when scrolled.
 const numbers = [
   ['Tick, µs', r => number(r.tick_us)], ['Force error', r => percent(r.max_force_error)],
   ['Jumps /100k', r => number(r.jumps_per_100k)], ['Lost /100k', r => number(r.lost_per_100k)],
@@ -118,11 +118,12 @@ function sideBySide({rows, picture}) {
 }
 
 function rowTable(result) {
-  const header = [...['Surface', 'Level', 'Precision', 'Solver', 'Backend'].map(text => ({text})),
-    ...numbers.map(([text]) => ({text, number: true}))];
+  const shared = sharedKeys(result.rows);
+  const header = [...[capital(variedKeys(result.rows).join(', ')), ...shared.map(capital)].map(text => ({text})),
+    ...numbers.map(([text]) => ({text, number: true})), {text: 'Surface'}];
   const rows = grouped(result.rows).flatMap(([group, of]) => of.map(r => Object.assign(
-      [swatch(groupColor(group), groupTitle(group)), String(r.level ?? '–'), r.precision ?? '–', r.solver ?? '–', r.backend ?? '–',
-        ...numbers.map(([, show]) => show(r))],
+      [swatch(groupColor(group), shortName(r, result.rows)), ...shared.map(key => String(r[key] ?? '–')),
+        ...numbers.map(([, show]) => show(r)), groupTitle(group)],
       {mark: sameRow(r, result.recommended) ? 'recommended' : r.pareto ? 'best' : ''})));
   return table(header, rows, 'All that was compared; bold: not beaten in every figure by another; marked: recommended');
 }
