@@ -247,6 +247,27 @@ async function checkCharts(page) {
   }
 }
 
+// The tip is never cut, and lies within the chart or picture that it belongs to where it has room there.
+async function checkTips(page) {
+  for (const chart of await page.$$('.chart')) {
+    await chart.evaluate(element => element.scrollIntoView({block: 'center', behavior: 'instant'}));
+    await settle(page);
+    const {x, y, width, height} = await chart.boundingBox();
+    for (const [across, down] of [[0.2, 0.2], [0.97, 0.2], [0.97, 0.8], [0.3, 0.8]]) {
+      await page.mouse.move(x + across * width, y + down * height);
+      if (!await tooltip(page)) continue;
+      const tip = await page.$eval('.tooltip', box => {
+        const {left, top, right, bottom} = box.getBoundingClientRect();
+        return {left, top, right, bottom, whole: box.scrollWidth <= box.clientWidth,
+          wide: document.documentElement.clientWidth, high: document.documentElement.clientHeight};
+      });
+      assert(tip.whole && tip.left >= 0 && tip.top >= 0 && tip.right <= tip.wide && tip.bottom <= tip.high, 'the tip is cut');
+      if (tip.right - tip.left <= width - 8) assert(tip.left >= x - 0.5 && tip.right <= x + width + 0.5, 'the tip leaves its chart');
+      if (tip.bottom - tip.top <= height) assert(tip.top >= y - 0.5 && tip.bottom <= y + height + 0.5, 'the tip leaves its chart');
+    }
+  }
+}
+
 const choice = (page, label) => page.evaluateHandle(
     wanted => [...document.querySelectorAll('.choice')].find(c => c.innerText.startsWith(wanted)).querySelector('select'), label);
 const choose = async (page, list, value) => {
@@ -352,6 +373,7 @@ try {
     await checkViews(page);
     await checkCharts(page);
     await checkZeros(page);
+    await checkTips(page);
     await page.screenshot({path: join(folder, `${theme}.png`), fullPage: true});
     await page.click('.theme');
     assert.equal(await brightness(page) > 128, theme === 'dark', 'the button changes the theme');
@@ -363,12 +385,14 @@ try {
     assert(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), 'nothing is wider than the page');
     await page.screenshot({path: join(folder, `${name}.png`), fullPage: true});
     if (width > 1000) await checkSurfaces(page);
+    else await checkTips(page);
     await page.close();
   }
   {
     const {page, complaints} = await open(browser, 'report.html', 'light', 420);
     assert(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), 'nothing is wider than the page');
     await checkTables(page);
+    await checkTips(page);
     assert.deepEqual(complaints, []);
     await page.close();
   }

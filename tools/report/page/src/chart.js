@@ -199,7 +199,7 @@ export class Chart {
     if (!told) return hideTooltip();
     const box = u.over.getBoundingClientRect();
     this.index = index;
-    showTooltip(box.left + left, box.top + top, ...told);
+    showTooltip(this.element, box.left + left, box.top + top, ...told);
   }
 
   press(event) {

@@ -51,7 +51,7 @@ function depthViews(depth, orbit, unit) {
       const index = event.buttons ? null : view.pick(event.offsetX, event.offsetY);
       point(index);
       if (index === null) return hideTooltip();
-      showTooltip(event.clientX, event.clientY, ...tellPoint(depth, index, unit));
+      showTooltip(canvas, event.clientX, event.clientY, ...tellPoint(depth, index, unit));
     });
     canvas.addEventListener('pointerleave', () => (point(null), hideTooltip()));
     return el('.view', {},
