@@ -239,6 +239,7 @@ async function checkCharts(page) {
   for (const [label, told] of [['Distribution of the step across edges, 2mm', /to [^]* N[^]*%/], ['largest error of force, share of k d over tick', /level \w+, \w+/],
     ['Distribution: Computing', /µs[^]*%/], ['Time a sample over samples', /samples[^]*a sample\s+\d+ ns/],
     ['Memory a polygon over polygons', /polygons[^]*cache[^]*bytes a polygon/], ['Force over time', / s[^]*rendered[^]*sent/]]) {
+    ['Force along the path', /Tick \d+[^]*Flat polygons\s+[\d.]+ N[^]*Gregory patches\s+[\d.]+ N/],
     const chart = `[aria-label*="${label}"]`;
     await center(page, chart);
     await page.focus(chart);

@@ -8,6 +8,7 @@
 #include "gliss/query/force_statistics.h"
 #include "tools/cli/timing_text.h"
 #include "tools/report/report_data.h"
+#include "tools/report/report_rows.h"
 #include "tools/report/report_table.h"
 
 namespace gliss::tools {
@@ -20,6 +21,20 @@ Nanoseconds nanoseconds(double seconds) {
   return Nanoseconds(static_cast<std::int64_t>(std::llround(seconds * 1e9)));
 }
 
+constexpr RowKey kObjectKeys[] = {{"mesh", Expect::kText, true},
+                                  {"stiffness_N_per_m", Expect::kNumber, true}};
+
+// In metres; null where the recording does not say.
+Json deepest(const ReportTable& table) {
+  if (!table.has("distance")) return {};
+  double most = 0;
+  for (std::size_t row = 0; row < table.rows; ++row) {
+    if (table.texts.at("state")[row] == "contact")
+      most = std::max(most, -table.numbers.at("distance")[row]);
+  }
+  return most;
+}
+
 GuardReason guard_reason(const std::string& name) {
   for (int i = 0; i < kGuardReasons; ++i) {
     const auto reason = static_cast<GuardReason>(i);
@@ -29,6 +44,10 @@ GuardReason guard_reason(const std::string& name) {
 }
 
 }  // namespace
+
+Json read_objects(const Json& objects, const ReportSource& source) {
+  return read_rows(objects, "objects", kObjectKeys, "gliss run", source);
+}
 
 Json read_run_report(const Json& json, const ReportSource& source) {
   for (const char* name : {"wake", "compute"}) {
@@ -97,6 +116,7 @@ Json recording_result(const ReportTable& table, const ReportSource& source) {
         {"wake", json_of(record.lateness())},
         {"compute", json_of(record.compute())},
         {"histograms",
+        {"deepest_m", deepest(table)},
          {{"wake", histogram_json(record.lateness())},
           {"compute", histogram_json(record.compute())}}}}},
       {"shown", kept.size()},

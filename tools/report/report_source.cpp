@@ -66,13 +66,19 @@ Json read_csv(const ReportSource& source) {
 
 }  // namespace
 
-Json provenance(const Hdf5Reader& file) {
+Json provenance(const Hdf5Reader& file, const ReportSource& source) {
   Json origin = Json::object();
   for (const char* name :
        {"surface", "mesh_hash", "unit", "precision", "scene", "device", "command_line"}) {
     if (const auto text = file.text_attribute(name)) origin[name] = *text;
   }
   return origin;
+  constexpr char kStiffness[] = "stiffness_N_per_m";
+  if (const auto stiffness = file.number_attribute(kStiffness)) origin[kStiffness] = *stiffness;
+  if (const auto text = file.text_attribute("objects")) {
+    const Json objects = Json::parse(*text, nullptr, false);  // of very many, the text is cut
+    if (!objects.is_discarded()) origin["objects"] = read_objects(objects, source);
+  }
 }
 
 Json read_result(const ReportSource& source) {

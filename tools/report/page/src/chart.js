@@ -59,6 +59,11 @@ export function bars(u, index, first, last) {
 }
 
 export const steps = uPlot.paths.stepped({align: -1});
+// A value holds until the next.
+export const holds = uPlot.paths.stepped({align: 1});
+
+// [xs, ys, ...] of lists that have xs of their own: [[xs, ys], ...].
+export const joined = lists => uPlot.join(lists);
 
 export class Chart {
   // x, y: {label, log, range: [from, to], zero: the place that stands for 0 on a logarithmic axis, if there is one}. data: [xs, ys, ...]. series: [{color, fill, paths, width, points, spanGaps}].

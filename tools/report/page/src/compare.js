@@ -1,7 +1,7 @@
 // What gliss compare found: what smoothness costs in time and memory, and the dense mesh that would do as well.
 import {Chart, floorBelow} from './chart.js';
 import {el, figure, select, swatch, table} from './dom.js';
-import {bytes, capital, count, number, percent, rate} from './format.js';
+import {bytes, capital, count, millimetres, number, percent, rate} from './format.js';
 import {methodColor, methodTitle} from './methods.js';
 import {chiefRow, groupColor, grouped, groupOf, groupTitle, rowName, sameRow, sharedKeys, shortName, variedKeys} from './rows.js';
 import {surfaceFigure} from './surface.js';
@@ -158,6 +158,7 @@ export function compareSection(result) {
   const {recommended} = result;
   return {
     title: 'Levels, precisions and backends compared',
+    facts: Array.isArray(result.depths_m) ? [['Depth', result.depths_m.map(millimetres).join(', ')]] : [],
     content: [
       el('.controls', {}, select('Across', choices(across), x, value => ((x = value), show())),
           select('Upward', choices(upward), y, value => ((y = value), show())),

@@ -1,7 +1,7 @@
 // What gliss run left: how late its ticks woke and how long they took, the force over time, the guards.
 import {Chart, steps} from './chart.js';
 import {el, figure, table} from './dom.js';
-import {count, number, percent} from './format.js';
+import {count, millimetres, number, percent} from './format.js';
 
 const perDecade = 12;
 
@@ -48,6 +48,7 @@ function facts(figures) {
     ['Largest step sent', `${number(figures.largest_sent_step)} N`],
     ['Jumps sent /100k', number(figures.sent_jumps_per_100k)], ['Lost sent /100k', number(figures.sent_lost_per_100k)],
     ['Unsound steps', count(figures.unsound)],
+    ['Deepest contact', figures.deepest_m === null || figures.deepest_m === undefined ? null : millimetres(figures.deepest_m)],
     ['Device', figures.device], ['Scheduling', figures.scheduling], ['End', figures.end],
   ];
   return el('dl.facts', {}, known.filter(([, value]) => value !== undefined && value !== null)

@@ -120,6 +120,7 @@ export function sweepSection(result) {
   for (const depth of result.depths) depth.methods = inOrder(depth.methods);
   return {
     title: 'Force over the surface',
+    facts: [['Depth', result.depths.map(depthText).join(', ')]],
     content: [surfaceFigure(result), histograms(result), statistics(result)].flat(),
   };
 }
