@@ -43,6 +43,7 @@ function makeResults() {
   run(gliss, 'sweep', 'knot.obj', '--depth', '2mm,4mm', '--samples', '90000', '--unit', 'mm', '-o', 'knot.h5', '--quiet');
   writeFileSync(join(folder, 'path.csv'), run('python3', join(sources, 'tools', 'knot_path.py')));
   run(gliss, 'trace', 'knot.obj', '--path', 'path.csv', '--unit', 'mm', '-o', 'knot_forces.csv', '--quiet');
+  run(gliss, 'trace', 'knot.obj', '--path', 'path.csv', '--unit', 'mm', '-o', 'path.h5', '--quiet');
   writeFileSync(join(folder, 'scene.toml'), `[[object]]
 name = "knot"
 mesh = "knot.obj"
@@ -54,7 +55,7 @@ interval = "1ms"
   run(gliss, 'run', 'scene.toml', '--no-wait', '--seconds', '2', '--quiet', '--record', 'run.h5', '--report', 'run.json');
   writeFileSync(join(folder, 'compare.json'), JSON.stringify(comparison()));
   writeFileSync(join(folder, 'growth.json'), JSON.stringify(growth()));
-  run(gliss, 'report', 'knot_forces.csv', 'knot.h5', 'compare.json', 'run.json', 'run.h5', 'growth.json', '-o', 'report.html', '--quiet');
+  run(gliss, 'report', 'knot_forces.csv', 'knot.h5', 'compare.json', 'run.json', 'run.h5', 'growth.json', 'path.h5', '-o', 'report.html', '--quiet');
   run(gliss, 'report', 'knot.h5', 'knot_forces.csv', '-o', 'knot.html', '--quiet');
   writeFileSync(join(folder, 'pictured.json'), JSON.stringify(pictured()));
   run(gliss, 'report', 'pictured.json', '-o', 'pictured.html', '--quiet');
@@ -238,6 +239,7 @@ async function checkBars(page) {
 async function checkCharts(page) {
   for (const [label, told] of [['Distribution of the step across edges, 2mm', /to [^]* N[^]*%/], ['largest error of force, share of k d over tick', /level \w+, \w+/],
     ['Distribution: Computing', /µs[^]*%/], ['Time a sample over samples', /samples[^]*a sample\s+\d+ ns/],
+    ['Force along the path', /Tick \d+[^]*Flat polygons\s+[\d.]+ N[^]*Gregory patches\s+[\d.]+ N/],
     ['Memory a polygon over polygons', /polygons[^]*cache[^]*bytes a polygon/], ['Force over time', / s[^]*rendered[^]*sent/]]) {
     const chart = `[aria-label*="${label}"]`;
     await center(page, chart);
@@ -245,6 +247,78 @@ async function checkCharts(page) {
     await page.keyboard.press('ArrowRight');
     assert.match(await tooltip(page), told, label);
   }
+}
+
+// The tip is never cut, and lies within the chart or picture that it belongs to where it has room there.
+async function checkTips(page) {
+  for (const chart of await page.$$('.chart')) {
+    await chart.evaluate(element => element.scrollIntoView({block: 'center', behavior: 'instant'}));
+    await settle(page);
+    const {x, y, width, height} = await chart.boundingBox();
+    for (const [across, down] of [[0.2, 0.2], [0.97, 0.2], [0.97, 0.8], [0.3, 0.8]]) {
+      await page.mouse.move(x + across * width, y + down * height);
+      if (!await tooltip(page)) continue;
+      const tip = await page.$eval('.tooltip', box => {
+        const {left, top, right, bottom} = box.getBoundingClientRect();
+        return {left, top, right, bottom, whole: box.scrollWidth <= box.clientWidth,
+          wide: document.documentElement.clientWidth, high: document.documentElement.clientHeight};
+      });
+      assert(tip.whole && tip.left >= 0 && tip.top >= 0 && tip.right <= tip.wide && tip.bottom <= tip.high, 'the tip is cut');
+      if (tip.right - tip.left <= width - 8) assert(tip.left >= x - 0.5 && tip.right <= x + width + 0.5, 'the tip leaves its chart');
+      if (tip.bottom - tip.top <= height) assert(tip.top >= y - 0.5 && tip.bottom <= y + height + 0.5, 'the tip leaves its chart');
+    }
+  }
+}
+
+const choice = (page, label) => page.evaluateHandle(
+    wanted => [...document.querySelectorAll('.choice')].find(c => c.innerText.startsWith(wanted)).querySelector('select'), label);
+const choose = async (page, list, value) => {
+  await list.evaluate((element, chosen) => ((element.value = chosen), element.dispatchEvent(new Event('change'))), value);
+  await settle(page);
+};
+
+// Rows whose figure is 0 are points as well: the comparison's rows of level full have no jumps.
+async function checkZeros(page) {
+  await choose(page, await choice(page, 'Upward'), 'jumps');
+  const chart = '[aria-label^="jumps per"]';
+  await center(page, chart);
+  await page.focus(chart);
+  const told = [];
+  for (let i = 0; i < 6; i++) {
+    await page.keyboard.press('ArrowRight');
+    told.push(await tooltip(page));
+  }
+  for (const level of ['full', 'reduced', 'flat']) {
+    for (const precision of ['double', 'float']) assert(told.some(text => text.startsWith(`level ${level}, ${precision}`)), `${level}, ${precision} is not drawn`);
+  }
+  await page.keyboard.press('Escape');
+}
+
+// What all rows share stands in the caption, and the column that names them stays when the table is scrolled.
+async function checkTables(page) {
+  const about = await page.evaluate(() => {
+    const made = [...document.querySelectorAll('.tabled')].find(t => t.innerText.startsWith('All that was compared'));
+    const scroll = made.querySelector('.table'), name = made.querySelector('tbody tr:last-child > *');
+    const before = name.getBoundingClientRect().left;
+    scroll.scrollLeft = 90;
+    const moved = name.getBoundingClientRect().left - before, by = scroll.scrollLeft;
+    scroll.scrollLeft = 0;
+    return {caption: made.querySelector('.caption').innerText, heads: [...made.querySelectorAll('thead th')].map(th => th.innerText), moved, by};
+  });
+  assert.match(about.caption, /In all rows: Solver newton; Backend tbb/);
+  assert.equal(about.heads[0], 'Level, precision');
+  assert(!about.heads.includes('Solver'));
+  assert(about.by > 50 && Math.abs(about.moved) < 1, 'the first column stays');
+}
+
+// A run's figures and its recording are one section; sections name what their files say.
+async function checkFacts(page) {
+  const found = await page.$$eval('section', all => all.map(s => [s.querySelector('h2').innerText, s.querySelector('.origin').innerText]));
+  const about = Object.fromEntries(found);
+  assert.deepEqual(found.map(([file]) => file), ['knot_forces.csv', 'knot.h5', 'compare.json', 'run.json, run.h5', 'growth.json', 'path.h5']);
+  for (const file of ['knot.h5', 'run.json, run.h5', 'path.h5']) assert.match(about[file], /Mesh\s+knot.obj[^]*Stiffness\s+0\.500 N\/mm/);
+  assert.match(about['path.h5'], /Depth\s+at most 2\.\d\d mm/);
+  assert.match(about['knot.h5'], /Depth\s+2 mm, 4 mm/);
 }
 
 // Surfaces, and dots where rows jump, which a choice brings and takes away.
@@ -261,16 +335,15 @@ async function checkSurfaces(page) {
     assert(await colors(page, `[data-view="${view}"]`) > 100, `${view} is blank`);
   }
   const own = await picture();
-  const choice = await page.evaluateHandle(() => [...document.querySelectorAll('.choice')].find(c => c.innerText.startsWith('Jumps of')).querySelector('select'));
-  const choose = async value => {
-    await choice.evaluate((list, chosen) => ((list.value = chosen), list.dispatchEvent(new Event('change'))), value);
-    await settle(page);
+  const jumps = await choice(page, 'Jumps of');
+  const marked = async value => {
+    await choose(page, jumps, value);
     return picture();
   };
-  const none = await choose('');
+  const none = await marked('');
   assert(own[0] === none[0] && own[1] !== none[1], 'dots are marked where a construction jumps');
   assert((await about()).every(text => !text.includes('jumps marked')));
-  const flat = await choose('4');
+  const flat = await marked('4');
   assert(flat.every((image, i) => image !== none[i]), 'a row is marked in all views');
 
   // A dot and a face without one, somewhere on the ball.
@@ -311,6 +384,9 @@ try {
     await checkBars(page);
     await checkViews(page);
     await checkCharts(page);
+    await checkZeros(page);
+    await checkFacts(page);
+    await checkTips(page);
     await page.screenshot({path: join(folder, `${theme}.png`), fullPage: true});
     await page.click('.theme');
     assert.equal(await brightness(page) > 128, theme === 'dark', 'the button changes the theme');
@@ -322,6 +398,14 @@ try {
     assert(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), 'nothing is wider than the page');
     await page.screenshot({path: join(folder, `${name}.png`), fullPage: true});
     if (width > 1000) await checkSurfaces(page);
+    else await checkTips(page);
+    await page.close();
+  }
+  {
+    const {page, complaints} = await open(browser, 'report.html', 'light', 420);
+    assert(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), 'nothing is wider than the page');
+    await checkTables(page);
+    await checkTips(page);
     assert.deepEqual(complaints, []);
     await page.close();
   }

@@ -48,6 +48,16 @@ std::optional<Handle> readable_text(hid_t type, const std::string& action) {
   return text;
 }
 
+// An attribute that is there, and one value.
+std::optional<Handle> open_attribute(hid_t of, const std::string& name, const std::string& action) {
+  if (H5Aexists(of, name.c_str()) <= 0) return std::nullopt;
+  Handle attribute(H5Aopen(of, name.c_str(), H5P_DEFAULT), H5Aclose, action);
+  const Handle space(H5Aget_space(attribute), H5Sclose, action);
+  if (H5Sget_simple_extent_npoints(space) != 1)
+    throw std::runtime_error(action + ": not one value");
+  return attribute;
+}
+
 // The text in a place of so many bytes.
 std::string text_at(const char* place, std::size_t bytes) {
   return {place, std::find(place, place + bytes, '\0')};
@@ -191,6 +201,19 @@ std::optional<std::string> Hdf5Reader::text_attribute(const std::string& name) c
   return text_attribute(*file_, name);
 }
 
+std::optional<double> Hdf5Reader::number_attribute(const std::string& name) const {
+  hdf5::Quiet quiet;
+  const std::string action = fmt::format("{}: attribute '{}'", action_, name);
+  const auto attribute = open_attribute(*file_, name, action);
+  if (!attribute) return std::nullopt;
+  const Handle in_file(H5Aget_type(*attribute), H5Tclose, action);
+  const H5T_class_t kind = H5Tget_class(in_file);
+  if (kind != H5T_FLOAT && kind != H5T_INTEGER) return std::nullopt;
+  double value = 0;
+  hdf5::check(H5Aread(*attribute, H5T_NATIVE_DOUBLE, &value), action);
+  return value;
+}
+
 std::optional<std::string> Hdf5Reader::unit(const std::string& column) const {
   hdf5::Quiet quiet;
   return text_attribute(open(column).dataset, "unit");
@@ -200,16 +223,14 @@ std::optional<std::string> Hdf5Reader::text_attribute(const Handle& of,
                                                       const std::string& name) const {
   hdf5::Quiet quiet;
   const std::string action = fmt::format("{}: attribute '{}'", action_, name);
-  if (H5Aexists(of, name.c_str()) <= 0) return std::nullopt;
-  const Handle attribute(H5Aopen(of, name.c_str(), H5P_DEFAULT), H5Aclose, action);
-  const Handle space(H5Aget_space(attribute), H5Sclose, action);
-  if (H5Sget_simple_extent_npoints(space) != 1) throw std::runtime_error(action + ": not one text");
-  const Handle in_file(H5Aget_type(attribute), H5Tclose, action);
+  const auto attribute = open_attribute(of, name, action);
+  if (!attribute) return std::nullopt;
+  const Handle in_file(H5Aget_type(*attribute), H5Tclose, action);
   const auto type = readable_text(in_file, action);
   if (!type) return std::nullopt;
   std::string value(H5Tget_size(*type), '\0');
   if (value.size() > most_bytes()) throw std::runtime_error(action + ": too long");
-  hdf5::check(H5Aread(attribute, *type, value.data()), action);
+  hdf5::check(H5Aread(*attribute, *type, value.data()), action);
   return text_at(value.data(), value.size());
 }
 

@@ -32,6 +32,7 @@ class Hdf5Reader {
   // and an attribute is taken for none.
   std::vector<std::string> texts(const std::string& column) const;
   std::optional<std::string> text_attribute(const std::string& name) const;
+  std::optional<double> number_attribute(const std::string& name) const;
   // The text of a column's attribute "unit".
   std::optional<std::string> unit(const std::string& column) const;
 

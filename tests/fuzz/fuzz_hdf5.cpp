@@ -74,6 +74,7 @@ void read(const std::string& path) {
     require(file.texts("ticks/method").size() == rows, "a text for each row");
   }
   file.text_attribute("unit");
+  file.number_attribute("unit");
 }
 
 void read_path(const std::string& path) {

@@ -96,6 +96,7 @@ TEST_F(Report, BarsAreTheStepsOfForceToZeroAndBackToo) {
   EXPECT_EQ(flat["lost_per_100k"], 0.25e5);
   EXPECT_EQ(flat["unsound"], 0);
   EXPECT_EQ(flat["largest_force"], 5);
+  EXPECT_EQ(flat["deepest"], std::sqrt(7.0 * 7 + 8 * 8 + 9 * 9));
   EXPECT_EQ(flat["largest"][0]["step"], 13);
   EXPECT_EQ(flat["largest"][0]["change"], 4);
   EXPECT_THAT(floats(flat["step"]), ElementsAre(11, 12, 13, 14));
@@ -125,6 +126,7 @@ TEST_F(Report, TracesInCsvAndHdf5AreTheSame) {
   EXPECT_EQ(results[0]["methods"], results[1]["methods"]);
   EXPECT_EQ(results[1]["origin"]["surface"], "ball.obj");
   EXPECT_EQ(results[1]["origin"]["unit"], "mm");
+  EXPECT_EQ(results[1]["origin"]["stiffness_N_per_m"], 500);
   EXPECT_THAT(results[1]["origin"]["command_line"].get<std::string>(),
               HasSubstr("gliss trace ball.obj"));
 }
@@ -199,10 +201,36 @@ TEST_F(Report, RunsTellTheSameByReportAndRecording) {
     EXPECT_EQ(figures[key], results[2]["figures"][key]) << key;
   }
   EXPECT_EQ(figures["histograms"], recorded["histograms"]);
+  EXPECT_GT(recorded["deepest_m"], 0);
+  EXPECT_EQ(recorded["deepest_m"], results[2]["figures"]["deepest_m"]);
   const auto sent = floats(results[1]["sent"]);
   EXPECT_EQ(sent.size(), results[1]["shown"]);
   EXPECT_FLOAT_EQ(*std::max_element(sent.begin(), sent.end()),
                   figures["largest_sent_force"].get<float>());
+}
+
+// By these the page knows that they belong together.
+TEST_F(Report, RunsSayTheirCommandSceneAndObjects) {
+  const Outcome run =
+      gliss("run", "scene.toml --no-wait --seconds 2 --record run.h5 --json --quiet");
+  ASSERT_EQ(run.code, 0) << run.err;
+  folder_.write("run.json", run.out);
+  const auto results = results_of("run.json run.h5");
+  EXPECT_EQ(results[0]["kind"], "run");
+  EXPECT_EQ(results[1]["kind"], "recording");
+  EXPECT_FALSE(results[0]["figures"].contains("histograms"));
+  EXPECT_EQ(results[0]["origin"], results[1]["origin"]);
+  const auto& origin = results[0]["origin"];
+  EXPECT_THAT(origin["command_line"].get<std::string>(), HasSubstr("gliss run scene.toml"));
+  EXPECT_EQ(origin["scene"], "scene.toml");
+  EXPECT_TRUE(origin["objects"][0]["mesh"].is_string());
+  EXPECT_GT(origin["objects"][0]["stiffness_N_per_m"], 0);
+
+  auto wrong = nlohmann::json::parse(run.out);
+  wrong["objects"][0]["stiffness_N_per_m"] = "soft";
+  folder_.write("wrong.json", wrong.dump());
+  expect_error(gliss("report", "wrong.json -o other.html"), 2,
+               "wrong.json: 'objects' 0: 'stiffness_N_per_m' is not what gliss run writes");
 }
 
 TEST_F(Report, ComparisonsMayLackFigures) {

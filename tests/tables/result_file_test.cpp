@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "gliss/tables/hdf5_reader.h"
 #include "tests/support/require.h"
 #include "tests/support/scratch_folder.h"
 
@@ -97,6 +98,20 @@ with h5py.File(sys.argv[1]) as f:
 )");
   EXPECT_EQ(std::system((std::string(kPython) + " " + script + " " + (folder / "r.h5")).c_str()),
             0);
+}
+
+TEST(ResultFile, NumbersAreAttributesOfTheFile) {
+  const ScratchFolder folder;
+  const auto file = create_result_file(folder / "r.h5");
+  file->set_attribute({"stiffness_N_per_m", 0.5});
+  file->set_attribute({"creases", std::int64_t{7}});
+  file->set_attribute({"unit", "mm"});
+  file->close();
+  const Hdf5Reader reader(folder / "r.h5", "a result");
+  EXPECT_EQ(reader.number_attribute("stiffness_N_per_m"), 0.5);
+  EXPECT_EQ(reader.number_attribute("creases"), 7);
+  EXPECT_EQ(reader.number_attribute("unit"), std::nullopt);
+  EXPECT_EQ(reader.number_attribute("missing"), std::nullopt);
 }
 
 TEST(ResultFile, SameResultsAreTheSameBytes) {

@@ -20,10 +20,11 @@ struct ReportSource {
 // file is no result that the page knows.
 Json read_result(const ReportSource& source);
 
-// Says where results come from, as files say it themselves: mesh, unit, command line.
-Json provenance(const Hdf5Reader& file);
+// Says where results come from, as files say it themselves: mesh, unit, stiffness, command line.
+Json provenance(const Hdf5Reader& file, const ReportSource& source);
 
 Json read_sweep(const Hdf5Reader& file, const ReportSource& source);
+Json read_objects(const Json& objects, const ReportSource& source);  // of the scene of gliss run
 Json read_run_report(const Json& json, const ReportSource& source);
 Json read_comparison(const Json& json, const ReportSource& source);
 Json read_growth(const Json& growth, const ReportSource& source);

@@ -97,7 +97,7 @@ Json read_sweep(const Hdf5Reader& file, const ReportSource& source) {
   const std::size_t point_bytes = depths * (16 + 12 * methods);
   const std::size_t most = std::clamp<std::size_t>(source.page_bytes / point_bytes, 1, kMostPoints);
 
-  Json json = {{"kind", "sweep"}, {"origin", provenance(file)}};
+  Json json = {{"kind", "sweep"}, {"origin", provenance(file, source)}};
   for (std::size_t kind = 0; kind < depth.size(); ++kind) {
     const std::string group = fmt::format("depth_{}/{}", depth_name(depth[kind]), method[kind]);
     const std::size_t rows = file.rows(group + "/patch");

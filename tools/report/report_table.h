@@ -15,9 +15,10 @@ struct ReportTable {
   TickTable kind{};
   Json origin = Json::object();  // what the file says of itself; CSV: nothing
   std::size_t rows = 0;
-  std::map<std::string, std::vector<double>> numbers;
+  std::map<std::string, std::vector<double>> numbers;  // those of the optional ones that it has
   std::map<std::string, std::vector<std::string>> texts;
 
+  bool has(const char* name) const { return numbers.count(name) != 0; }
   Vec3 vector(const char* x, const char* y, const char* z, std::size_t row) const {
     return {numbers.at(x)[row], numbers.at(y)[row], numbers.at(z)[row]};
   }

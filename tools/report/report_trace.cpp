@@ -15,6 +15,20 @@ constexpr std::size_t kMostBars = 20000;  // a method
 constexpr std::size_t kBarBytes = 7 * 4;
 constexpr std::size_t kLargest = 3;
 
+// How deep HIPs are beneath their contacts at most, in the unit of the file; null where it does not
+// say.
+Json deepest(const ReportTable& table, const std::vector<std::size_t>& rows) {
+  if (!table.has("scp_x") || !table.has("scp_y") || !table.has("scp_z")) return {};
+  double most = 0;
+  for (const std::size_t row : rows) {
+    if (table.texts.at("state")[row] != "contact") continue;
+    most = std::max(
+        most,
+        (table.vector("scp_x", "scp_y", "scp_z", row) - table.vector("x", "y", "z", row)).norm());
+  }
+  return most;
+}
+
 Json method_result(const ReportTable& table, const std::string& method,
                    const std::vector<std::size_t>& rows, std::size_t most) {
   const auto touching = [&](std::size_t tick) {
@@ -49,6 +63,7 @@ Json method_result(const ReportTable& table, const std::string& method,
           {"lost_per_100k", statistics.lost_per_100k()},
           {"unsound", statistics.unsound},
           {"largest_force", statistics.largest_force},
+          {"deepest", deepest(table, rows)},
           {"largest", peaks},
           {"step", packed_at<float>(bars, column("step"))},
           {"change", packed_at<float>(bars, [&](std::size_t tick) { return change[tick]; })},

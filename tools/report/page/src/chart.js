@@ -9,8 +9,8 @@ import {hideTooltip, showTooltip} from './tooltip.js';
 const font = '12px system-ui, sans-serif';
 const keysHint = 'Arrow keys move the cursor, plus and minus zoom, 0 shows all.';
 
-function axis({label, log, size}, side) {
-  const all = (u, marks) => marks;
+function axis({label, log, size, zero}, side) {
+  const all = (u, marks) => marks, named = mark => mark === zero ? '0' : power(mark);
   const line = {stroke: () => color('grid'), width: 1, ...(log && {filter: all})};
   return {
     side,
@@ -22,12 +22,16 @@ function axis({label, log, size}, side) {
     stroke: () => color('ink-2'),
     grid: line,
     ticks: {...line, size: 4},
-    ...(log && {splits: (u, i, from, to) => logMarks(from, to), filter: all, values: (u, marks) => marks.map(power)}),
+    ...(log && {splits: (u, i, from, to) => logMarks(from, to, zero), filter: all, values: (u, marks) => marks.map(named)}),
   };
 }
 
-// Round values; the fewer to a decade, the more decades there are.
-function logMarks(from, to) {
+// Where a logarithmic axis for values from `least` up shows those that are 0: far enough below to have a line of its own.
+export const floorBelow = least => least / 4;
+
+// Round values; the fewer to a decade, the more decades there are. `zero` is the place that stands for 0, if there is one.
+function logMarks(from, to, zero) {
+  if (zero) return [zero, ...logMarks(2 * zero, to)];
   const [first, last] = [from, to].map(Math.log10), decades = last - first;
   const digits = decades > 2.2 ? [1] : decades > 1.2 ? [1, 2, 5] : [1, 2, 3, 4, 5, 7];
   const marks = [];
@@ -55,9 +59,14 @@ export function bars(u, index, first, last) {
 }
 
 export const steps = uPlot.paths.stepped({align: -1});
+// A value holds until the next.
+export const holds = uPlot.paths.stepped({align: 1});
+
+// [xs, ys, ...] of lists that have xs of their own: [[xs, ys], ...].
+export const joined = lists => uPlot.join(lists);
 
 export class Chart {
-  // x, y: {label, log, range: [from, to]}. data: [xs, ys, ...]. series: [{color, fill, paths, width, points, spanGaps}].
+  // x, y: {label, log, range: [from, to], zero: the place that stands for 0 on a logarithmic axis, if there is one}. data: [xs, ys, ...]. series: [{color, fill, paths, width, points, spanGaps}].
   // labels: [[index, y, text]], those first that are to be seen where there is no room for all.
   // tell(index) gives a tooltip [title, rows]. pick: 'point' takes the nearest point, else the nearest x. onRange: after
   // a zoom. sync: charts of the same name share their cursor.
@@ -66,6 +75,7 @@ export class Chart {
     this.labels = labels ?? [];
     this.full = x.range;
     this.yRange = y.range;
+    this.floor = y.zero;
     this.byPoint = pick === 'point';
     this.element = el('.chart', {tabindex: '0', role: 'group', 'aria-label': `${label}. ${keysHint}`});
     this.options = {
@@ -92,6 +102,7 @@ export class Chart {
         sync: sync ? {key: sync, setSeries: false} : undefined,
       },
       hooks: {
+        drawAxes: [u => this.drawFloor(u)],
         draw: [u => this.drawLabels(u)],
         setCursor: [u => this.pointAt(u)],
         setScale: [(u, key) => key === 'x' && onRange && onRange(u.scales.x.min, u.scales.x.max)],
@@ -118,11 +129,26 @@ export class Chart {
     }
   }
 
+  // The line on which values of 0 lie.
+  drawFloor({ctx, bbox, valToPos}) {
+    if (!this.floor) return;
+    const y = Math.round(valToPos(this.floor, 'y', true));
+    ctx.save();
+    [ctx.strokeStyle, ctx.lineWidth] = [color('ink-2'), devicePixelRatio];
+    ctx.setLineDash([5, 4].map(length => length * devicePixelRatio));
+    ctx.beginPath();
+    ctx.moveTo(bbox.left, y);
+    ctx.lineTo(bbox.left + bbox.width, y);
+    ctx.stroke();
+    ctx.restore();
+  }
+
   // Beside their points, where they cover neither points nor each other.
   drawLabels(u) {
     const {ctx, bbox} = u, dpr = devicePixelRatio, half = 7 * dpr, gap = 10 * dpr;
     const at = this.labels.map(([i, y]) => [u.valToPos(u.data[0][i], 'x', true), u.valToPos(y, 'y', true)]);
     const taken = at.map(([x, y]) => [x - 5 * dpr, y - 5 * dpr, x + 5 * dpr, y + 5 * dpr]);
+    if (this.floor) taken.push([bbox.left, u.valToPos(this.floor, 'y', true), Infinity, Infinity]);
     const isFree = ([left, top, right, bottom]) =>
         left >= bbox.left && right <= bbox.left + bbox.width && top >= bbox.top && bottom <= bbox.top + bbox.height &&
         taken.every(([l, t, r, b]) => right < l || left > r || bottom < t || top > b);
@@ -178,7 +204,7 @@ export class Chart {
     if (!told) return hideTooltip();
     const box = u.over.getBoundingClientRect();
     this.index = index;
-    showTooltip(box.left + left, box.top + top, ...told);
+    showTooltip(this.element, box.left + left, box.top + top, ...told);
   }
 
   press(event) {

@@ -1,9 +1,9 @@
 // What gliss compare found: what smoothness costs in time and memory, and the dense mesh that would do as well.
-import {Chart} from './chart.js';
+import {Chart, floorBelow} from './chart.js';
 import {el, figure, select, swatch, table} from './dom.js';
-import {bytes, count, number, percent, rate} from './format.js';
+import {bytes, capital, count, millimetres, number, percent, rate} from './format.js';
 import {methodColor, methodTitle} from './methods.js';
-import {chiefRow, groupColor, grouped, groupOf, groupTitle, rowName, sameRow, shortName} from './rows.js';
+import {chiefRow, groupColor, grouped, groupOf, groupTitle, rowName, sameRow, sharedKeys, shortName, variedKeys} from './rows.js';
 import {surfaceFigure} from './surface.js';
 import {color} from './theme.js';
 
@@ -33,12 +33,14 @@ function span(values) {
 function paretoChart(result, xKey, yKey) {
   const [[xLabel, xOf], [yLabel, yOf]] = [across[xKey], upward[yKey]];
   const all = result.rows.map(row => ({row, x: xOf(row), y: yOf(row)}));
-  const points = all.filter(({x, y}) => x > 0 && y > 0).sort((a, b) => a.x - b.x || a.y - b.y);
-  const zero = all.filter(({x, y}) => x > 0 && y === 0).map(({row}) => shortName(row, result.rows));
-  const beside = zero.length ? el('p.notice', {}, `0, which a logarithmic axis has not: ${zero.join('; ')}.`) : null;
-  if (!points.length) return [beside ?? el('p.notice', {}, 'Not measured: choose other axes.')];
+  const points = all.filter(({x, y}) => x > 0 && y >= 0 && y !== null).sort((a, b) => a.x - b.x || a.y - b.y);
+  if (!points.length) return el('p.notice', {}, 'Not measured: choose other axes.');
   const best = new Set(front(points));
-  const column = keep => points.map(p => keep(p) ? p.y : null);
+  const positive = points.map(p => p.y).filter(y => y > 0);
+  const heights = span(positive.length ? positive : [1]);
+  const zero = positive.length < points.length ? floorBelow(heights[0]) : undefined;
+  const place = ({y}) => y || zero;
+  const column = keep => points.map(p => keep(p) ? place(p) : null);
   const dots = (size, stroke, fill) => (
       {show: true, size, width: 2, stroke: () => color(stroke), fill: () => fill ? color(fill) : 'transparent'});
   const isRecommended = ({row}) => sameRow(row, result.recommended);
@@ -50,7 +52,7 @@ function paretoChart(result, xKey, yKey) {
     label: `${yLabel} over ${xLabel}`,
     height: 380,
     x: {label: xLabel, log: true, range: span(points.map(p => p.x)), size: 40},
-    y: {label: yLabel, log: true, range: span(points.map(p => p.y))},
+    y: {label: yLabel, log: true, range: [zero ?? heights[0], heights[1]], zero},
     series: [
       {color: 'neutral', spanGaps: true},
       ...groups.flatMap(group => [{width: 0, points: dots(8, groupColor(group), 'paper')},
@@ -59,11 +61,11 @@ function paretoChart(result, xKey, yKey) {
     ],
     data: [points.map(p => p.x), column(p => best.has(p)), ...groups.flatMap(group => [ofGroup(group, false), ofGroup(group, true)]),
       column(isRecommended)],
-    labels: points.map((p, i) => [i, p]).sort(([, a], [, b]) => rank(a) - rank(b)).map(([i, {row, y}]) => [i, y, shortName(row, result.rows)]),
+    labels: points.map((p, i) => [i, p]).sort(([, a], [, b]) => rank(a) - rank(b)).map(([i, p]) => [i, place(p), shortName(p.row, result.rows)]),
     pick: 'point',
     tell: i => [rowName(points[i].row), tellRow(points[i].row)],
   });
-  return [chart.element, beside].filter(Boolean);
+  return chart.element;
 }
 
 // Its colours.
@@ -87,7 +89,7 @@ function tellRow(row) {
 const micro = value => value === null ? null : 1e6 * value;
 const milli = value => value === null || value === undefined ? null : 1e-3 * value;
 
-// What decides comes first: a narrow window cuts the rest.
+// What decides comes first: a narrow window shows the rest only when scrolled.
 const numbers = [
   ['Tick, µs', r => number(r.tick_us)], ['Force error', r => percent(r.max_force_error)],
   ['Jumps /100k', r => number(r.jumps_per_100k)], ['Lost /100k', r => number(r.lost_per_100k)],
@@ -116,11 +118,12 @@ function sideBySide({rows, picture}) {
 }
 
 function rowTable(result) {
-  const header = [...['Surface', 'Level', 'Precision', 'Solver', 'Backend'].map(text => ({text})),
-    ...numbers.map(([text]) => ({text, number: true}))];
+  const shared = sharedKeys(result.rows);
+  const header = [...[capital(variedKeys(result.rows).join(', ')), ...shared.map(capital)].map(text => ({text})),
+    ...numbers.map(([text]) => ({text, number: true})), {text: 'Surface'}];
   const rows = grouped(result.rows).flatMap(([group, of]) => of.map(r => Object.assign(
-      [swatch(groupColor(group), groupTitle(group)), String(r.level ?? '–'), r.precision ?? '–', r.solver ?? '–', r.backend ?? '–',
-        ...numbers.map(([, show]) => show(r))],
+      [swatch(groupColor(group), shortName(r, result.rows)), ...shared.map(key => String(r[key] ?? '–')),
+        ...numbers.map(([, show]) => show(r)), groupTitle(group)],
       {mark: sameRow(r, result.recommended) ? 'recommended' : r.pareto ? 'best' : ''})));
   return table(header, rows, 'All that was compared; bold: not beaten in every figure by another; marked: recommended');
 }
@@ -149,17 +152,18 @@ function denseTable(result) {
 export function compareSection(result) {
   const place = el('.charts');
   let [x, y] = ['tick', 'error'];
-  const show = () => place.replaceChildren(...paretoChart(result, x, y));
+  const show = () => place.replaceChildren(paretoChart(result, x, y));
   show();
   const choices = list => Object.entries(list).map(([key, [label]]) => [key, label]);
   const {recommended} = result;
   return {
     title: 'Levels, precisions and backends compared',
+    facts: Array.isArray(result.depths_m) ? [['Depth', result.depths_m.map(millimetres).join(', ')]] : [],
     content: [
       el('.controls', {}, select('Across', choices(across), x, value => ((x = value), show())),
           select('Upward', choices(upward), y, value => ((y = value), show())),
           recommended ? el('span.named', {}, el('span.swatch.ring'), `recommended: ${rowName(recommended)}`) : null),
-      figure('What accuracy costs: left is cheaper, down is better. Filled points are beaten by no other in every figure at once; the line joins those that none beats on these two axes.', groupKey(result.rows), place),
+      figure('What accuracy costs: left is cheaper, down is better. Filled points are beaten by no other in every figure at once; the line joins those that none beats on these two axes. What is 0, which a logarithmic axis has not, lies on the dashed line.', groupKey(result.rows), place),
       sideBySide(result), surfaceFigure(result), rowTable(result), countedWhere(result), denseTable(result),
     ].flat().filter(Boolean),
   };

@@ -18,8 +18,33 @@ export function el(name, attributes, ...children) {
   return element;
 }
 
-// header: [{text, title, number}]; rows: [[text or element]]. A row may have the class `row.mark`.
-export function table(header, rows, caption) {
+const wide = 6;  // columns that a page has room for
+
+// The columns after the first that have one text in all rows of a wide table: they need no place in it.
+function constantColumns(header, rows) {
+  const isConstant = i => i > 0 && typeof rows[0][i] === 'string' && rows.every(row => row[i] === rows[0][i]);
+  return rows.length > 1 && header.length > wide ? header.map((_, i) => i).filter(isConstant) : [];
+}
+
+// A row above the heads, for columns that stand together.
+function groupRow(header) {
+  const groups = [];
+  for (const {group} of header) {
+    if (groups.length && groups.at(-1).group === group) groups.at(-1).colspan++;
+    else groups.push({group, colspan: 1});
+  }
+  return el('tr.groups', {}, groups.map(
+      ({group, colspan}) => group ? el('th', {colspan, scope: 'colgroup'}, group) : el('td', {colspan})));
+}
+
+// header: [{text, title, number, group}]; rows: [[text or element]]. A row may have the class `row.mark`. Of wide tables,
+// columns that are constant go into the caption.
+export function table(allHeads, allRows, title) {
+  const constant = constantColumns(allHeads, allRows);
+  const rest = list => list.filter((_, i) => !constant.includes(i));
+  const header = rest(allHeads), rows = allRows.map(row => Object.assign(rest(row), {mark: row.mark}));
+  const same = constant.map(i => [allHeads[i].group, `${allHeads[i].text} ${allRows[0][i]}`].filter(Boolean).join(': '));
+  const caption = same.length ? `${title.replace(/\.$/, '')}. In all rows: ${same.join('; ')}` : title;
   const cell = (content, i, tag) => {
     const at = i === 0 && tag === 'td' ? 'th' : tag;
     const attributes = tag === 'th' ? {scope: 'col', title: header[i].title} : at === 'th' ? {scope: 'row'} : {};
@@ -27,7 +52,7 @@ export function table(header, rows, caption) {
   };
   return el('.tabled', {}, el('p.caption', {}, caption), el('.table', {tabindex: '0', role: 'region', 'aria-label': caption},
       el('table', {},
-          el('thead', {}, el('tr', {}, header.map((h, i) => cell(h.text, i, 'th')))),
+          el('thead', {}, header.some(h => h.group) ? groupRow(header) : null, el('tr', {}, header.map((h, i) => cell(h.text, i, 'th')))),
           el('tbody', {}, rows.map(row => el(row.mark ? `tr.${row.mark}` : 'tr', {},
               row.map((content, i) => cell(content, i, 'td'))))))));
 }

@@ -38,6 +38,10 @@ export function vector(values, digits = 4) {
   return Array.from(values, v => number(v, digits)).join(', ');
 }
 
+export const millimetres = metres => `${number(1e3 * metres)} mm`;
+
+export const capital = text => text[0].toUpperCase() + text.slice(1);
+
 // A rate: "4.00 M".
 export function rate(value) {
   if (value === null || value === undefined) return '–';

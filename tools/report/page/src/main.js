@@ -3,8 +3,9 @@ import './page.css';
 import {compareSection} from './compare.js';
 import {readResults} from './data.js';
 import {el} from './dom.js';
+import {number} from './format.js';
 import {growthSection} from './growth.js';
-import {recordingSection, runSection} from './run.js';
+import {loopSection, together} from './run.js';
 import {sweepSection} from './sweep.js';
 import {startTheme, themeButton} from './theme.js';
 import {startTooltip} from './tooltip.js';
@@ -15,14 +16,19 @@ const kinds = {
   sweep: sweepSection,
   compare: compareSection,
   growth: growthSection,
-  run: runSection,
-  recording: recordingSection,
+  run: loopSection,
+  recording: loopSection,
+  session: loopSection,
 };
 
-// Where a result comes from, as far as its file says.
-function provenance({origin, faces}) {
-  const known = [['Mesh', origin.surface], ['Polygons', faces], ['Scene', origin.scene], ['Device', origin.device],
-    ['Unit', origin.unit], ['Precision', origin.precision], ['Mesh hash', origin.mesh_hash],
+const all = texts => [...new Set(texts)].join(', ');
+
+// Where a result comes from, as far as its file says; facts: [[term, text]], what its kind says besides.
+function provenance({origin, faces}, facts) {
+  const objects = origin.objects ?? [{mesh: origin.surface, stiffness_N_per_m: origin.stiffness_N_per_m}];
+  const stiffness = objects.map(o => o.stiffness_N_per_m).filter(k => Number.isFinite(k)).map(k => `${number(k / 1e3)} N/mm`);
+  const known = [['Mesh', all(objects.map(o => o.mesh).filter(Boolean))], ['Polygons', faces], ['Scene', origin.scene],
+    ['Device', origin.device], ['Unit', origin.unit], ['Stiffness', all(stiffness)], ...facts, ['Precision', origin.precision], ['Mesh hash', origin.mesh_hash],
     ['Machine', origin.machine], ['Version', origin.gliss], ['Backend', origin.backend]].filter(([, value]) => value);
   const command = origin.command_line;
   return el('.origin', {},
@@ -34,14 +40,14 @@ function section(result, index) {
   const made = kinds[result.kind](result);
   const id = `result-${index + 1}`;
   return {id, title: made.title, file: result.file, element: el('section', {id, 'aria-labelledby': `${id}-title`},
-      el('header', {}, el('p.kind', {}, made.title), el('h2', {id: `${id}-title`}, result.file), provenance(result)),
+      el('header', {}, el('p.kind', {}, made.title), el('h2', {id: `${id}-title`}, result.file), provenance(result, made.facts ?? [])),
       ...made.content.flat())};
 }
 
 function start() {
   startTheme();
   startTooltip();
-  const {version, results} = readResults();
+  const {version, results: read} = readResults(), results = together(read);
   document.title = `${results.map(r => r.file).join(', ')} – Gliss report`;
   const page = document.getElementById('page');
   const sections = results.map(section);

@@ -6,11 +6,15 @@ export const rowName = row => [`level ${row.level ?? '?'}`, row.precision, row.s
 
 export const sameRow = (row, other) => keys.every(key => row[key] === other?.[key]);
 
-// What tells a row from the others.
-export function shortName(row, rows) {
-  const varied = keys.filter(key => rows.some(other => other[key] !== row[key]));
-  return (varied.length ? varied : keys.slice(0, 1)).map(key => row[key] ?? '–').join(', ');
+// What tells rows from each other, and what they share.
+export function variedKeys(rows) {
+  const varied = keys.filter(key => rows.some(row => row[key] !== rows[0][key]));
+  return varied.length ? varied : keys.slice(0, 1);
 }
+export const sharedKeys = rows => keys.filter(key => !variedKeys(rows).includes(key));
+
+// What tells a row from the others.
+export const shortName = (row, rows) => variedKeys(rows).map(key => row[key] ?? '–').join(', ');
 
 // Constructions and baselines, in the order in which figures show them; each has a colour in page.css.
 const groups = {

@@ -86,9 +86,9 @@ export function surfaceFigure({picture: pictures, rows, walks, origin}) {
     made.canvas.addEventListener('pointermove', event => {
       const at = event.buttons ? {} : made.view.pickAny(event.offsetX, event.offsetY);
       point(at.point ?? null);
-      if (at.mark !== undefined) return showTooltip(event.clientX, event.clientY, ...tellJump(made.jumps, at.mark, origin.unit));
+      if (at.mark !== undefined) return showTooltip(made.canvas, event.clientX, event.clientY, ...tellJump(made.jumps, at.mark, origin.unit));
       if (at.point === undefined) return hideTooltip();
-      showTooltip(event.clientX, event.clientY, ...tellPoint(pictures, at.point));
+      showTooltip(made.canvas, event.clientX, event.clientY, ...tellPoint(pictures, at.point));
     });
     made.canvas.addEventListener('pointerleave', () => (point(null), hideTooltip()));
     views.push(made);

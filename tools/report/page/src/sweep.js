@@ -51,7 +51,7 @@ function depthViews(depth, orbit, unit) {
       const index = event.buttons ? null : view.pick(event.offsetX, event.offsetY);
       point(index);
       if (index === null) return hideTooltip();
-      showTooltip(event.clientX, event.clientY, ...tellPoint(depth, index, unit));
+      showTooltip(canvas, event.clientX, event.clientY, ...tellPoint(depth, index, unit));
     });
     canvas.addEventListener('pointerleave', () => (point(null), hideTooltip()));
     return el('.view', {},
@@ -91,39 +91,36 @@ function surfaceFigure(result) {
 }
 
 function statistics(result) {
-  const of = (h, name) => number(h[name]);
-  const header = [{text: 'Depth'}, {text: 'Method'},
-    ...['mean', 'p99', 'largest'].map(text => ({text: `${text}`, title: 'step within patches, N', number: true})),
-    ...['mean', 'p99', 'largest'].map(text => ({text: `${text}`, title: 'step across edges, N', number: true})),
-    {text: 'jumps', title: 'pairs whose step is above 20 % of k d, per 100 000 in contact', number: true},
-    {text: 'lost', title: 'pairs of which one is free and the other has more than 20 % of k d, per 100 000 in contact', number: true},
-    {text: 'leaps', title: 'jumps of more than twice the way between the HIPs besides, per 100 000 in contact', number: true},
+  const of = (h, name) => number(h[name]), neighbours = 'Neighbours /100k';
+  const header = [{text: 'Method, depth'},
+    ...['mean', 'p99', 'largest'].map(text => ({text, title: 'step within patches, N', number: true, group: 'Step within patches, N'})),
+    ...['mean', 'p99', 'largest'].map(text => ({text, title: 'step across edges, N', number: true, group: 'Step across edges, N'})),
+    {text: 'jumps', title: 'pairs whose step is above 20 % of k d, per 100 000 in contact', number: true, group: neighbours},
+    {text: 'lost', title: 'pairs of which one is free and the other has more than 20 % of k d, per 100 000 in contact', number: true, group: neighbours},
+    {text: 'leaps', title: 'jumps of more than twice the way between the HIPs besides, per 100 000 in contact', number: true, group: neighbours},
     {text: 'unsound', title: 'steps that are not finite', number: true},
-    {text: 'p99', title: 'angle between neighbours, degrees', number: true},
-    {text: 'largest', title: 'angle between neighbours, degrees', number: true},
-    {text: 'largest', title: 'error against k d n, N', number: true},
+    {text: 'p99', title: 'angle between neighbours, degrees', number: true, group: 'Angle, degrees'},
+    {text: 'largest', title: 'angle between neighbours, degrees', number: true, group: 'Angle, degrees'},
+    {text: 'largest', title: 'error against k d n, N', number: true, group: 'Error, N'},
     {text: 'touching', title: 'share of the samples with a force', number: true}];
   const degrees = radians => number(radians * 180 / Math.PI);
   const unsound = s => s.step.unsound === null ? null : s.step.unsound + s.edge_step.unsound;
   const rows = result.depths.flatMap(depth => depth.methods.map(({method, statistics: s}) => [
-    depthText(depth), swatch(methodColor(method), methodTitle(method)),
+    swatch(methodColor(method), `${methodTitle(method)}, ${depthText(depth)}`),
     of(s.step, 'mean'), of(s.step, 'p99'), of(s.step, 'max'),
     of(s.edge_step, 'mean'), of(s.edge_step, 'p99'), of(s.edge_step, 'max'),
     number(s.jumps_per_100k), number(s.lost_per_100k), number(s.leaps_per_100k), count(unsound(s)),
     degrees(s.angle.p99), degrees(s.angle.max), of(s.error, 'max'),
     `${number(100 * s.touching / s.samples, 4)} %`,
   ]));
-  const made = table(header, rows, `Neighbouring samples, ${count(result.depths[0].samples)} a depth. A sweep has no time: a step is one from a sample to its neighbour, and where one of them is free, its force is zero.`);
-  made.querySelector('thead').prepend(el('tr.groups', {}, el('td', {colspan: 2}),
-      ...[[3, 'Step within patches, N'], [3, 'Step across edges, N'], [3, 'Neighbours /100k'], [1, ''], [2, 'Angle, degrees'], [1, 'Error, N'], [1, '']]
-          .map(([colspan, text]) => text ? el('th', {colspan, scope: 'colgroup'}, text) : el('td', {}))));
-  return made;
+  return table(header, rows, `Neighbouring samples, ${count(result.depths[0].samples)} a depth. A sweep has no time: a step is one from a sample to its neighbour, and where one of them is free, its force is zero.`);
 }
 
 export function sweepSection(result) {
   for (const depth of result.depths) depth.methods = inOrder(depth.methods);
   return {
     title: 'Force over the surface',
+    facts: [['Depth', result.depths.map(depthText).join(', ')]],
     content: [surfaceFigure(result), histograms(result), statistics(result)].flat(),
   };
 }

@@ -1,5 +1,5 @@
-// A path that gliss trace followed: how much the force changes from tick to tick, a chart for each method.
-import {bars, Chart} from './chart.js';
+// A path that gliss trace followed: how much the force changes from tick to tick, a chart for each method, and the force.
+import {bars, Chart, holds, joined} from './chart.js';
 import {button, el, figure, select, swatch, table, uniqueId} from './dom.js';
 import {count, number, vector} from './format.js';
 import {inOrder, methodColor, methodTitle} from './methods.js';
@@ -28,11 +28,10 @@ class PathCharts {
   // The scale of an axis is fixed when a chart is made.
   build() {
     const sync = uniqueId();
-    this.charts = this.methods.map((method, i) => new Chart({
+    this.changes = this.methods.map(method => new Chart({
       label: `Change of force from tick to tick, ${methodTitle(method.method)}`,
-      height: i + 1 === this.methods.length ? 188 : 152,
-      x: {label: i + 1 === this.methods.length ? 'tick' : undefined, range: this.range,
-          size: i + 1 === this.methods.length ? 36 : 22},
+      height: 152,
+      x: {range: this.range, size: 22},
       y: {label: 'N', log: this.log, range: this.heights(...this.range)},
       series: [{fill: methodColor(method.method), width: 0, paths: bars}],
       data: [method.step, method.change],
@@ -40,24 +39,45 @@ class PathCharts {
       onRange: (from, to) => this.show(from, to),
       sync,
     }));
+    const data = joined(this.methods.map(({step, force}) => [step, force]));
+    this.forces = new Chart({
+      label: 'Force along the path',
+      height: 220,
+      x: {label: 'tick', range: this.range},
+      y: {label: 'N', range: this.forceHeights(...this.range)},
+      series: this.methods.map(({method}) => ({color: methodColor(method), paths: holds})),
+      data,
+      tell: index => [`Tick ${count(data[0][index])}`, this.rowsAt(data[0][index], 'force')],
+      onRange: (from, to) => this.show(from, to),
+      sync,
+    });
     this.element.replaceChildren(...this.methods.map((method, i) => el('.strip', {},
         el('h4', {}, swatch(methodColor(method.method), methodTitle(method.method)),
             el('span.aside', {}, `mean ${number(method.mean_change)} N, largest `,
                 `${number(method.largest[0]?.change ?? 0)} N, jumps ${number(method.jumps_per_100k)} and lost ${
                 number(method.lost_per_100k)} per 100\u202f000 ticks in contact`)),
-        this.charts[i].element)));
+        this.changes[i].element)), el('.strip', {}, el('h4', {}, 'Force, |F|',
+        el('span.aside.key', {}, this.methods.map(({method}) => swatch(methodColor(method), methodTitle(method))))),
+        this.forces.element));
   }
 
-  // One axis for all: that of the largest bar in sight.
-  heights(from, to) {
+  // The least, of those above 0, and the largest in sight of all methods: they share an axis.
+  extent(key, from, to) {
     let most = 0, least = Infinity;
-    for (const {step, change} of this.methods) {
+    for (const {step, [key]: values} of this.methods) {
       for (let i = nearest(step, from); i < step.length && step[i] <= to; i++) {
         if (step[i] < from) continue;
-        most = Math.max(most, change[i]);
-        if (change[i] > 0) least = Math.min(least, change[i]);
+        most = Math.max(most, values[i]);
+        if (values[i] > 0) least = Math.min(least, values[i]);
       }
     }
+    return [least, most];
+  }
+
+  forceHeights(from, to) { return [0, 1.05 * this.extent('force', from, to)[1] || 1]; }
+
+  heights(from, to) {
+    const [least, most] = this.extent('change', from, to);
     if (!(most > 0)) return this.log ? [1e-6, 1] : [0, 1];
     if (this.log) return [10 ** Math.max(Math.floor(Math.log10(least)), Math.floor(Math.log10(most)) - 6), 10 ** Math.ceil(Math.log10(most))];
     return [0, 1.05 * most];
@@ -65,19 +85,21 @@ class PathCharts {
 
   show(from, to) {
     const range = this.heights(from, to);
-    for (const chart of this.charts) {
-      chart.show(from, to);
-      chart.setHeight(range);
-    }
+    for (const chart of [...this.changes, this.forces]) chart.show(from, to);
+    for (const chart of this.changes) chart.setHeight(range);
+    this.forces.setHeight(this.forceHeights(from, to));
+  }
+
+  // What each method has at a tick.
+  rowsAt(tick, key) {
+    return this.methods.map(({method, step, [key]: values}) => {
+      const i = nearest(step, tick);
+      return [methodTitle(method), step[i] === tick ? `${number(values[i])} N` : 'not shown', methodColor(method)];
+    });
   }
 
   tell(method, index) {
-    const step = method.step[index];
-    const rows = this.methods.map(other => {
-      const i = nearest(other.step, step);
-      const value = other.step[i] === step ? `${number(other.change[i])} N` : 'not shown';
-      return [methodTitle(other.method), value, methodColor(other.method)];
-    });
+    const step = method.step[index], rows = this.rowsAt(step, 'change');
     const at = [method.x[index], method.y[index], method.z[index]];
     return [`Tick ${count(step)}`, [...rows, [`|F| ${methodTitle(method.method).toLowerCase()}`, `${number(method.force[index])} N`],
       ['patch', String(method.patch[index])], ['HIP', `${vector(at)} ${this.unit}`]]];
@@ -89,16 +111,16 @@ class PathCharts {
   }
 }
 
-function figures(methods, charts) {
+function figures(methods, charts, unit) {
   const peak = ({step, change}) => button(`${number(change)} N`, `Show tick ${count(step)}`, () => charts.goTo(step));
   const header = [{text: 'Method'}, {text: 'Mean step, N', number: true},
     ...[1, 2, 3].map(i => ({text: `${['Largest', '2nd', '3rd'][i - 1]} step`, number: true})),
     {text: 'Jumps /100k', number: true}, {text: 'Lost /100k', number: true}, {text: 'Unsound', number: true},
-    {text: 'Largest force, N', number: true}, {text: 'Ticks', number: true}, {text: 'In contact', number: true}];
+    {text: 'Largest force, N', number: true}, {text: `Deepest${unit && `, ${unit}`}`, number: true}, {text: 'Ticks', number: true}, {text: 'In contact', number: true}];
   return table(header, methods.map(m => [
     swatch(methodColor(m.method), methodTitle(m.method)), number(m.mean_change),
     ...[0, 1, 2].map(i => m.largest[i] ? peak(m.largest[i]) : '–'), number(m.jumps_per_100k), number(m.lost_per_100k),
-    count(m.unsound), number(m.largest_force), count(m.ticks),
+    count(m.unsound), number(m.largest_force), number(m.deepest), count(m.ticks),
     count(m.in_contact),
   ]), 'Steps of force along the path; a step leads to its tick. Jumps: ticks whose step is above 20 % of the force held lately; lost: contacts that end under more than that; each per 100 000 ticks in contact');
 }
@@ -107,10 +129,12 @@ export function traceSection(result) {
   const charts = new PathCharts(result);
   const shown = charts.methods.map(m => m.step.length), bars = Math.max(...shown);
   const all = Math.max(...charts.methods.map(m => m.in_contact));
+  const depths = charts.methods.map(m => m.deepest).filter(depth => depth !== null);
   const thinned = all > 1000 && bars < 0.95 * all
       ? `${count(bars)} of ${count(all)} ticks are drawn, the least and the largest of each stretch. ` : '';
   return {
     title: 'Force along a path',
+    facts: depths.length ? [['Depth', `at most ${number(Math.max(...depths))} ${charts.unit}`]] : [],
     content: [
       el('.controls', {},
           select('Axis', [['linear', 'linear'], ['log', 'logarithmic']], 'linear', value => {
@@ -119,9 +143,9 @@ export function traceSection(result) {
           }),
           button('Show all', 'Show the whole path', () => charts.show(...charts.range))),
       figure(`|F(i) − F(i−1)|, newtons: what the force changes by from one tick to the next, one axis for all methods. ${
-        thinned}A tick has a bar where it or the one before it is in contact: gaining and losing contact are steps from zero and to zero. Drag to zoom, double-click to see all.`,
+        thinned}A tick has a bar where it or the one before it is in contact: gaining and losing contact are steps from zero and to zero. Below them is the force itself at those ticks. Drag to zoom, double-click to see all.`,
       charts.element),
-      figures(charts.methods, charts),
+      figures(charts.methods, charts, charts.unit),
     ],
   };
 }
