@@ -43,6 +43,7 @@ function makeResults() {
   run(gliss, 'sweep', 'knot.obj', '--depth', '2mm,4mm', '--samples', '90000', '--unit', 'mm', '-o', 'knot.h5', '--quiet');
   writeFileSync(join(folder, 'path.csv'), run('python3', join(sources, 'tools', 'knot_path.py')));
   run(gliss, 'trace', 'knot.obj', '--path', 'path.csv', '--unit', 'mm', '-o', 'knot_forces.csv', '--quiet');
+  run(gliss, 'trace', 'knot.obj', '--path', 'path.csv', '--unit', 'mm', '-o', 'path.h5', '--quiet');
   writeFileSync(join(folder, 'scene.toml'), `[[object]]
 name = "knot"
 mesh = "knot.obj"
@@ -54,7 +55,7 @@ interval = "1ms"
   run(gliss, 'run', 'scene.toml', '--no-wait', '--seconds', '2', '--quiet', '--record', 'run.h5', '--report', 'run.json');
   writeFileSync(join(folder, 'compare.json'), JSON.stringify(comparison()));
   writeFileSync(join(folder, 'growth.json'), JSON.stringify(growth()));
-  run(gliss, 'report', 'knot_forces.csv', 'knot.h5', 'compare.json', 'run.json', 'run.h5', 'growth.json', '-o', 'report.html', '--quiet');
+  run(gliss, 'report', 'knot_forces.csv', 'knot.h5', 'compare.json', 'run.json', 'run.h5', 'growth.json', 'path.h5', '-o', 'report.html', '--quiet');
   run(gliss, 'report', 'knot.h5', 'knot_forces.csv', '-o', 'knot.html', '--quiet');
   writeFileSync(join(folder, 'pictured.json'), JSON.stringify(pictured()));
   run(gliss, 'report', 'pictured.json', '-o', 'pictured.html', '--quiet');
@@ -238,8 +239,8 @@ async function checkBars(page) {
 async function checkCharts(page) {
   for (const [label, told] of [['Distribution of the step across edges, 2mm', /to [^]* N[^]*%/], ['largest error of force, share of k d over tick', /level \w+, \w+/],
     ['Distribution: Computing', /µs[^]*%/], ['Time a sample over samples', /samples[^]*a sample\s+\d+ ns/],
-    ['Memory a polygon over polygons', /polygons[^]*cache[^]*bytes a polygon/], ['Force over time', / s[^]*rendered[^]*sent/]]) {
     ['Force along the path', /Tick \d+[^]*Flat polygons\s+[\d.]+ N[^]*Gregory patches\s+[\d.]+ N/],
+    ['Memory a polygon over polygons', /polygons[^]*cache[^]*bytes a polygon/], ['Force over time', / s[^]*rendered[^]*sent/]]) {
     const chart = `[aria-label*="${label}"]`;
     await center(page, chart);
     await page.focus(chart);
@@ -310,6 +311,16 @@ async function checkTables(page) {
   assert(about.by > 50 && Math.abs(about.moved) < 1, 'the first column stays');
 }
 
+// A run's figures and its recording are one section; sections name what their files say.
+async function checkFacts(page) {
+  const found = await page.$$eval('section', all => all.map(s => [s.querySelector('h2').innerText, s.querySelector('.origin').innerText]));
+  const about = Object.fromEntries(found);
+  assert.deepEqual(found.map(([file]) => file), ['knot_forces.csv', 'knot.h5', 'compare.json', 'run.json, run.h5', 'growth.json', 'path.h5']);
+  for (const file of ['knot.h5', 'run.json, run.h5', 'path.h5']) assert.match(about[file], /Mesh\s+knot.obj[^]*Stiffness\s+0\.500 N\/mm/);
+  assert.match(about['path.h5'], /Depth\s+at most 2\.\d\d mm/);
+  assert.match(about['knot.h5'], /Depth\s+2 mm, 4 mm/);
+}
+
 // Surfaces, and dots where rows jump, which a choice brings and takes away.
 async function checkSurfaces(page) {
   const views = await page.$$eval('canvas[data-view]', all => all.map(canvas => canvas.dataset.view));
@@ -374,6 +385,7 @@ try {
     await checkViews(page);
     await checkCharts(page);
     await checkZeros(page);
+    await checkFacts(page);
     await checkTips(page);
     await page.screenshot({path: join(folder, `${theme}.png`), fullPage: true});
     await page.click('.theme');

@@ -209,6 +209,30 @@ TEST_F(Report, RunsTellTheSameByReportAndRecording) {
                   figures["largest_sent_force"].get<float>());
 }
 
+// By these the page knows that they belong together.
+TEST_F(Report, RunsSayTheirCommandSceneAndObjects) {
+  const Outcome run =
+      gliss("run", "scene.toml --no-wait --seconds 2 --record run.h5 --json --quiet");
+  ASSERT_EQ(run.code, 0) << run.err;
+  folder_.write("run.json", run.out);
+  const auto results = results_of("run.json run.h5");
+  EXPECT_EQ(results[0]["kind"], "run");
+  EXPECT_EQ(results[1]["kind"], "recording");
+  EXPECT_FALSE(results[0]["figures"].contains("histograms"));
+  EXPECT_EQ(results[0]["origin"], results[1]["origin"]);
+  const auto& origin = results[0]["origin"];
+  EXPECT_THAT(origin["command_line"].get<std::string>(), HasSubstr("gliss run scene.toml"));
+  EXPECT_EQ(origin["scene"], "scene.toml");
+  EXPECT_TRUE(origin["objects"][0]["mesh"].is_string());
+  EXPECT_GT(origin["objects"][0]["stiffness_N_per_m"], 0);
+
+  auto wrong = nlohmann::json::parse(run.out);
+  wrong["objects"][0]["stiffness_N_per_m"] = "soft";
+  folder_.write("wrong.json", wrong.dump());
+  expect_error(gliss("report", "wrong.json -o other.html"), 2,
+               "wrong.json: 'objects' 0: 'stiffness_N_per_m' is not what gliss run writes");
+}
+
 TEST_F(Report, ComparisonsMayLackFigures) {
   folder_.write("compare.json", R"({"mesh": "a.obj", "faces": 7, "rows": [{"level": "full",
     "precision": "double", "solver": "newton", "backend": "tbb", "tick_us": 1.5,

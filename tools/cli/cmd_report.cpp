@@ -21,8 +21,8 @@ struct ReportingOptions : ReportOptions {
 
 void describe(Command& command, ReportingOptions& options) {
   command.list({"RESULTS", "FILE...",
-                "files left by gliss trace, sweep, compare --json, run --report or run --record, "
-                "or by bench/growth.py",
+                "files left by gliss trace, sweep, compare --json, run --report, --json or "
+                "--record, or by bench/growth.py",
                 true},
                [&options](const std::string& path) {
                  check_input("RESULTS", path);

@@ -50,19 +50,26 @@ Json read_objects(const Json& objects, const ReportSource& source) {
 }
 
 Json read_run_report(const Json& json, const ReportSource& source) {
+  const Json histograms = json.value("histograms", Json());
   for (const char* name : {"wake", "compute"}) {
-    const auto bins = json["histograms"].find(name);
+    if (histograms.is_null()) break;  // gliss run --json has none
+    const auto bins = histograms.find(name);
     const auto is_bin = [](const Json& bin) {
       return bin.is_array() && bin.size() == 2 && bin[0].is_number() && bin[1].is_number();
     };
-    if (bins == json["histograms"].end() || !bins->is_array() ||
+    if (bins == histograms.end() || !bins->is_array() ||
         !std::all_of(bins->begin(), bins->end(), is_bin)) {
       throw InputError(
           fmt::format("{}: 'histograms/{}' is no list of [longest, count]", source.path, name));
     }
   }
   source.watch.add(source.bytes);
-  return {{"kind", "run"}, {"origin", Json::object()}, {"figures", json}};
+  Json origin = Json::object();
+  for (const char* name : {"command_line", "scene", "device"}) {
+    if (json.contains(name) && json[name].is_string()) origin[name] = json[name];
+  }
+  if (json.contains("objects")) origin["objects"] = read_objects(json["objects"], source);
+  return {{"kind", "run"}, {"origin", origin}, {"figures", json}};
 }
 
 Json recording_result(const ReportTable& table, const ReportSource& source) {
@@ -109,6 +116,7 @@ Json recording_result(const ReportTable& table, const ReportSource& source) {
         {"largest_force", of_rendered.largest_force},
         {"in_contact", of_rendered.touching},
         {"entries", of_rendered.entries},
+        {"deepest_m", deepest(table)},
         {"largest_sent_step", of_sent.largest_step},
         {"sent_jumps_per_100k", of_sent.jumps_per_100k()},
         {"sent_lost_per_100k", of_sent.lost_per_100k()},
@@ -116,7 +124,6 @@ Json recording_result(const ReportTable& table, const ReportSource& source) {
         {"wake", json_of(record.lateness())},
         {"compute", json_of(record.compute())},
         {"histograms",
-        {"deepest_m", deepest(table)},
          {{"wake", histogram_json(record.lateness())},
           {"compute", histogram_json(record.compute())}}}}},
       {"shown", kept.size()},

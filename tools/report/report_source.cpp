@@ -51,11 +51,12 @@ Json read_json(const ReportSource& source) {
     return json.contains(key) && (json[key].*is)();
   };
   if (holds("rows", &Json::is_array)) return read_comparison(json, source);
-  if (holds("histograms", &Json::is_object)) return read_run_report(json, source);
+  if (holds("histograms", &Json::is_object) || holds("guards", &Json::is_object))
+    return read_run_report(json, source);
   if (holds("growth", &Json::is_object)) return read_growth(json["growth"], source);
   refuse(source,
-         "JSON without a list 'rows' (gliss compare), 'histograms' (gliss run --report) or "
-         "'growth' (bench/growth.py)");
+         "JSON without a list 'rows' (gliss compare), 'guards' (gliss run) or 'growth' "
+         "(bench/growth.py)");
 }
 
 Json read_csv(const ReportSource& source) {
@@ -72,13 +73,13 @@ Json provenance(const Hdf5Reader& file, const ReportSource& source) {
        {"surface", "mesh_hash", "unit", "precision", "scene", "device", "command_line"}) {
     if (const auto text = file.text_attribute(name)) origin[name] = *text;
   }
-  return origin;
   constexpr char kStiffness[] = "stiffness_N_per_m";
   if (const auto stiffness = file.number_attribute(kStiffness)) origin[kStiffness] = *stiffness;
   if (const auto text = file.text_attribute("objects")) {
     const Json objects = Json::parse(*text, nullptr, false);  // of very many, the text is cut
     if (!objects.is_discarded()) origin["objects"] = read_objects(objects, source);
   }
+  return origin;
 }
 
 Json read_result(const ReportSource& source) {

@@ -5,7 +5,7 @@ import {readResults} from './data.js';
 import {el} from './dom.js';
 import {number} from './format.js';
 import {growthSection} from './growth.js';
-import {recordingSection, runSection} from './run.js';
+import {loopSection, together} from './run.js';
 import {sweepSection} from './sweep.js';
 import {startTheme, themeButton} from './theme.js';
 import {startTooltip} from './tooltip.js';
@@ -16,8 +16,9 @@ const kinds = {
   sweep: sweepSection,
   compare: compareSection,
   growth: growthSection,
-  run: runSection,
-  recording: recordingSection,
+  run: loopSection,
+  recording: loopSection,
+  session: loopSection,
 };
 
 const all = texts => [...new Set(texts)].join(', ');
@@ -46,7 +47,7 @@ function section(result, index) {
 function start() {
   startTheme();
   startTooltip();
-  const {version, results} = readResults();
+  const {version, results: read} = readResults(), results = together(read);
   document.title = `${results.map(r => r.file).join(', ')} – Gliss report`;
   const page = document.getElementById('page');
   const sections = results.map(section);

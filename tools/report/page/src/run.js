@@ -62,19 +62,24 @@ function guards(figures) {
   return table([{text: 'Guard'}, {text: 'Times', number: true}], acted.map(([name, times]) => [name, count(times)]), 'Guards that acted');
 }
 
+// What is known of the timing without its distributions.
+function quantiles({wake, compute}) {
+  const keys = [['p50', 'p50_us'], ['p99', 'p99_us'], ['p99.9', 'p999_us'], ['Most', 'max_us']];
+  const line = (text, found) => [text, ...keys.map(([, key]) => number(found?.[key]))];
+  return table([{text: 'µs'}, ...keys.map(([text]) => ({text, number: true}))],
+      [line('Lateness of the wake', wake), line('Computing', compute)], 'Timing; its distributions are in gliss run --report');
+}
+
 function timings(figures) {
+  if (!figures.histograms) return quantiles(figures);
   const {wake, compute} = figures.histograms;
   return figure('How late the ticks woke, and how long each took to compute. Both axes are logarithmic: what matters is how far the tail reaches to the right, against the period of 1 000 µs.',
       el('.views', {}, timing('neutral', 'Lateness of the wake', wake, figures.wake),
           timing('gregory', 'Computing', compute, figures.compute)));
 }
 
-export function runSection(result) {
-  return {title: 'A loop and its timing', content: [facts(result.figures), timings(result.figures), guards(result.figures)]};
-}
-
-export function recordingSection(result) {
-  const {time, rendered, sent, figures} = result;
+// The force over time, of a recording.
+function forces({time, rendered, sent, shown, figures}) {
   const most = Math.max(1e-9, ...[rendered, sent].map(list => list.reduce((a, b) => b > a ? b : a, 0)));
   const chart = new Chart({
     label: 'Force over time',
@@ -85,14 +90,34 @@ export function recordingSection(result) {
     data: [time, rendered, sent],
     tell: i => [`${number(time[i], 6)} s`, [['rendered', `${number(rendered[i])} N`, 'rendered'], ['sent', `${number(sent[i])} N`, 'sent']]],
   });
-  const thinned = result.shown < figures.ticks ? ` ${count(result.shown)} of ${count(figures.ticks)} ticks are drawn, the least and the largest of each stretch.` : '';
-  return {
-    title: 'A recording of the loop',
-    content: [
-      facts(figures),
-      el('.key', {}, el('span.named', {}, el('span.swatch.rendered'), 'rendered'), el('span.named', {}, el('span.swatch.sent'), 'sent')),
-      figure(`The force as rendered, and as the guards let it through to the device.${thinned} Drag to zoom, double-click to see all.`, chart.element),
-      timings(figures),
-    ],
-  };
+  const thinned = shown < figures.ticks ? ` ${count(shown)} of ${count(figures.ticks)} ticks are drawn, the least and the largest of each stretch.` : '';
+  return [
+    el('.key', {}, el('span.named', {}, el('span.swatch.rendered'), 'rendered'), el('span.named', {}, el('span.swatch.sent'), 'sent')),
+    figure(`The force as rendered, and as the guards let it through to the device.${thinned} Drag to zoom, double-click to see all.`, chart.element),
+  ];
+}
+
+const titles = {run: 'A loop and its timing', recording: 'A recording of the loop', session: 'A loop, its timing and its recording'};
+
+// The figures of a run and its recording, which say the same command line, are one result: figures are the run's where
+// both have them.
+export function together(results) {
+  const partner = {run: 'recording', recording: 'run'}, made = [];
+  for (const result of results) {
+    const line = result.origin.command_line;
+    const at = made.findIndex(other => other.kind === partner[result.kind] && line && other.origin.command_line === line);
+    if (at < 0) {
+      made.push(result);
+      continue;
+    }
+    const [run, recording] = result.kind === 'run' ? [result, made[at]] : [made[at], result];
+    made[at] = {...recording, kind: 'session', file: `${run.file}, ${recording.file}`,
+      origin: {...recording.origin, ...run.origin}, figures: {...recording.figures, ...run.figures}};
+  }
+  return made;
+}
+
+export function loopSection(result) {
+  const {kind, figures} = result;
+  return {title: titles[kind], content: [facts(figures), ...(result.time ? forces(result) : []), timings(figures), guards(figures)].filter(Boolean)};
 }
