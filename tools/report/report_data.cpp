@@ -3,9 +3,27 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 namespace gliss::tools {
 namespace {
+
+constexpr std::int16_t kMostSteps = 32767, kNotFinite = -32768;
+
+// How a column's values become steps from -kMostSteps to kMostSteps.
+struct Steps {
+  double offset = 0, scale = 1;
+
+  Steps(double least, double largest) {
+    if (least > largest) return;  // no values
+    if (least > 0 || largest < 0) offset = (least + largest) / 2;
+    const double reach = std::max(largest - offset, offset - least);
+    if (reach > 0) scale = reach / kMostSteps;
+  }
+  std::int16_t operator()(double value) const {
+    return static_cast<std::int16_t>(std::lround((value - offset) / scale));
+  }
+};
 
 template <class Value>
 std::string base64_of(const std::vector<Value>& values) {
@@ -34,6 +52,36 @@ std::string base64(std::span<const unsigned char> bytes) {
 
 Json packed(const std::vector<float>& values) { return {{"f32", base64_of(values)}}; }
 Json packed(const std::vector<std::uint32_t>& values) { return {{"u32", base64_of(values)}}; }
+
+Json narrowed(const std::vector<std::uint32_t>& values) {
+  const bool fit = std::all_of(values.begin(), values.end(), [](std::uint32_t value) {
+    return value <= std::numeric_limits<std::uint16_t>::max();
+  });
+  if (!fit) return packed(values);
+  return {{"u16", base64_of(std::vector<std::uint16_t>(values.begin(), values.end()))}};
+}
+
+Json quantised(const std::vector<float>& values, std::size_t columns) {
+  Json offset = Json::array(), scale = Json::array();
+  std::vector<std::int16_t> steps(values.size(), kNotFinite);
+  for (std::size_t column = 0; column < columns; ++column) {
+    const auto each = [&](const auto& take) {
+      for (std::size_t i = column; i < values.size(); i += columns) {
+        if (std::isfinite(values[i])) take(i);
+      }
+    };
+    double least = std::numeric_limits<double>::infinity(), largest = -least;
+    each([&](std::size_t i) {
+      least = std::min<double>(least, values[i]);
+      largest = std::max<double>(largest, values[i]);
+    });
+    const Steps step_of(least, largest);
+    each([&](std::size_t i) { steps[i] = step_of(values[i]); });
+    offset.push_back(step_of.offset);
+    scale.push_back(step_of.scale);
+  }
+  return {{"i16", base64_of(steps)}, {"offset", offset}, {"scale", scale}};
+}
 
 std::vector<std::size_t> extremes(std::size_t count, std::size_t most,
                                   const std::function<double(std::size_t)>& get) {

@@ -1,5 +1,5 @@
 // Data as the page of gliss report holds it: typed arrays in base64, thinned to what a screen
-// shows.
+// shows, and as fine as it shows.
 #pragma once
 
 #include <cstdint>
@@ -16,6 +16,13 @@ std::string base64(std::span<const unsigned char> bytes);
 
 Json packed(const std::vector<float>& values);          // {"f32": base64}, little-endian
 Json packed(const std::vector<std::uint32_t>& values);  // {"u32": base64}
+// In two bytes each where they fit: {"u16": base64}.
+Json narrowed(const std::vector<std::uint32_t>& values);
+
+// So many interleaved columns in half the bytes, {"i16": base64, "offset": [...], "scale": [...]}:
+// a value is offset + scale i, which is off by 1/65534 of its column's span, or of twice its
+// largest size. A zero stays one. -32768 stands for what is not finite.
+Json quantised(const std::vector<float>& values, std::size_t columns);
 
 // Indices of about `most` of get(0) ... get(count - 1), in order: all that are finite where they
 // are few enough, else the least and the largest of each stretch of equally many.

@@ -24,9 +24,9 @@ class SampleReader {
     source_.watch.add(share_);
     return values;
   }
-  // x y z x y z ...
-  std::vector<float> vectors(const std::string& group, std::initializer_list<const char*> names,
-                             std::size_t count, std::size_t stride) const {
+  // x y z x y z ..., quantised.
+  Json vectors(const std::string& group, std::initializer_list<const char*> names,
+               std::size_t count, std::size_t stride) const {
     std::vector<float> together(count * names.size());
     std::size_t axis = 0;
     for (const char* name : names) {
@@ -39,7 +39,7 @@ class SampleReader {
         together[i * names.size() + axis] = static_cast<float>(values[i]);
       ++axis;
     }
-    return together;
+    return quantised(together, names.size());
   }
 
  private:
@@ -94,7 +94,7 @@ Json read_sweep(const Hdf5Reader& file, const ReportSource& source) {
   const std::size_t methods = depth.size() / depths;
   const SampleReader samples(file, source, depths * (4 + 3 * methods));
   // Position and patch once a depth, a force for each method.
-  const std::size_t point_bytes = depths * (16 + 12 * methods);
+  const std::size_t point_bytes = depths * (6 + 4 + 6 * methods);
   const std::size_t most = std::clamp<std::size_t>(source.page_bytes / point_bytes, 1, kMostPoints);
 
   Json json = {{"kind", "sweep"}, {"origin", provenance(file, source)}};
@@ -111,15 +111,15 @@ Json read_sweep(const Hdf5Reader& file, const ReportSource& source) {
            {"name", depth_name(depth[kind])},
            {"samples", rows},
            {"shown", count},
-           {"hip", packed(samples.vectors(group, {"hip_x", "hip_y", "hip_z"}, count, stride))},
-           {"patch", packed(std::vector<std::uint32_t>(patch.begin(), patch.end()))}});
+           {"hip", samples.vectors(group, {"hip_x", "hip_y", "hip_z"}, count, stride)},
+           {"patch", narrowed(std::vector<std::uint32_t>(patch.begin(), patch.end()))}});
     } else if (depths_json.back()["shown"] != count) {
       throw InputError(
           fmt::format("{}: '{}' has other samples than the methods beside it", source.path, group));
     }
     depths_json.back()["methods"].push_back(
         {{"method", method[kind]},
-         {"force", packed(samples.vectors(group, {"fx", "fy", "fz"}, count, stride))},
+         {"force", samples.vectors(group, {"fx", "fy", "fz"}, count, stride)},
          {"statistics", statistics_of(file, kind)},
          {"histograms", bins_of(file, group)}});
   }
