@@ -21,13 +21,8 @@ struct ReportingOptions : ReportOptions {
 
 void describe(Command& command, ReportingOptions& options) {
   command.list({"RESULTS", "FILE...",
-<<<<<<< HEAD
-                "files left by gliss trace, sweep, compare --json, run --report, --json or --record, "
-                "or by bench/growth.py",
-=======
                 "files left by gliss trace, sweep, compare --json, run --report, --json or "
                 "--record, or by bench/growth.py",
->>>>>>> pages
                 true},
                [&options](const std::string& path) {
                  check_input("RESULTS", path);
