@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # From a fresh Debian 12 or Ubuntu 22.04/24.04 to forces: installs packages (as root or with sudo), builds
-# the program, bakes a mesh, and sweeps the force 2 mm and 4 mm beneath its surface with three methods.
+# the program, bakes a mesh, sweeps the force beneath its surface with three methods, and traces a path.
 #
 #   tools/quickstart.sh              the generated torus knot
 #   tools/quickstart.sh MESH UNIT    a mesh of yours (.obj, .off, .ply) and its unit, such as mm
@@ -34,26 +34,35 @@ name=results/$(basename -- "${mesh%.*}")
 say "Its patches"
 gliss bake "$mesh" --unit "$unit" -o "$name.gliss"
 
+# Of a mesh of yours, 0.5 % and 1 % of its diagonal.
+shallow=2mm deep=4mm
+if (($# > 0)); then
+  read -r shallow deep < <($build/gliss info "$name.gliss" --unit "$unit" --json --quiet | python3 -c '
+import json, math, sys
+across = math.dist(*json.load(sys.stdin)["bounds"])
+print(*(f"{share * across:.2g}{sys.argv[1]}" for share in (0.005, 0.01)))' "$unit")
+fi
+
 say "How smooth the force is over the whole surface: a million points a depth"
-gliss sweep "$name.gliss" --depth 2mm,4mm --samples 1e6 --method gregory,shaded,flat --unit "$unit" \
+gliss sweep "$name.gliss" --depth "$shallow,$deep" --samples 1e6 --method gregory,shaded,flat --unit "$unit" \
   --summary "$name.json"
 
 say "The forces themselves, at fewer points"
-gliss sweep "$name.gliss" --depth 2mm,4mm --samples 1e5 --method gregory,shaded,flat --unit "$unit" \
+gliss sweep "$name.gliss" --depth "$shallow,$deep" --samples 1e5 --method gregory,shaded,flat --unit "$unit" \
   -o "$name.h5" --vtp "$name.vtp" --quiet
 
+say "A finger that slides $shallow beneath the surface"
+path=(--depth "$shallow")
 if (($# == 0)); then
-  say "A finger that slides 2 mm beneath the surface"
   tools/knot_path.py >"${name}_path.csv"
-  gliss trace "$name.gliss" --path "${name}_path.csv" --unit mm --stiffness 0.5N/mm --settle 0 \
-    --method gregory,shaded,flat -o "${name}_forces.csv"
-  tools/draw_forces.py "${name}_forces.csv" "${name}_forces.svg"
+  path=(--path "${name}_path.csv")
 fi
+gliss trace "$name.gliss" "${path[@]}" --unit "$unit" --stiffness 0.5N/mm --settle 0 \
+  --method gregory,shaded,flat -o "${name}_forces.csv"
+tools/draw_forces.py "${name}_forces.csv" "${name}_forces.svg"
 
 say "All of this as a page"
-shown=("$name.h5")
-if (($# == 0)); then shown=("${name}_forces.csv" "${shown[@]}"); fi
-gliss report "${shown[@]}" -o "$name.html" || echo "The page is left out."
+gliss report "${name}_forces.csv" "$name.h5" -o "$name.html" || echo "The page is left out."
 
 say "Done. In $PWD/results:"
 row() { printf '  %-18s %s\n' "$(basename -- "$name")$1" "$2"; }
@@ -62,8 +71,6 @@ row .json "how smooth each method is at each depth: step_N, edge_step_N, angle_r
 row .h5 "samples with their forces (Python: h5py)"
 if [[ -f $name.html ]]; then row .html "look at this one first, in a browser"; fi
 row .vtp "HIPs with their forces for ParaView; _mesh.vtp: the mesh with each face's least radius of curvature (rho_min)"
-if (($# == 0)); then
-  row _forces.csv "force at each tick of the path"
-  row _forces.svg "what the force changes by from tick to tick, as a picture"
-fi
+row _forces.csv "force at each tick of the path"
+row _forces.svg "what the force changes by from tick to tick, as a picture"
 echo "The program is $build/gliss; $build/gliss --help lists its commands."

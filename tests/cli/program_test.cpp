@@ -484,6 +484,27 @@ TEST_F(Program, CreasesAreListedAndKept) {
   for (const auto& row : rows) EXPECT_LT(row["max_distance"], 1e-8) << row["level"];
 }
 
+TEST_F(Program, TracesAPathOfItsOwn) {
+  output_of("bake knot.obj --unit mm -o knot.gliss");
+  const auto mesh = json_of("trace knot.obj --depth 0.5mm --unit mm -o own.csv"),
+             cache = json_of("trace knot.gliss --depth 0.5mm --unit mm -o again.csv");
+  EXPECT_EQ(cache, mesh);
+  EXPECT_EQ(folder_.read("own.csv"), folder_.read("again.csv"));
+  EXPECT_EQ(mesh["methods"][0]["ticks"], 4000);
+  EXPECT_EQ(mesh["methods"][0]["in_contact"], 4000);
+  EXPECT_NEAR(mesh["methods"][0]["largest_force_N"].get<double>(), 0.25, 0.01);
+  // Its HIPs can be traced again.
+  output_of("project knot.gliss --hip own.csv --unit mm");
+  for (const auto& [slip, line] :
+       {std::pair("trace knot.obj", "--path is required, or --depth for a path of its own"),
+        std::pair("trace knot.obj --depth 1mm,2mm", "--depth: a path has one"),
+        std::pair("trace knot.obj --depth 1mm --crease 1deg", "name a --path")}) {
+    const test::Outcome outcome = run(slip);
+    EXPECT_EQ(outcome.code, 2) << slip;
+    EXPECT_THAT(outcome.err, HasSubstr(line));
+  }
+}
+
 TEST_F(Program, ComparesTheMeshOfACache) {
   output_of("bake knot.obj --unit mm -o knot.gliss");
   const std::string options = " --levels exact,flat --walks 2 --ticks 100 --dense-limit 0";

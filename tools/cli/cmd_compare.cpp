@@ -3,11 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include "gliss/base/units.h"
 #include "gliss/build/build_cache.h"
-#include "gliss/build/cache_mesh.h"
 #include "gliss/generate/generate.h"
 #include "gliss/study/compare.h"
 #include "tools/cli/compare_picture.h"
@@ -178,19 +176,14 @@ std::vector<ComparePath> make_paths(const ComparingOptions& options, const Mesh&
     for (Vec3& hip : hips) hip /= mesh.unit;
     const double depth = options.depths.size() == 1 ? options.depths.front() : 0;
     if (!(depth > 0)) throw InputError("--path: needs the one --depth that its HIPs have");
+    if (hips.empty()) throw InputError(fmt::format("--path: {} has no HIPs", options.path));
     paths.push_back({depth, std::move(hips)});
-  } else {
-    const double diagonal = diagonal_of(exact);
-    std::vector<double> depths = options.depths;
-    if (depths.empty()) depths = {0.01 * diagonal * mesh.unit};
-    for (const double depth : depths) {
-      paths.push_back({depth, path_over(mesh, topology, exact, depth / mesh.unit, diagonal / 1000,
-                                        static_cast<std::size_t>(options.ticks))});
-    }
+    return paths;
   }
-  for (const ComparePath& path : paths) {
-    if (path.hips.empty()) throw InputError("no path: every edge of the mesh is a border");
-  }
+  std::vector<double> depths = options.depths;
+  if (depths.empty()) depths = {0.01 * diagonal_of(exact) * mesh.unit};
+  for (const double depth : depths)
+    paths.push_back({depth, own_path(mesh, topology, exact, depth, options.ticks)});
   return paths;
 }
 
@@ -269,12 +262,7 @@ const CompareRow* smoothest(const std::vector<CompareRow>& rows) {
 // The mesh of a file, or that of a cache, which has normals.
 Mesh compared_mesh(const ComparingOptions& options) {
   if (!is_cache(options)) return read_mesh(options);
-  const PatchCache cache = read_cache(options);
-  try {
-    return mesh_of(cache);
-  } catch (const std::invalid_argument& error) {
-    throw InputError(fmt::format("{}: {}; compare the mesh itself", options.surface, error.what()));
-  }
+  return mesh_of(options, read_cache(options), "compare the mesh itself");
 }
 
 // A mesh, and the same without its creases: walks and baselines are the same with them and without.

@@ -19,6 +19,7 @@ constexpr std::size_t kBlockRows = 16384;
 
 struct TracingOptions : TableOptions {
   std::string path;
+  double depth = 0;  // of a path of its own, m; 0: none
   std::vector<std::string> keep;
   TraceOptions trace;
 };
@@ -27,9 +28,20 @@ void describe(Command& command, TracingOptions& options) {
   add_surface_options(command, options, "MESH_OR_CACHE");
   add_input_option(
       command, "--path", options.path,
-      "HIPs, one a tick: columns x,y,z in the unit of --unit, or x_mm,y_mm,z_mm; perhaps step");
+      "HIPs, one a tick: columns x,y,z in the unit of --unit, or x_mm,y_mm,z_mm; perhaps step",
+      false);
+  command.option({"--depth", "DEPTH",
+                  "instead of --path: a path of its own so deep beneath the surface, 4000 ticks a "
+                  "thousandth of the mesh's diagonal apart"},
+                 [&](const std::string& text) {
+                   const std::vector<double> depths = parse_depths(text);
+                   if (depths.size() != 1) throw InputError("--depth: a path has one");
+                   options.depth = depths.front();
+                 });
+  command.exclude("--depth", "--path");
   add_output_option(command, options.output, "table to write; CSV on standard output without it");
   add_keep_option(command, options.keep);
+  command.exclude("--keep", "--depth");
   add_stiffness_option(command, options.trace.stiffness);
   add_methods_option(command, options.trace.methods);
   add_solver_options(command, options.trace);
@@ -111,13 +123,27 @@ void report_statistics(const TracingOptions& options, const std::vector<TraceSta
   report(options, text + work, json, options.output == "-");
 }
 
+PointTable path_of(const TracingOptions& options, const PatchCache& cache) {
+  if (options.depth > 0) {
+    constexpr int kTicks = 4000;
+    const Mesh mesh = mesh_of(options, cache, "name a --path");
+    PointTable own;
+    own.unit = cache.unit;
+    own.points = own_path(mesh, build_topology(mesh), cache, options.depth, kTicks);
+    return own;
+  }
+  std::vector<std::string> further = options.keep;
+  further.push_back("step");
+  return read_points(options.path, options.unit, further, stop_if_interrupted);
+}
+
 void run(const TracingOptions& options) {
+  if (options.path.empty() && !(options.depth > 0))
+    throw InputError("--path is required, or --depth for a path of its own");
   check_outputs({options.output}, {options.surface, options.path});
   const auto engine = make_engine(options);
   const PatchCache cache = open_surface(options, *engine);
-  std::vector<std::string> further = options.keep;
-  further.push_back("step");
-  const PointTable path = read_points(options.path, options.unit, further, stop_if_interrupted);
+  const PointTable path = path_of(options, cache);
   check_kept(options.keep, path.table, options.path);
   const std::vector<double>* steps = path.table.find("step");
   const UnitChange across(path.unit, options.unit);
@@ -163,8 +189,8 @@ void run(const TracingOptions& options) {
                   [](const TraceStatistics& s) { return s.touching == 0; })) {
     const Box box = cache.bounds();
     const Box in_metres[] = {{box.low * cache.unit, box.high * cache.unit}};
-    tell_untouched(options, options.path, points_in_metres(path), in_metres,
-                   "say so by --unit, or by columns x_mm,y_mm,z_mm");
+    tell_untouched(options, options.depth > 0 ? "--depth" : options.path, points_in_metres(path),
+                   in_metres, "say so by --unit, or by columns x_mm,y_mm,z_mm");
   }
   report_statistics(options, statistics);
 }

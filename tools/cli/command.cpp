@@ -130,8 +130,8 @@ void add_output_option(Command& command, std::string& output, const std::string&
 }
 
 void add_input_option(Command& command, const std::string& name, std::string& path,
-                      const std::string& description) {
-  command.option({name, "FILE", description, true}, [name, &path](const std::string& text) {
+                      const std::string& description, bool required) {
+  command.option({name, "FILE", description, required}, [name, &path](const std::string& text) {
     check_input(name, text);
     path = text;
   });

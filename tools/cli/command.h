@@ -74,7 +74,7 @@ void add_mesh_options(Command& command, SurfaceOptions& options, const std::stri
 void add_surface_options(Command& command, SurfaceOptions& options, const std::string& name);
 void add_output_option(Command& command, std::string& output, const std::string& description);
 void add_input_option(Command& command, const std::string& name, std::string& path,
-                      const std::string& description);
+                      const std::string& description, bool required = true);
 // Throws InputError where it is no file that can be read.
 void check_input(const std::string& name, const std::string& path);
 double positive_stiffness(const std::string& text);  // N/m, of --stiffness

@@ -6,11 +6,14 @@
 #include <numbers>
 #include <optional>
 #include <span>
+#include <stdexcept>
 
 #include "gliss/build/build_cache.h"
+#include "gliss/build/cache_mesh.h"
 #include "gliss/files/cache_file.h"
 #include "gliss/files/mesh_file.h"
 #include "gliss/mesh/rounding.h"
+#include "gliss/study/fidelity.h"
 #include "gliss/surface/names.h"
 #include "tools/cli/slips.h"
 #include "tools/cli/terminal.h"
@@ -151,6 +154,24 @@ PatchCache read_cache(const SurfaceOptions& options) {
   watch.reset();
   tell_edited_mesh(options, cache);
   return cache;
+}
+
+Mesh mesh_of(const SurfaceOptions& options, const PatchCache& cache, const std::string& cure) {
+  try {
+    return gliss::mesh_of(cache);
+  } catch (const std::invalid_argument& error) {
+    throw InputError(fmt::format("{}: {}; {}", options.surface, error.what(), cure));
+  }
+}
+
+std::vector<Vec3> own_path(const Mesh& mesh, const Topology& topology, const PatchCache& cache,
+                           double depth, int ticks) {
+  const Box box = cache.bounds();
+  std::vector<Vec3> path =
+      path_over(mesh, topology, cache, depth / mesh.unit, (box.high - box.low).norm() / 1000,
+                static_cast<std::size_t>(ticks));
+  if (path.empty()) throw InputError("no path: every edge of the mesh is a border");
+  return path;
 }
 
 PatchCache open_surface(const SurfaceOptions& options, const Engine& engine) {

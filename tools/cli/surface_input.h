@@ -51,6 +51,13 @@ bool is_cache(const SurfaceOptions& options);
 // for.
 PatchCache read_cache(const SurfaceOptions& options);
 
+// The mesh of a cache. Throws InputError, with what else to do, where the cache does not keep it.
+Mesh mesh_of(const SurfaceOptions& options, const PatchCache& cache, const std::string& cure);
+// HIPs `depth` (m) beneath the surface, a thousandth of its diagonal apart, in the mesh's unit.
+// Throws InputError where no edge can be crossed.
+std::vector<Vec3> own_path(const Mesh& mesh, const Topology& topology, const PatchCache& cache,
+                           double depth, int ticks);
+
 // A cache as it is, a mesh built. Throws CacheError where a cache is not of the wanted precision.
 PatchCache open_surface(const SurfaceOptions& options, const Engine& engine);
 
