@@ -83,12 +83,15 @@ void write(const std::vector<Row>& rows, const UnitChange& length,
   table.write();
 }
 
-std::string gain_text(double gain) {
-  return std::isnan(gain) ? ""
-                          : fmt::format("; closed loops give the hand up to {:.3g} %", 100 * gain);
+// Nothing where the force is all but at right angles to the path: its work is then the error of the
+// sum over steps. `length` of the path, m.
+std::string gain_text(const TraceStatistics& s, double length) {
+  if (std::isnan(s.loop_gain) || !(s.work.gross > 0.01 * s.largest_force * length)) return "";
+  return fmt::format("; closed loops give the hand up to {:.3g} %", 100 * s.loop_gain);
 }
 
-void report_statistics(const TracingOptions& options, const std::vector<TraceStatistics>& found) {
+void report_statistics(const TracingOptions& options, const std::vector<TraceStatistics>& found,
+                       double length) {
   std::string text =
       fmt::format("{:<8} {:>14} {:>10} {:>10} {:>14} {:>14} {:>10} {:>10} {:>8} {:>10}\n", "method",
                   "max step, N", "jumps/100k", "lost/100k", "mean step, N", "max force, N", "ticks",
@@ -103,7 +106,7 @@ void report_statistics(const TracingOptions& options, const std::vector<TraceSta
         s.largest_force, s.ticks, s.touching, s.entries, s.settling);
     text += unsound_text(s.unsound, "steps");
     work += fmt::format("{:<8} net work {:>12.6g} J of {:.6g} J{}\n", method_name(s.method),
-                        s.work.net, s.work.gross, gain_text(s.loop_gain));
+                        s.work.net, s.work.gross, gain_text(s, length));
     json["methods"].push_back(
         {{"method", method_name(s.method)},
          {"largest_step_N", s.largest_step},
@@ -192,7 +195,10 @@ void run(const TracingOptions& options) {
     tell_untouched(options, options.depth > 0 ? "--depth" : options.path, points_in_metres(path),
                    in_metres, "say so by --unit, or by columns x_mm,y_mm,z_mm");
   }
-  report_statistics(options, statistics);
+  double length = 0;
+  for (std::size_t i = 1; i < hips.size(); ++i)
+    length += cache.unit * (hips[i] - hips[i - 1]).norm();
+  report_statistics(options, statistics, length);
 }
 
 }  // namespace
