@@ -17,19 +17,6 @@ typedef struct {
   real3 r, along, across;
 } curved_ribbon;
 
-// A polynomial of `count` triples and its derivative.
-FN curve_point power_at(control_data side, int first, int count, real t) {
-  curve_point r;
-  r.f = load3(side, first + count - 1);
-  r.d = make3(splat(K(0)), splat(K(0)), splat(K(0)));
-  UNROLL
-  for (int i = count - 2; i >= 0; --i) {
-    r.d = fma3(t, r.d, r.f);
-    r.f = fma3(t, r.f, load3(side, first + i));
-  }
-  return r;
-}
-
 // `rest` is 1 - u, to its own precision.
 FN curved_ribbon ribbon_from(control_data side, real3 from, real u, real rest, real d) {
   const real3 p0 = sub3(load3(side, CURVED_C), from), p1 = sub3(load3(side, CURVED_C + 1), from),
@@ -39,7 +26,7 @@ FN curved_ribbon ribbon_from(control_data side, real3 from, real u, real rest, r
   const real3 c =
       fma3(rr * rest, p0, fma3(three * rr * u, p1, fma3(three * uu * rest, p2, mul3(uu * u, p3))));
   const real3 dc = fma3(rr, sub3(p1, p0), fma3(K(2) * ur, sub3(p2, p1), mul3(uu, sub3(p3, p2))));
-  const curve_point t = power_at(side, CURVED_T, 5, u), q = power_at(side, CURVED_Q, 3, u);
+  const curve_point t = polynomial(side, CURVED_T, 5, u), q = polynomial(side, CURVED_Q, 3, u);
   const real3 slope = fma3(d, q.f, t.f);
   curved_ribbon r;
   r.r = fma3(d, slope, c);

@@ -34,7 +34,7 @@ name=results/$(basename -- "${mesh%.*}")
 say "Its patches"
 gliss bake "$mesh" --unit "$unit" -o "$name.gliss"
 
-# Of a mesh of yours, 0.5 % and 1 % of its diagonal.
+# A mesh of yours is touched 0.5 % and 1 % of its diagonal deep.
 shallow=2mm deep=4mm
 if (($# > 0)); then
   read -r shallow deep < <($build/gliss info "$name.gliss" --unit "$unit" --json --quiet | python3 -c '

@@ -26,16 +26,13 @@ class MeshMaker {
   }
 
  private:
-  // Finds the side of a patch that each side of a face is. A split face has other sides within.
+  // Finds the side of a patch that each side of a face is.
   void find_sides() {
     side_.assign(mesh_.face_begin.back(), kNone);
     for (std::uint32_t side = 0; side < s_.side_patch.size(); ++side) {
-      const std::uint32_t patch = s_.side_patch[side], face = cache_.patch_face[patch],
-                          n = cache_.face_valence[face], first = s_.side_begin[patch];
-      const std::uint32_t next = first + (side - first + 1) % s_.valence(patch);
-      const std::uint32_t corner = cache_.corner_of_face[side];
-      if (corner < n && cache_.corner_of_face[next] == (corner + 1) % n)
-        side_[mesh_.face_begin[face] + corner] = side;
+      if (!is_outer_side(cache_, s_, side)) continue;
+      const std::uint32_t face = cache_.patch_face[s_.side_patch[side]];
+      side_[mesh_.face_begin[face] + cache_.corner_of_face[side]] = side;
     }
   }
 

@@ -22,7 +22,7 @@ struct FittedNormal {
 // ([corner], below `count`), so that nothing beyond a crease counts. `start` [group]: unit normals,
 // near those that are looked for.
 //
-// With d from the vertex and x, y in the plane across the normal n, the quadric is
+// The quadric is, with d from the vertex and x, y in the plane across the normal n,
 //   n.d = a x + b y + c |d|^2 / 2 + p (x^2 - y^2) / 2 + q x y,
 // which a sphere is exactly, with p = q = 0. What a surface has besides grows with |d|^3, so the
 // weights are 1 / |d|^6. The normal is turned by a and b, and the fit made once more.

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "gliss/study/sweep.h"
+#include "gliss/surface/layout.h"
 
 namespace gliss {
 namespace {
@@ -72,11 +73,9 @@ void SweepGrid::find_twins() {
       [&](const auto& s) {
         for (std::uint32_t side = 0; side < s.side_patch.size(); ++side) {
           const std::uint32_t twin = s.side_twin[side];
-          if (twin == kNone) continue;
+          if (twin == kNone || !is_outer_side(cache_, s, side)) continue;
           const std::uint32_t face = cache_.patch_face[s.side_patch[side]];
           const std::uint32_t other = cache_.patch_face[s.side_patch[twin]];
-          // Not the cuts inside one face.
-          if (face == other && s.valence(s.side_patch[side]) != valence(face)) continue;
           twin_[side_begin_[face] + cache_.corner_of_face[side]] = {other,
                                                                     cache_.corner_of_face[twin]};
         }

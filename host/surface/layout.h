@@ -7,6 +7,7 @@
 
 #include "gliss/base/vector.h"
 #include "gliss/surface/instances.h"
+#include "gliss/surface/patch_cache.h"
 #include "kernels/layout.h"
 
 namespace gliss {
@@ -68,6 +69,16 @@ static_assert(static_cast<int>(Solver::kNewton) == SOLVER_NEWTON &&
               static_cast<int>(Solver::kGaussNewton) == SOLVER_GAUSS_NEWTON &&
               static_cast<int>(Solver::kPaper) == SOLVER_PAPER);
 static_assert(kNone == NONE);
+
+// True if a side of a patch is one of its face's: a split face has others within.
+template <class Real>
+bool is_outer_side(const PatchCache& cache, const Surface<Real>& surface, std::uint32_t side) {
+  const std::uint32_t patch = surface.side_patch[side], first = surface.side_begin[patch],
+                      next = first + (side - first + 1) % surface.valence(patch),
+                      n = cache.face_valence[cache.patch_face[patch]],
+                      corner = cache.corner_of_face[side];
+  return corner < n && cache.corner_of_face[next] == (corner + 1) % n;
+}
 
 }  // namespace gliss
 

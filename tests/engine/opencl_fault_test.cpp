@@ -76,8 +76,8 @@ class OpenClFault : public ::testing::TestWithParam<Precision> {
     sweeps_.run = [=, this](const Engine& engine) { return test::swept(cache_, engine, sweep); };
     // Room for pieces of some 2,200 points.
     sweeps_.options.memory = cache_.bytes() + 2 * 2200 * 704;
-    // As many faces as are built at once, whose calls are the same each time: how many are taken
-    // after them is for the clock to say.
+    // Builds take these faces at once, with the same calls each time: how many they take after
+    // so many is for the clock to say.
     builds_.run = [build, few = torus_knot(10, 6).mesh](const Engine& engine) {
       return test::bytes_of(engine.build(few, build));
     };

@@ -36,7 +36,7 @@ std::vector<float> floats(const nlohmann::json& packed) {
   return values;
 }
 
-// Of columns in 16 bits, and how far a value may be off.
+// Holds what columns in 16 bits give back, and how far a value may be off.
 struct Quantised {
   std::vector<double> values, tolerance;
 
@@ -210,7 +210,7 @@ TEST_F(Report, SweepsKeepPointsForcesAndDistributions) {
   }
 }
 
-// Of two sweeps such as the quickstart's.
+// The quickstart makes two sweeps such as these.
 TEST_F(Report, PagesOfSweepsStaySmall) {
   for (const std::string depth : {"1mm", "2mm"})
     make("sweep", "ball.obj --depth " + depth + " --samples 1e5 --unit mm -o " + depth + ".h5");

@@ -162,11 +162,6 @@ void describe(Command& command, ComparingOptions& options) {
   add_output_option(command, options.output, "rows as a table: .h5 or .csv");
 }
 
-double diagonal_of(const PatchCache& cache) {
-  const Box box = cache.bounds();
-  return (box.high - box.low).norm();
-}
-
 std::vector<ComparePath> make_paths(const ComparingOptions& options, const Mesh& mesh,
                                     const Topology& topology, const PatchCache& exact) {
   std::vector<ComparePath> paths;
@@ -181,7 +176,7 @@ std::vector<ComparePath> make_paths(const ComparingOptions& options, const Mesh&
     return paths;
   }
   std::vector<double> depths = options.depths;
-  if (depths.empty()) depths = {0.01 * diagonal_of(exact) * mesh.unit};
+  if (depths.empty()) depths = {0.01 * diagonal_of(exact.bounds()) * mesh.unit};
   for (const double depth : depths)
     paths.push_back({depth, own_path(mesh, topology, exact, depth, options.ticks)});
   return paths;

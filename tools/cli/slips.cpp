@@ -8,6 +8,7 @@
 
 #include "gliss/files/mesh_file.h"
 #include "tools/cli/interrupt.h"
+#include "tools/cli/surface_input.h"
 #include "tools/cli/terminal.h"
 #include "tools/cli/watch.h"
 
@@ -18,8 +19,6 @@ namespace fs = std::filesystem;
 
 constexpr double kHouse = 10, kUnseen = 1e-4;  // m
 constexpr double kSoft = 5;                    // N/m
-
-double diagonal_of(const Box& box) { return (box.high - box.low).norm(); }
 
 Box box_of(std::span<const Vec3> points) {
   Box box{points.front(), points.front()};

@@ -164,11 +164,12 @@ Mesh mesh_of(const SurfaceOptions& options, const PatchCache& cache, const std::
   }
 }
 
+double diagonal_of(const Box& box) { return (box.high - box.low).norm(); }
+
 std::vector<Vec3> own_path(const Mesh& mesh, const Topology& topology, const PatchCache& cache,
                            double depth, int ticks) {
-  const Box box = cache.bounds();
   std::vector<Vec3> path =
-      path_over(mesh, topology, cache, depth / mesh.unit, (box.high - box.low).norm() / 1000,
+      path_over(mesh, topology, cache, depth / mesh.unit, diagonal_of(cache.bounds()) / 1000,
                 static_cast<std::size_t>(ticks));
   if (path.empty()) throw InputError("no path: every edge of the mesh is a border");
   return path;

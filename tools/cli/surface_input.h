@@ -53,6 +53,7 @@ PatchCache read_cache(const SurfaceOptions& options);
 
 // The mesh of a cache. Throws InputError, with what else to do, where the cache does not keep it.
 Mesh mesh_of(const SurfaceOptions& options, const PatchCache& cache, const std::string& cure);
+double diagonal_of(const Box& box);
 // HIPs `depth` (m) beneath the surface, a thousandth of its diagonal apart, in the mesh's unit.
 // Throws InputError where no edge can be crossed.
 std::vector<Vec3> own_path(const Mesh& mesh, const Topology& topology, const PatchCache& cache,
