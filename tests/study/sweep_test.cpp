@@ -7,6 +7,7 @@
 #include "gliss/generate/generate.h"
 #include "gliss/surface/names.h"
 #include "tests/support/bytes.h"
+#include "tests/support/random_meshes.h"
 #include "tests/support/sharp_meshes.h"
 #include "tests/support/surfaces.h"
 
@@ -57,6 +58,25 @@ TEST(Sweep, meets_every_neighbour_across_an_edge_once) {
       EXPECT_EQ(s.touching, s.samples);
     }
   }
+}
+
+// A split triangle's patches are triangles too, with sides within the face.
+TEST(Sweep, meets_every_neighbour_of_split_triangles_once) {
+  oracle::Rng rng(1);
+  std::size_t split = 0;
+  for (int i = 0; i < 40; ++i) {
+    const Mesh mesh = test::random_sphere(rng, 20, 10, 1.2);
+    const PatchCache cache = test::cache_of(mesh);
+    split += cache.patch_count() > cache.mesh_face_count;
+    SweepOptions options;
+    options.depths = {1e-4};
+    options.methods = {Method::kFlat};
+    options.rings = 2;
+    const SweepResult result =
+        sweep(cache, *make_serial_engine(), options, [](const SweepBlock&) {});
+    EXPECT_EQ(result.statistics[0].edge_step.count(), mesh.corner_vertex.size() / 2 * 2) << i;
+  }
+  EXPECT_GT(split, 0u);
 }
 
 TEST(Sweep, measures_a_sphere) {
