@@ -3,7 +3,7 @@
 # the program, bakes a mesh, sweeps the force beneath its surface with three methods, and traces a path.
 #
 #   tools/quickstart.sh              the generated torus knot
-#   tools/quickstart.sh MESH UNIT    a mesh of yours (.obj, .off, .ply) and its unit, such as mm
+#   tools/quickstart.sh MESH UNIT    a mesh of yours (.obj, .off, .ply, .stl) and its unit, such as mm
 set -euo pipefail
 case $#${1-} in
   0 | 2[!-]*) ;;

@@ -1,7 +1,10 @@
 // Mesh files: the reader by the ending of the name, the checks, and the writer.
 #include "gliss/files/mesh_file.h"
 
+#include <fmt/ranges.h>
+
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <system_error>
 
@@ -15,38 +18,44 @@
 namespace gliss {
 namespace {
 
-using Reader = void (*)(std::string_view, Mesh&, Report&);
+struct Format {
+  void (*read)(std::string_view, Mesh&, Report&);
+  bool (*is_binary)(std::string_view);
+};
+
+constexpr bool is_text(std::string_view) { return false; }
+
+constexpr std::array kEndings{std::string_view(".obj"), std::string_view(".off"),
+                              std::string_view(".ply"), std::string_view(".stl")};
+constexpr std::array<Format, kEndings.size()> kFormats{{{detail::read_obj, is_text},
+                                                        {detail::read_off, is_text},
+                                                        {detail::read_ply, detail::is_binary_ply},
+                                                        {detail::read_stl, detail::is_binary_stl}}};
 
 // Null for another ending.
-Reader find_reader(const std::string& path) {
+const Format* find_format(const std::string& path) {
   const std::size_t dot = path.find_last_of("./");
   std::string ending = dot == std::string::npos ? "" : path.substr(dot);
   for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  if (ending == ".obj") return detail::read_obj;
-  if (ending == ".off") return detail::read_off;
-  if (ending == ".ply") return detail::read_ply;
-  return nullptr;
+  const auto known = std::find(kEndings.begin(), kEndings.end(), ending);
+  return known == kEndings.end() ? nullptr : &kFormats[known - kEndings.begin()];
 }
 
-Reader reader_of(const std::string& path, Report& report) {
-  if (const Reader reader = find_reader(path)) return reader;
-  report.fail("unsupported", {}, "the file must end in .obj, .off or .ply");
-}
-
-bool is_binary_ply(std::string_view text) {
-  return text.starts_with("ply") &&
-         text.substr(0, text.find("end_header")).find("format binary") != text.npos;
+const Format& format_of(const std::string& path, Report& report) {
+  if (const Format* const format = find_format(path)) return *format;
+  report.fail("unsupported", {}, "the file must end in one of {}", fmt::join(kEndings, ", "));
 }
 
 // Asked block by block, so that a file without lines, such as a large hole, is not read to its end.
-std::string read_file(OpenFile& file, const std::function<void()>& poll, Report& report) {
+std::string read_file(OpenFile& file, const Format& format, const std::function<void()>& poll,
+                      Report& report) {
   std::size_t line = 0, searched = 0;  // where the last line begins; where the next block does
   const auto check_lines = [&](std::string_view text) {
     if (poll) poll();
     const std::size_t end = text.substr(searched).find_last_of("\r\n");
     if (end != text.npos) line = searched + end + 1;
     searched = text.size();
-    if (searched - line <= kLongestLine || is_binary_ply(text)) return;
+    if (searched - line <= kLongestLine || format.is_binary(text)) return;
     const auto lines = std::count(text.begin(), text.end(), '\n');
     report.fail("unsupported", {.line = static_cast<std::size_t>(lines) + 1},
                 "a line of over {} bytes, not a text file?", kLongestLine);
@@ -65,15 +74,15 @@ Mesh load_mesh(const std::string& path, const LoadOptions& options,
   Mesh mesh;
   mesh.source = path;
   mesh.unit = options.unit;
-  Report report(mesh, findings, options.poll);
+  Report report(mesh, findings, options.poll, options.strict);
   OpenFile file(path);
   if (file.descriptor() < 0) report.fail("unreadable", {}, "cannot be read: {}", file.why());
-  const Reader read = reader_of(path, report);
-  const std::string text = read_file(file, options.poll, report);
+  const Format& format = format_of(path, report);
+  const std::string text = read_file(file, format, options.poll, report);
   if (text.starts_with("\x1f\x8b")) {
     report.fail("unsupported", {}, "is compressed by gzip; unpack it first");
   }
-  read(text, mesh, report);
+  format.read(text, mesh, report);
   validate(mesh, options, report);
   if (options.creases.any()) {
     const Topology topology = build_topology(mesh);
@@ -87,7 +96,9 @@ Mesh load_mesh(const std::string& path, const LoadOptions& options,
   return mesh;
 }
 
-bool has_mesh_ending(const std::string& path) { return find_reader(path) != nullptr; }
+std::span<const std::string_view> mesh_endings() { return kEndings; }
+
+bool has_mesh_ending(const std::string& path) { return find_format(path) != nullptr; }
 
 std::vector<std::uint32_t> read_edges(const std::string& path, const Mesh& mesh,
                                       const Topology& topology) {

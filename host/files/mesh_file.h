@@ -1,7 +1,9 @@
-// Mesh files: OBJ, OFF and PLY.
+// Mesh files: OBJ, OFF, PLY and STL.
 #pragma once
 
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "gliss/base/export.h"
@@ -9,12 +11,15 @@
 
 namespace gliss {
 
-// Reads OBJ, OFF or PLY (by extension), validates, repairs and marks creases. Pipes and devices are
-// refused, and lines of over 16 MiB. No face is dropped in silence: counts are checked against the
-// file. Appends what was found to *findings (may be null). Throws MeshError on the first finding of
-// severity kError, after all findings are appended.
+// Reads a mesh file by the ending of its name, validates, repairs and marks creases. Pipes and
+// devices are refused, and lines of over 16 MiB. No face is dropped in silence: counts are checked
+// against the file. Appends what was found to *findings (may be null). Throws MeshError on the
+// first finding of severity kError, after all findings are appended.
 GLISS_EXPORT Mesh load_mesh(const std::string& path, const LoadOptions& options = {},
                             std::vector<Finding>* findings = nullptr);
+
+// Endings of the files that load_mesh() reads, in small letters, as ".obj".
+GLISS_EXPORT std::span<const std::string_view> mesh_endings();
 
 // True if load_mesh() has a reader for files of this name.
 GLISS_EXPORT bool has_mesh_ending(const std::string& path);

@@ -42,7 +42,7 @@ class ObjReader {
   }
 
   void read_vertex() {
-    mesh_.positions.push_back(cursor_.vector("coordinate"));
+    add_vertex(cursor_.numbers("coordinate"), cursor_.line(), mesh_, report_);
     const std::string_view first = cursor_.word();
     if (first.empty()) return;
     std::size_t extra = 1;
@@ -122,11 +122,12 @@ class ObjReader {
                       "vertex index {} is out of range ({} vertices)", vertex + 1,
                       mesh_.positions.size());
         }
-        const std::size_t normal = mesh_.corner_normal[c];
+        std::uint32_t& normal = mesh_.corner_normal[c];
         if (normal != kNone && normal >= mesh_.normals.size()) {
-          report_.add(Severity::kError, "normal-index", {.face = face},
+          report_.add(report_.mended, "normal-index", {.face = face},
                       "normal index {} is out of range ({} normals)", normal + 1,
                       mesh_.normals.size());
+          normal = kNone;
         }
       }
     }

@@ -75,7 +75,7 @@ void read_off(std::string_view text, Mesh& mesh, Report& report) {
     if (!cursor.next()) {
       report.fail("truncated", {}, "the file ends after {} of {} vertices", i, *vertices);
     }
-    mesh.positions.push_back(cursor.vector("coordinate"));
+    add_vertex(cursor.numbers("coordinate"), cursor.line(), mesh, report);
     if (columns.normals) mesh.normals.push_back(cursor.vector("normal"));
     if (columns.colours) skip_colour(cursor, false, report);
     cursor.end();

@@ -1,13 +1,10 @@
 // Stanford PLY: ascii, little or big endian; vertices with x, y, z and nx, ny, nz, faces with
 // vertex_indices; every other element and property is stepped over.
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <span>
 
 #include "gliss/files/mesh_readers.h"
 #include "gliss/files/ply_header.h"
@@ -159,13 +156,15 @@ void read_vertices(Body& body, const Element& element, Mesh& mesh, Report& repor
       }
     }
     body.end_item();
-    const auto used = std::span(value).first(with_normals ? 6 : 3);
-    if (!std::all_of(used.begin(), used.end(), [](double x) { return std::isfinite(x); })) {
+    add_vertex({value[0], value[1], value[2]}, body.line(), mesh, report);
+    if (!with_normals) continue;
+    Vec3 normal(value[3], value[4], value[5]);
+    if (!mesh.positions.back().allFinite()) normal = Vec3::UnitZ();  // of no place
+    if (!normal.allFinite()) {
       report.fail("non-finite", {.vertex = static_cast<std::uint32_t>(item), .line = body.line()},
-                  "({}) is not finite", fmt::join(used, ", "));
+                  "normal ({}, {}, {}) is not finite", value[3], value[4], value[5]);
     }
-    mesh.positions.emplace_back(value[0], value[1], value[2]);
-    if (with_normals) mesh.normals.emplace_back(value[3], value[4], value[5]);
+    mesh.normals.push_back(normal);
   }
 }
 
@@ -196,6 +195,11 @@ void read_faces(Body& body, const Element& element, Mesh& mesh, Report& report) 
 }
 
 }  // namespace
+
+bool is_binary_ply(std::string_view text) {
+  return text.starts_with("ply") &&
+         text.substr(0, text.find("end_header")).find("format binary") != text.npos;
+}
 
 void read_ply(std::string_view text, Mesh& mesh, Report& report) {
   TextCursor cursor(text, {}, report);

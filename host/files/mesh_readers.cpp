@@ -83,6 +83,12 @@ std::uint32_t checked_index(std::int64_t value, const Mesh& mesh, std::size_t li
   return static_cast<std::uint32_t>(value);
 }
 
+void add_vertex(const Vec3& position, std::size_t line, Mesh& mesh, Report& report) {
+  const auto vertex = static_cast<std::uint32_t>(mesh.positions.size());
+  if (!position.allFinite()) report.vertex_line[vertex] = line;
+  mesh.positions.push_back(position);
+}
+
 void end_face(Mesh& mesh, std::size_t line, Report& report) {
   if (mesh.corner_vertex.size() >= kNone || line >= kNone) {
     report.fail("too-large", {.line = line}, "more than {} corners or lines", kNone - 1);
@@ -167,7 +173,11 @@ std::string_view TextCursor::required(std::string_view what) {
 double TextCursor::number(std::string_view what) {
   const std::string_view found = required(what);
   const std::optional<double> value = parse_number(found);
-  if (!value) report_.fail("syntax", {.line = line()}, "{} {} is no number", what, quoted(found));
+  if (!value) {
+    const bool comma = found.find(',') != found.npos;
+    report_.fail("syntax", {.line = line()}, "{} {} is no number{}", what, quoted(found),
+                 comma ? ": decimals follow a point, not a comma" : "");
+  }
   return *value;
 }
 
@@ -178,10 +188,15 @@ std::int64_t TextCursor::integer(std::string_view what) {
   return *value;
 }
 
-Vec3 TextCursor::vector(std::string_view what) {
+Vec3 TextCursor::numbers(std::string_view what) {
   Vec3 value;
-  for (double& coordinate : value) {
-    coordinate = number(what);
+  for (double& coordinate : value) coordinate = number(what);
+  return value;
+}
+
+Vec3 TextCursor::vector(std::string_view what) {
+  const Vec3 value = numbers(what);
+  for (const double coordinate : value) {
     if (!std::isfinite(coordinate)) {
       report_.fail("non-finite", {.line = line()}, "{} is not finite ({})", what, coordinate);
     }

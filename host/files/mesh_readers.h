@@ -18,6 +18,11 @@ namespace gliss::detail {
 void read_obj(std::string_view text, Mesh& mesh, Report& report);
 void read_off(std::string_view text, Mesh& mesh, Report& report);
 void read_ply(std::string_view text, Mesh& mesh, Report& report);
+void read_stl(std::string_view text, Mesh& mesh, Report& report);
+
+// True if what follows the head of such a file has no lines. The first 84 bytes are enough.
+bool is_binary_ply(std::string_view text);
+bool is_binary_stl(std::string_view text);
 
 // The whole word as a number in the C notation, whatever the locale; an optional sign is read. What
 // is beyond the type becomes its nearest value: an infinity, 0, or the last integer.
@@ -30,6 +35,10 @@ std::string quoted(std::string_view word);
 
 // Checks an index that cannot be looked up yet: at least 0, and small enough to be stored.
 std::uint32_t checked_index(std::int64_t value, const Mesh& mesh, std::size_t line, Report& report);
+
+// Adds a vertex; line = 0: the file has no lines. One that is not finite is an error, which
+// `validate` reports, only where a face has it.
+void add_vertex(const Vec3& position, std::size_t line, Mesh& mesh, Report& report);
 
 // Ends the face whose corners have been appended; line = 0: the file has no lines.
 void end_face(Mesh& mesh, std::size_t line, Report& report);
@@ -52,8 +61,9 @@ class TextCursor {
   // The next word as what it has to be; a bad or missing one fails with `what` in the message.
   double number(std::string_view what);
   std::int64_t integer(std::string_view what);
-  Vec3 vector(std::string_view what);  // three finite numbers
-  void end();                          // no word may be left
+  Vec3 numbers(std::string_view what);  // three of them
+  Vec3 vector(std::string_view what);   // three finite ones
+  void end();                           // no word may be left
 
  private:
   bool at_word();  // skips blanks, comments and joined lines; false: at the end of the statement

@@ -63,8 +63,8 @@ class CsvParser {
         request.choose([this](const std::string& name) { return contains(header_, name); });
     const auto& alternatives = request.alternatives;
     if (found == alternatives.end() && !alternatives.empty()) {
-      fail(fmt::format("missing columns: wanted {}; the header has {}", request.wanted(),
-                       fmt::join(header_, ",")));
+      fail(fmt::format("missing columns: wanted {}; the header has {}{}", request.wanted(),
+                       fmt::join(header_, ","), header_hint()));
     }
     std::vector<std::string> wanted = request.optional;
     if (found != alternatives.end()) {
@@ -75,6 +75,18 @@ class CsvParser {
     choose(request.texts, text_slots_, table_.text_names_);
     table_.values_.resize(table_.names_.size());
     table_.texts_.resize(table_.text_names_.size());
+  }
+
+  // The cure of a header that is none.
+  std::string header_hint() const {
+    const auto is_number = [](const std::string& name) {
+      double value = 0;
+      return std::from_chars(name.data(), name.data() + name.size(), value).ec == std::errc();
+    };
+    if (std::all_of(header_.begin(), header_.end(), is_number))
+      return ": the first line names the columns";
+    const bool other = header_.size() == 1 && header_[0].find_first_of("; \t") != std::string::npos;
+    return other ? ": commas part the columns, and decimals follow a point" : "";
   }
 
   void choose(const std::vector<std::string>& wanted, std::vector<std::size_t>& slots,

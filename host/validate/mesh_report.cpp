@@ -14,6 +14,9 @@ Finding& Report::append(Severity severity, std::string_view code, const Place& p
       finding.line = mesh_.face_line[place.face];
     }
     finding.face = number_of(place.face);
+  } else if (const auto known = vertex_line.find(place.vertex);
+             !finding.line && known != vertex_line.end()) {
+    finding.line = known->second;
   }
 
   finding.message = mesh_.source.empty() ? "mesh" : mesh_.source;

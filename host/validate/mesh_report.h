@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -24,9 +25,12 @@ class Report {
     std::size_t line = 0;  // 0: the line of the face, if known
   };
 
-  // Mesh and findings must outlive the report; findings may be null, `poll` empty.
-  Report(const Mesh& mesh, std::vector<Finding>* findings, std::function<void()> poll)
-      : mesh_(mesh),
+  // Mesh and findings must outlive the report; findings may be null, `poll` empty. `strict`: as of
+  // LoadOptions.
+  Report(const Mesh& mesh, std::vector<Finding>* findings, std::function<void()> poll,
+         bool strict = false)
+      : mended(strict ? Severity::kError : Severity::kRepaired),
+        mesh_(mesh),
         findings_(findings ? *findings : own_),
         first_(findings_.size()),
         poll_(std::move(poll)) {}
@@ -56,6 +60,12 @@ class Report {
 
   // LoadOptions::poll, which may throw: for each item of long work.
   void poll() { poll_(); }
+
+  // The severity of what is mended unless a check is strict.
+  const Severity mended;
+
+  // [vertex], its line, for those alone that a finding may have to name.
+  std::map<std::uint32_t, std::size_t> vertex_line;
 
   // [face], its number in the file; empty while no face has been removed or cut.
   std::vector<std::uint32_t> file_face;

@@ -15,11 +15,13 @@
 //   non-finite            NaN or infinity in a coordinate or normal
 //   huge-coordinate       beyond 1e60, where areas and volumes would overflow
 //   vertex-index          no such vertex
-//   normal-index          no such normal
 //   too-many-sides        a face with more than kMaxValence sides
 //   non-orientable        a part whose faces cannot all be turned one way (a Moebius strip)
 //   self-touching-face    a face that goes along a bridge to a hole in it, and back
 //   repaired; an error with LoadOptions::strict
+//   non-finite            a vertex that no face uses; moved to one that is used
+//   huge-coordinate       likewise
+//   normal-index          no such normal; the corner gets one from the faces around
 //   too-few-vertices      a face with fewer than 3 distinct vertices; removed
 //   self-touching-face    a face that comes back to one of its vertices; cut there into several
 //   zero-length-side      a side whose ends are at one place; they become one vertex
@@ -88,17 +90,28 @@ void check_arrays(const Mesh& mesh, double unit, Report& report) {
   if (mesh.face_count() == 0) report.fail("no-faces", {}, "there are no faces");
 }
 
-void check_numbers(const Mesh& mesh, Report& report) {
+// Vertices without a place that no face uses, as scanners write them, are moved to one that is
+// used.
+void check_positions(Mesh& mesh, Report& report) {
+  std::vector<bool> used;  // [vertex], once needed
   for (std::uint32_t v = 0; v < mesh.positions.size(); ++v) {
-    const Vec3& p = mesh.positions[v];
-    if (!p.allFinite()) {
-      report.add(Severity::kError, "non-finite", {.vertex = v}, "({}, {}, {}) is not finite", p.x(),
-                 p.y(), p.z());
-    } else if (p.cwiseAbs().maxCoeff() > kMostCoordinate) {
-      report.add(Severity::kError, "huge-coordinate", {.vertex = v}, "({}, {}, {}) is beyond {}",
-                 p.x(), p.y(), p.z(), kMostCoordinate);
+    Vec3& p = mesh.positions[v];
+    const bool finite = p.allFinite();
+    if (finite && p.cwiseAbs().maxCoeff() <= kMostCoordinate) continue;
+    if (used.empty()) {
+      used.resize(mesh.positions.size(), false);
+      for (const std::uint32_t vertex : mesh.corner_vertex) used[vertex] = true;
     }
+    report.add(used[v] ? Severity::kError : report.mended,
+               finite ? "huge-coordinate" : "non-finite", {.vertex = v}, "({}, {}, {}) is {}{}",
+               p.x(), p.y(), p.z(),
+               finite ? fmt::format("beyond {}", kMostCoordinate) : "not finite",
+               used[v] ? "" : ", and belongs to no face");
+    if (!used[v]) p = mesh.positions[mesh.corner_vertex.front()];
   }
+}
+
+void check_normals(const Mesh& mesh, Report& report) {
   for (std::size_t i = 0; i < mesh.normals.size(); ++i) {
     const Vec3& n = mesh.normals[i];
     if (!n.allFinite()) {
@@ -108,7 +121,7 @@ void check_numbers(const Mesh& mesh, Report& report) {
   }
 }
 
-void check_indices(const Mesh& mesh, Report& report) {
+void check_indices(Mesh& mesh, Report& report) {
   for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
     for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c) {
       if (mesh.corner_vertex[c] >= mesh.positions.size()) {
@@ -118,9 +131,10 @@ void check_indices(const Mesh& mesh, Report& report) {
       }
       if (mesh.corner_normal.empty() || mesh.corner_normal[c] == kNone) continue;
       if (mesh.corner_normal[c] >= mesh.normals.size()) {
-        report.add(Severity::kError, "normal-index", {.face = face},
+        report.add(report.mended, "normal-index", {.face = face},
                    "normal index {} is out of range ({} normals)", mesh.corner_normal[c],
                    mesh.normals.size());
+        mesh.corner_normal[c] = kNone;
       }
     }
   }
@@ -143,8 +157,10 @@ std::vector<std::uint32_t> lost_faces(std::uint32_t count, const Report& report)
 void validate(Mesh& mesh, const LoadOptions& options, Report& report) {
   const PlainArithmetic plain;
   check_arrays(mesh, mesh.unit, report);
-  check_numbers(mesh, report);
   check_indices(mesh, report);
+  report.stop_on_error();
+  check_positions(mesh, report);
+  check_normals(mesh, report);
   report.stop_on_error();
   const auto faces = static_cast<std::uint32_t>(mesh.face_count());
   repair_faces(mesh, report);
@@ -173,7 +189,7 @@ void validate(Mesh& mesh, const LoadOptions& options, Report& report) {
 }
 
 void validate(Mesh& mesh, const LoadOptions& options, std::vector<Finding>* findings) {
-  Report report(mesh, findings, options.poll);
+  Report report(mesh, findings, options.poll, options.strict);
   validate(mesh, options, report);
 }
 

@@ -130,8 +130,10 @@ void mend_faces(Mesh& mesh, std::vector<bool>& joined, Report& report) {
                  "fewer than 3 distinct vertices on a loop; removed");
     } else if (found.twice != kNone) {
       report.add(Severity::kRepaired, "self-touching-face", {.face = face, .vertex = found.twice},
-                 "comes back to vertex {}; cut there into {} faces", found.twice,
-                 found.loops.size());
+                 "comes back to vertex {}; {}", found.twice,
+                 found.loops.size() == 1
+                     ? "what it encloses there without area is cut off"
+                     : fmt::format("cut there into {} faces", found.loops.size()));
     }
     edit.replace(face, std::move(found.loops));
   }

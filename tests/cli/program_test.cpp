@@ -442,6 +442,24 @@ TEST_F(Program, ForcesAndColumnsComeWithNearestPoints) {
   EXPECT_EQ(json_of("eval knot.obj --unit mm --at points.csv -o points.npy")["points"], 4);
 }
 
+TEST_F(Program, TablesOfOneCommandAreAnothersInput) {
+  folder_.write("hand.csv", "x_mm,y_mm,z_mm\n60,0,0\n58,1,0\n50,10,2\n");
+  folder_.write("scene.toml", "[[object]]\nmesh = \"knot.obj\"\nunit = \"mm\"\n");
+  output_of("run scene.toml --device replay:hand.csv --no-wait --record hand.h5");
+  for (const std::string hips : {"hand.csv", "hand.h5"}) {
+    EXPECT_EQ(json_of("project knot.obj --unit mm --json -o n.csv --hip " + hips)["hips"], 3);
+    output_of("trace knot.obj --unit mm -o t.csv --path " + hips);
+    EXPECT_EQ(read_table(folder_ / "t.csv", {.alternatives = {{"step"}}}).rows, 9u) << hips;
+  }
+  for (const std::string near : {"near.csv", "near.h5", "near.npy"}) {
+    output_of("project knot.obj --unit mm --hip hand.csv -o " + near);
+    output_of("project knot.obj --unit mm -o again.csv --hip " + near);
+    const InputTable again = read_table(folder_ / "again.csv", {.alternatives = {{"distance"}}});
+    for (const double distance : *again.find("distance")) EXPECT_LT(std::abs(distance), 1e-9);
+    EXPECT_EQ(json_of("eval knot.obj --unit mm -o points.csv --at " + near)["points"], 3) << near;
+  }
+}
+
 TEST_F(Program, CreasesAreListedAndKept) {
   output_of("generate cube -o cube.obj");
   folder_.write("edges.txt", "0 1\n");

@@ -9,13 +9,15 @@
 #include "gliss/files/mesh_file.h"
 #include "gliss/generate/generate.h"
 #include "tests/support/gliss_process.h"
+#include "tests/support/open_meshes.h"
 #include "tests/support/run_files.h"
 #include "tests/support/scratch_folder.h"
 
 namespace gliss {
 namespace {
 
-using ::testing::AllOf, ::testing::HasSubstr, ::testing::IsEmpty, ::testing::Not;
+using ::testing::AllOf, ::testing::EndsWith, ::testing::HasSubstr, ::testing::IsEmpty,
+    ::testing::Not;
 
 class Slips : public ::testing::Test {
  protected:
@@ -129,6 +131,46 @@ TEST_F(Slips, a_mesh_that_was_edited_after_its_cache_was_baked_is_said) {
   fs::last_write_time(folder_ / "torus.obj", later);
   EXPECT_THAT(told("info torus.gliss"),
               HasSubstr("torus.obj has changed since torus.gliss was baked"));
+}
+
+TEST_F(Slips, seams_whose_vertices_are_a_little_apart_are_said_with_the_length_that_closes_them) {
+  // Each face has vertices of its own, off by up to 1e-5 mm.
+  const Mesh whole = torus(24, 12).mesh;
+  Mesh loose;
+  for (std::size_t face = 0; face < whole.face_count(); ++face) {
+    for (std::uint32_t c = whole.face_begin[face]; c < whole.face_begin[face + 1]; ++c) {
+      const double off = 1e-5 * std::sin(static_cast<double>(c));
+      loose.corner_vertex.push_back(static_cast<std::uint32_t>(loose.positions.size()));
+      loose.positions.push_back(whole.positions[whole.corner_vertex[c]] + Vec3(off, 0, -off));
+    }
+    loose.face_begin.push_back(static_cast<std::uint32_t>(loose.corner_vertex.size()));
+  }
+  save_obj(loose, folder_ / "loose.obj");
+  const std::string words = told("info loose.obj --unit mm");
+  EXPECT_THAT(words, HasSubstr("vertices at borders are within 11.5 um of others: '--weld "
+                               "0.011mm' makes them one\n"));
+  EXPECT_THAT(told("check loose.obj --unit mm"), HasSubstr("--weld"));
+  EXPECT_THAT(told("info loose.obj --unit mm --weld 0.011mm"), Not(HasSubstr("--weld")));
+  EXPECT_THAT(told("info loose.obj --unit mm --weld none"), Not(HasSubstr("--weld")));
+  EXPECT_THAT(run("info loose.obj --unit mm --weld 0.011mm").out, HasSubstr("border sides 0,"));
+  save_obj(test::open_strip(40), folder_ / "open.obj");
+  EXPECT_THAT(told("info open.obj --unit mm"), Not(HasSubstr("--weld")));
+}
+
+TEST_F(Slips, numbers_with_commas_and_headers_that_are_none_are_told_the_rule) {
+  folder_.write("comma.obj", "v 0,5 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  EXPECT_THAT(refusal("info comma.obj"),
+              HasSubstr("comma.obj:1: coordinate '0,5' is no number: decimals follow a point"));
+  const auto refused = [&](const std::string& text) {
+    folder_.write("hips.csv", text);
+    return refusal("project torus.obj --unit mm --hip hips.csv");
+  };
+  EXPECT_THAT(refused("x;y;z\n1;2;3\n"),
+              HasSubstr("the header has x;y;z: commas part the columns, and decimals follow a "
+                        "point\n"));
+  EXPECT_THAT(refused("x y z\n1 2 3\n"), HasSubstr(": commas part the columns"));
+  EXPECT_THAT(refused("1,2,3\n"), HasSubstr("1,2,3: the first line names the columns\n"));
+  EXPECT_THAT(refused("a,b\n1,2\n"), EndsWith("the header has a,b\n"));
 }
 
 // README and docs/cli.md promise these of all commands.

@@ -117,9 +117,10 @@ TEST_F(MeshTest, obj_refusals_name_the_line) {
   EXPECT_EQ(refused("f"), "a.obj:9: face 0: only 0 distinct vertices, a face needs 3");
   EXPECT_EQ(refused("f 1 2 1 2"), "a.obj:9: face 0: only 2 distinct vertices, a face needs 3");
   EXPECT_EQ(refused("v 1 2"), "a.obj:9: coordinate is missing");
-  EXPECT_EQ(refused("v 1 2,5 3"), "a.obj:9: coordinate '2,5' is no number");
-  EXPECT_EQ(refused("v 1 nan 3"), "a.obj:9: coordinate is not finite (nan)");
-  EXPECT_EQ(refused("v 1 1e999 3"), "a.obj:9: coordinate is not finite (inf)");
+  EXPECT_EQ(refused("v 1 2,5 3"),
+            "a.obj:9: coordinate '2,5' is no number: decimals follow a point, not a comma");
+  EXPECT_EQ(refused("v 1 nan 3\nf 1 2 9"), "a.obj:9: vertex 8: (1, nan, 3) is not finite");
+  EXPECT_EQ(refused("v 1 1e999 3\nf 1 2 9"), "a.obj:9: vertex 8: (1, inf, 3) is not finite");
   EXPECT_EQ(refused("vn 1 -inf 3"), "a.obj:9: normal is not finite (-inf)");
   EXPECT_EQ(refused(""), "a.obj: there are no faces");
 }
@@ -178,6 +179,39 @@ TEST_F(MeshTest, ply_reads_normals_and_every_integer_type) {
   }
 }
 
+// Vertices come in the order in which triangles have them; the places are those of float.
+TEST_F(MeshTest, stl_shares_the_vertices_that_its_triangles_do_not) {
+  const Mesh made = torus_knot(20, 6).mesh;
+  for (const bool ascii : {true, false}) {
+    const Mesh read = load("knot.stl", to_stl(made, ascii));
+    EXPECT_THAT(codes(), IsEmpty());
+    ASSERT_EQ(read.positions.size(), made.positions.size());
+    ASSERT_EQ(read.face_count(), 2 * made.face_count());
+    std::size_t triangle = 0;
+    for (std::size_t face = 0; face < made.face_count(); ++face) {
+      const std::vector<std::uint32_t> quad = face_vertices(made, face);
+      for (std::size_t k = 1; k + 1 < quad.size(); ++k, ++triangle) {
+        const std::vector<std::uint32_t> corners = face_vertices(read, triangle);
+        for (std::size_t i = 0; i < 3; ++i) {
+          const Vec3& p = made.positions[quad[i == 0 ? 0 : k + i - 1]];
+          EXPECT_EQ(read.positions[corners[i]].cast<float>(), p.cast<float>());
+        }
+      }
+    }
+  }
+}
+
+TEST_F(MeshTest, no_truncated_stl_is_read) {
+  for (const bool ascii : {true, false}) {
+    std::string text = to_stl(prism(3).mesh, ascii);
+    if (ascii) text.resize(text.size() - 1);  // a line ending
+    for (std::size_t size = 0; size < text.size(); ++size)
+      EXPECT_NE(refusal("a.stl", text.substr(0, size)), "") << ascii << " " << size;
+    EXPECT_EQ(refusal("a.stl", text), "");
+    EXPECT_NE(refusal("a.stl", text + "\n1"), "");
+  }
+}
+
 TEST_F(MeshTest, no_truncated_file_is_read) {
   const Mesh made = prism(3).mesh;
   for (const char* format : {"ascii", "binary_little_endian", "binary_big_endian"}) {
@@ -227,7 +261,7 @@ TEST_F(MeshTest, a_locale_with_a_comma_does_not_matter) {
 }
 
 TEST_F(MeshTest, files_that_cannot_be_read_are_named) {
-  EXPECT_EQ(refusal("a.stl", ""), "a.stl: the file must end in .obj, .off or .ply");
+  EXPECT_EQ(refusal("a.glb", ""), "a.glb: the file must end in one of .obj, .off, .ply, .stl");
   EXPECT_THROW(load_mesh(path("missing.obj")), MeshError);
   EXPECT_THROW(load_mesh(path("obj")), MeshError);
   std::filesystem::create_directory(path("folder.obj"));

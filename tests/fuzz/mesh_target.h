@@ -40,7 +40,7 @@ inline int read_mesh(void (*read)(std::string_view, Mesh&, Report&), std::string
     Mesh mesh;
     mesh.source = "fuzz";
     std::vector<Finding> findings;
-    Report report(mesh, &findings, nullptr);
+    Report report(mesh, &findings, nullptr, strict);
     try {
       read(text, mesh, report);
     } catch (const MeshError&) {

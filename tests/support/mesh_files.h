@@ -109,4 +109,25 @@ inline std::string to_ply(const Mesh& mesh, const std::string& format) {
   return text;
 }
 
+// The mesh as STL, its faces cut into fans; numbers as float has them.
+inline std::string to_stl(const Mesh& mesh, bool ascii) {
+  std::string triangles;
+  std::uint32_t count = 0;
+  for (std::size_t face = 0; face < mesh.face_count(); ++face) {
+    const std::vector<std::uint32_t> polygon = face_vertices(mesh, face);
+    for (std::size_t k = 1; k + 1 < polygon.size(); ++k, ++count) {
+      triangles += ascii ? " facet normal 0 0 1\n  outer loop\n" : std::string(12, '\0');
+      for (const std::size_t i : {std::size_t{0}, k, k + 1}) {
+        const Eigen::Vector3f p = mesh.positions[polygon[i]].cast<float>();
+        triangles += ascii
+                         ? fmt::format("   vertex {} {} {}\n", p.x(), p.y(), p.z())
+                         : to_bytes(p.x(), false) + to_bytes(p.y(), false) + to_bytes(p.z(), false);
+      }
+      triangles += ascii ? "  endloop\n endfacet\n" : std::string(2, 'a');
+    }
+  }
+  return ascii ? "solid a\n" + triangles + "endsolid\n"
+               : "solid" + std::string(75, ' ') + to_bytes(count, false) + triangles;
+}
+
 }  // namespace gliss

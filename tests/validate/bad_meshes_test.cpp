@@ -322,8 +322,8 @@ TEST_F(BadMesh, lines_of_10_megabytes_are_read_and_not_repeated) {
   EXPECT_THAT(verdict("a.obj", kLong + "\n" + kTetrahedron),
               ElementsAre("warned", "unknown-statement | line 1 | 1"));
   EXPECT_THAT(verdict("a.obj", "v 0 0 " + kLong), refused("syntax | line 1 | 1"));
-  EXPECT_THAT(verdict("a.obj", "v 0 0 1" + std::string(10'000'000, '0')),
-              refused("non-finite | line 1 | 1"));
+  EXPECT_THAT(verdict("a.obj", "v 0 0 1" + std::string(10'000'000, '0') + "\n" + kTetrahedron),
+              refused("non-finite | line 1 vertex 0 | 1"));
   EXPECT_THAT(verdict("a.obj", kTetrahedron + "f 1 2 3/" + kLong),
               refused("syntax | line 9 face 4 | 1"));
   EXPECT_THAT(verdict("a.obj", kTetrahedron + "f 1 2 " + std::string(10'000'000, '9')),

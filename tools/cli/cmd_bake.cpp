@@ -128,7 +128,11 @@ void run(const BakeOptions& options) {
 }  // namespace
 
 void add_bake(Command& program) {
-  add_command<BakeOptions>(program, "bake", "Build the patches of a mesh and keep them in a cache.",
+  add_command<BakeOptions>(program, "bake",
+                           "Build the patches of a mesh and keep them in a cache.\n"
+                           "rho_min (--json): least radius of curvature of its patches, by "
+                           "samples, in the unit. A HIP that is deeper beneath that bend has no "
+                           "single nearest point.\n",
                            "gliss bake teeth.obj --unit mm -o teeth.gliss", describe, run);
 }
 

@@ -83,6 +83,7 @@ void run(const SurfaceOptions& options) {
   try {
     mesh = load_mesh(options, findings);
     tell_odd_size(options, mesh);
+    tell_seams(options, mesh, findings);
     tell_plain_creases(options, mesh);
     if (!mesh.sharp.empty()) creases = crease_edges(mesh, build_topology(mesh));
     round_creases(options, mesh);

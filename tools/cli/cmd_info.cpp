@@ -164,7 +164,11 @@ void run(const SurfaceOptions& options) {
 }  // namespace
 
 void add_info(Command& program) {
-  add_command<SurfaceOptions>(program, "info", "Say what a mesh or a cache holds.",
+  add_command<SurfaceOptions>(program, "info",
+                              "Say what a mesh or a cache holds.\n"
+                              "rho_min (--json): least radius of curvature of its patches, by "
+                              "samples, in the unit. A HIP that is deeper beneath that bend has "
+                              "no single nearest point.\n",
                               "gliss info teeth.obj --unit mm", describe, run);
 }
 

@@ -62,8 +62,8 @@ void add_common_options(Command& command, CommonOptions& options) {
 
 void add_mesh_options(Command& command, SurfaceOptions& options, const std::string& name) {
   command.option({name, "FILE",
-                  name == "MESH" ? "mesh file: .obj, .off or .ply"
-                                 : "mesh file (.obj, .off, .ply) or cache made by gliss bake",
+                  name == "MESH" ? "mesh file: .obj, .off, .ply or .stl"
+                                 : "mesh file (.obj, .off, .ply, .stl) or cache of gliss bake",
                   true},
                  options.surface);
   command.option({"--unit", "UNIT", "unit of the coordinates: m (default), cm, mm, um, nm, in"},

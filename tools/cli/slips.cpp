@@ -53,6 +53,12 @@ std::string unit_words(const SurfaceOptions& options, const std::string& unit) {
   return fmt::format(fmt::runtime(options.in_scene ? "unit = \"{}\"" : "--unit {}"), unit);
 }
 
+std::size_t count_of(const std::vector<Finding>& findings, const std::string& code) {
+  const auto is_it = [&](const Finding& finding) { return finding.code == code; };
+  const auto known = std::find_if(findings.begin(), findings.end(), is_it);
+  return known == findings.end() ? 0 : known->count;
+}
+
 }  // namespace
 
 void tell_odd_size(const SurfaceOptions& options, const Mesh& mesh) {
@@ -67,11 +73,35 @@ void tell_odd_size(const SurfaceOptions& options, const Mesh& mesh) {
   }
 }
 
+void tell_seams(const SurfaceOptions& options, const Mesh& mesh,
+                const std::vector<Finding>& findings) {
+  constexpr double kNear = 1e-4;  // of the size: no detail that a mesh is meant to have
+  constexpr std::size_t kMany = 20, kPart = 3;  // border sides; of which so many vertices are few
+  const std::size_t borders = count_of(findings, "open-border");
+  if (options.quiet || options.weld < 0 || borders < kMany) return;
+  const double near = kNear * diagonal_of(box_of(mesh.positions));
+  Mesh welded = mesh;
+  std::vector<Finding> found;
+  try {
+    const LoadOptions and_weld{
+        .weld = near, .normals = NormalSource::kFile, .poll = stop_if_interrupted};
+    validate(welded, and_weld, &found);
+  } catch (const MeshError&) {
+    return;
+  }
+  const std::size_t vertices = count_of(found, "welded-vertices");
+  if (vertices * kPart < borders) return;
+  tell(fmt::format(
+      "gliss: {}: {} vertices at borders are within {} of others: '--weld {:.2g}mm' "
+      "makes them one\n",
+      options.surface, vertices, length_text(near * mesh.unit), near * mesh.unit * 1e3));
+}
+
 void tell_edited_mesh(const SurfaceOptions& options, const PatchCache& cache) {
   // The hash of a mesh with creases holds more than its file.
   if (options.quiet || cache.crease_count > 0) return;
   std::error_code none;
-  for (const char* ending : {".obj", ".off", ".ply"}) {
+  for (const std::string_view ending : mesh_endings()) {
     const fs::path mesh = fs::path(options.surface).replace_extension(ending);
     const auto written = fs::last_write_time(mesh, none);
     if (none || written <= fs::last_write_time(options.surface, none) || none) continue;

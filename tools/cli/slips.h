@@ -3,14 +3,20 @@
 
 #include <span>
 #include <string>
+#include <vector>
 
 #include "gliss/surface/patch_cache.h"
+#include "gliss/validate/validate.h"
 #include "tools/cli/command.h"
 
 namespace gliss::tools {
 
 // A mesh of the size of a house, read without --unit, or one that no eye sees.
 void tell_odd_size(const SurfaceOptions& options, const Mesh& mesh);
+
+// A mesh of which borders lie beside each other, nearly at the same places.
+void tell_seams(const SurfaceOptions& options, const Mesh& mesh,
+                const std::vector<Finding>& findings);
 
 // A mesh file of the same name beside a cache that is not what the cache was baked from.
 void tell_edited_mesh(const SurfaceOptions& options, const PatchCache& cache);

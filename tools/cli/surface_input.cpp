@@ -104,6 +104,7 @@ Mesh read_mesh(const SurfaceOptions& options, bool tells_of_creases) {
   Mesh mesh = load_mesh(options, findings);
   if (!options.quiet) tell(repairs_text(options, mesh, findings));
   tell_odd_size(options, mesh);
+  tell_seams(options, mesh, findings);
   if (tells_of_creases) tell_plain_creases(options, mesh);
   round_creases(options, mesh);
   return mesh;
