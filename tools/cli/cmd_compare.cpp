@@ -166,8 +166,7 @@ std::vector<ComparePath> make_paths(const ComparingOptions& options, const Mesh&
                                     const Topology& topology, const PatchCache& exact) {
   std::vector<ComparePath> paths;
   if (!options.path.empty()) {
-    std::vector<Vec3> hips =
-        points_in_metres(read_points(options.path, options.unit, {}, stop_if_interrupted));
+    std::vector<Vec3> hips = points_in_metres(read_hips(options, options.path));
     for (Vec3& hip : hips) hip /= mesh.unit;
     const double depth = options.depths.size() == 1 ? options.depths.front() : 0;
     if (!(depth > 0)) throw InputError("--path: needs the one --depth that its HIPs have");

@@ -40,6 +40,7 @@ struct DomainPoints {
 
 DomainPoints read_domain_points(const EvalOptions& options, const PatchCache& cache) {
   DomainPoints points;
+  const Watch watch(options, "read " + options.points);
   points.table = read_table(options.points, {.alternatives = {{"patch", "xi", "eta"}},
                                              .optional = options.keep,
                                              .poll = stop_if_interrupted});

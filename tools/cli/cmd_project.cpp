@@ -41,7 +41,7 @@ void run(const ProjectOptions& options) {
   check_outputs({options.output}, {options.surface, options.hips});
   const auto engine = make_engine(options);
   const PatchCache cache = open_surface(options, *engine);
-  PointTable hips = read_points(options.hips, options.unit, options.keep, stop_if_interrupted);
+  PointTable hips = read_hips(options, options.hips, options.keep);
   check_kept(options.keep, hips.table, options.hips);
   if (options.stiffness) tell_soft_spring(options, *options.stiffness, "--stiffness");
   const UnitChange inward(hips.unit, cache.unit), outward(cache.unit, options.unit);

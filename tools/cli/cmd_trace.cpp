@@ -137,7 +137,7 @@ PointTable path_of(const TracingOptions& options, const PatchCache& cache) {
   }
   std::vector<std::string> further = options.keep;
   further.push_back("step");
-  return read_points(options.path, options.unit, further, stop_if_interrupted);
+  return read_hips(options, options.path, further);
 }
 
 void run(const TracingOptions& options) {

@@ -67,6 +67,12 @@ Mesh load_mesh(const SurfaceOptions& options, std::vector<Finding>& findings) {
                           &findings);
 }
 
+PointTable read_hips(const SurfaceOptions& options, const std::string& path,
+                     const std::vector<std::string>& further) {
+  const Watch watch(options, "read " + path);
+  return read_points(path, options.unit, further, stop_if_interrupted);
+}
+
 void add_keep_option(Command& command, std::vector<std::string>& names) {
   command.option({"--keep", "LIST", "columns of numbers to carry along, as time,id"},
                  [&names](const std::string& text) {

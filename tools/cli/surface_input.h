@@ -24,6 +24,10 @@ Mesh load_mesh(const SurfaceOptions& options, std::vector<Finding>& findings);
 // "removed faces 3,7, those behind have moved up", or "" where none is.
 std::string removed_text(const Mesh& mesh);
 
+// Points of a file, with further columns where it has them; as read_points(), with progress.
+PointTable read_hips(const SurfaceOptions& options, const std::string& path,
+                     const std::vector<std::string>& further = {});
+
 // --keep LIST: columns of numbers that go from the table that is read to the one that is written.
 void add_keep_option(Command& command, std::vector<std::string>& names);
 // The rows [begin, end) of those columns; behind all others.

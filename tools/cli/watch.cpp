@@ -8,10 +8,11 @@
 namespace gliss::tools {
 namespace {
 
-constexpr double kPatience = 0.5;  // seconds
+constexpr double kPatience = 0.4;  // seconds without a word
 
 std::mutex mutex;  // of all that is drawn
 Watch* latest = nullptr;
+Stopwatch silence;  // since the program began, or a bar was drawn
 
 }  // namespace
 
@@ -51,8 +52,10 @@ void Watch::reach(std::uint64_t done) {
 }
 
 void Watch::draw() {
-  shown_ = shown_ || clock_.seconds() > kPatience;
-  if (shown_) progress_.update(done_);
+  shown_ = shown_ || silence.seconds() > kPatience;
+  if (!shown_) return;
+  progress_.update(done_);
+  silence = {};
 }
 
 }  // namespace gliss::tools

@@ -1,4 +1,4 @@
-// Long work under way: progress once it has taken half a second, and Ctrl-C.
+// Long work under way: progress once nothing was said for half a second, and Ctrl-C.
 #pragma once
 
 #include <algorithm>
@@ -35,7 +35,6 @@ class Watch {
 
   Watch* outer_;
   Progress progress_;
-  Stopwatch clock_;
   std::uint64_t done_ = 0, total_;
   bool shown_ = false;
   const int unwinding_ = std::uncaught_exceptions();
