@@ -245,13 +245,16 @@ FN void to_gregory_triangle(GLOBAL scalar* corners, GLOBAL scalar* exact, GLOBAL
   }
 }
 
-// G_u and G_v of a patch at (u, v) of corner k.
-typedef struct {
-  real3 g, u, v;
-} table_sample;
+// Tables are made a row of nodes at a time, row j of corner k, from samples of the patch in lanes.
+// A node has three: at it, and at two places beside it, for G_uv is a difference of G_u along v,
+// inwards at the corner's sides; at the corner itself, where it depends on the direction, the mean
+// of those along both sides.
+#define TABLE_ROW_SAMPLES(r) (3 * ((r) + 1))  // those of a kind together
+#define TABLE_STEP K(0x1p-12f)
 
-FN_LARGE table_sample sample_corner(GLOBAL scalar* domain, GLOBAL scalar* exact, uint from, int n,
-                                    int k, real u, real v) {
+// Puts the place of (u, v) of corner k into rows of xi and eta.
+FN void store_place(GLOBAL scalar* domain, int n, int k, real u, real v, GLOBAL_OUT scalar* at,
+                    int stride) {
   // u (d_(k-1) + d_(k+1)) = d_(k-1) and v (d_k + d_(k-2)) = d_k: two lines.
   GLOBAL scalar* side = domain + DOMAIN_HEAD;
   GLOBAL scalar *a = side + DOMAIN_STRIDE * wrap(k - 1, n),
@@ -261,50 +264,69 @@ FN_LARGE table_sample sample_corner(GLOBAL scalar* domain, GLOBAL scalar* exact,
   const real qx = (K(1) - v) * c[0] - v * d[0], qy = (K(1) - v) * c[1] - v * d[1];
   const real p = (K(1) - K(2) * u) * domain[0], q = (K(1) - K(2) * v) * domain[0];
   const real over = K(1) / (px * qy - py * qx);
-  const real xi = (p * qy - q * py) * over, eta = (px * q - qx * p) * over;
-  const patch_point g = evaluate_form(domain, exact, from, n, xi, eta);
+  at[0] = (p * qy - q * py) * over;
+  at[stride] = (px * q - qx * p) * over;
+}
+
+FN void store_row_places(GLOBAL scalar* domain, int n, int r, int k, int j, GLOBAL_OUT scalar* at) {
+  const int stride = TABLE_ROW_SAMPLES(r);
+  const real h = K(1) / K(2 * r), step = TABLE_STEP, v = h * K(j);
+  for (int i = 0; i <= r; ++i) {
+    const real u = h * K(i);
+    GLOBAL_OUT scalar *a = at + (r + 1) + i, *b = a + (r + 1);
+    store_place(domain, n, k, u, v, at + i, stride);
+    if (j > 0) {
+      store_place(domain, n, k, u, v + step, a, stride);
+      store_place(domain, n, k, u, v - step, b, stride);
+    } else if (i > 0) {
+      store_place(domain, n, k, u + step, v, a, stride);
+      store_place(domain, n, k, u - step, v, b, stride);
+    } else {
+      store_place(domain, n, k, step, v, a, stride);
+      store_place(domain, n, k, u, step, b, stride);
+    }
+  }
+}
+
+// G_u and G_v of a patch at a place of corner k.
+typedef struct {
+  real3 g, u, v;
+} table_sample;
+
+// `rows`: what the patch is at the places (store_point).
+FN table_sample sample_at(GLOBAL scalar* domain, int n, int k, GLOBAL scalar* at,
+                          GLOBAL scalar* rows, int stride) {
+  const real xi = at[0], eta = at[stride];
   const jet ju = corner_u(domain, n, k, xi, eta).u,
             jv = corner_u(domain, n, wrap(k - 1, n), xi, eta).rest;
   const real inverse = K(1) / (ju.xi * jv.eta - ju.eta * jv.xi);
+  const real3 g_xi = make3(rows[3 * stride], rows[4 * stride], rows[5 * stride]),
+              g_eta = make3(rows[6 * stride], rows[7 * stride], rows[8 * stride]);
   table_sample r;
-  r.g = g.g;
-  r.u = mul3(inverse, fma3(jv.eta, g.g_xi, mul3(-jv.xi, g.g_eta)));
-  r.v = mul3(inverse, fma3(-ju.eta, g.g_xi, mul3(ju.xi, g.g_eta)));
+  r.g = make3(rows[0], rows[stride], rows[2 * stride]);
+  r.u = mul3(inverse, fma3(jv.eta, g_xi, mul3(-jv.xi, g_eta)));
+  r.v = mul3(inverse, fma3(-ju.eta, g_xi, mul3(ju.xi, g_eta)));
   return r;
 }
 
-// The nodes of a table of r x r cells a corner. G_uv is a difference of G_u along v, inwards at the
-// corner's sides; at the corner itself, where it depends on the direction, the mean of those along
-// both sides.
-FN void to_table(GLOBAL scalar* domain, GLOBAL scalar* exact, uint from, int n, int r,
-                 GLOBAL_OUT scalar* out) {
-  const real h = K(1) / K(2 * r), step = K(0x1p-12f);
-  for (int k = 0; k < n; ++k) {
-    for (int j = 0; j <= r; ++j) {
-      for (int i = 0; i <= r; ++i) {
-        const real u = h * K(i), v = h * K(j);
-        const table_sample at = sample_corner(domain, exact, from, n, k, u, v);
-        real3 twist;
-        if (j > 0) {
-          twist =
-              mul3(K(0.5f) / step, sub3(sample_corner(domain, exact, from, n, k, u, v + step).u,
-                                        sample_corner(domain, exact, from, n, k, u, v - step).u));
-        } else if (i > 0) {
-          twist =
-              mul3(K(0.5f) / step, sub3(sample_corner(domain, exact, from, n, k, u + step, v).v,
-                                        sample_corner(domain, exact, from, n, k, u - step, v).v));
-        } else {  // A and B of eq. 2
-          twist = mul3(K(0.5f) / step,
-                       add3(sub3(sample_corner(domain, exact, from, n, k, step, v).v, at.v),
-                            sub3(sample_corner(domain, exact, from, n, k, u, step).u, at.u)));
-        }
-        GLOBAL_OUT scalar* node = out + NODE_SAMPLES * ((k * (r + 1) + j) * (r + 1) + i);
-        store3(node, 1, at.g);
-        store3(node + 3, 1, mul3(h, at.u));
-        store3(node + 6, 1, mul3(h, at.v));
-        store3(node + 9, 1, mul3(h * h, twist));
-      }
-    }
+FN void store_row(GLOBAL scalar* domain, int n, int r, int k, int j, GLOBAL scalar* at,
+                  GLOBAL scalar* rows, GLOBAL_OUT scalar* out) {
+  const int stride = TABLE_ROW_SAMPLES(r);
+  const real h = K(1) / K(2 * r), over = K(0.5f) / TABLE_STEP;
+  for (int i = 0; i <= r; ++i) {
+    const int first = r + 1 + i, second = first + r + 1;
+    const table_sample here = sample_at(domain, n, k, at + i, rows + i, stride),
+                       a = sample_at(domain, n, k, at + first, rows + first, stride),
+                       b = sample_at(domain, n, k, at + second, rows + second, stride);
+    const real3 apart = j > 0   ? sub3(a.u, b.u)
+                        : i > 0 ? sub3(a.v, b.v)
+                                // A and B of eq. 2
+                                : add3(sub3(a.v, here.v), sub3(b.u, here.u));
+    GLOBAL_OUT scalar* node = out + NODE_SAMPLES * ((k * (r + 1) + j) * (r + 1) + i);
+    store3(node, 1, here.g);
+    store3(node + 3, 1, mul3(h, here.u));
+    store3(node + 6, 1, mul3(h, here.v));
+    store3(node + 9, 1, mul3(h * h, mul3(over, apart)));
   }
 }
 
@@ -319,13 +341,11 @@ FN ulong control_reals(uint form, uint n) {
                                            : TABLE_REALS(r));
 }
 
-// `form`: ribbon, bezier (of 3 or 4 sides) or table; but for a table `from` is exact.
-FN void to_form(GLOBAL scalar* domain, GLOBAL scalar* corners, GLOBAL scalar* exact, uint from,
-                uint form, int n, GLOBAL_OUT scalar* out) {
-  if ((form & 255u) == FORM_RIBBON) {
+// `form`: ribbon, or bezier of 3 or 4 sides.
+FN void to_form(GLOBAL scalar* corners, GLOBAL scalar* exact, uint form, int n,
+                GLOBAL_OUT scalar* out) {
+  if (form == FORM_RIBBON) {
     to_ribbon(corners, exact, n, out);
-  } else if ((form & 255u) == FORM_TABLE) {
-    to_table(domain, exact, from, n, (int)(form >> 8), out);
   } else if (n == 4) {
     to_gregory_quad(corners, exact, out);
   } else {

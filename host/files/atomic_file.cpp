@@ -144,6 +144,10 @@ void AtomicFile::flush() {
   buffer_.clear();
 }
 
+void AtomicFile::start_sync() const {
+  (void)!sync_file_range(descriptor_, 0, 0, SYNC_FILE_RANGE_WRITE);  // advice: commit() syncs
+}
+
 void AtomicFile::commit() {
   const std::string parent = folder_of(target_);  // what may fail for want of memory comes first
   flush();

@@ -29,6 +29,8 @@ class GLISS_EXPORT AtomicFile {
   // An empty file, for libraries that open by name: they must fill it in place and close it before
   // commit().
   const std::string& temporary_path() const { return temporary_; }
+  // Lets the disk begin with what is there, so that commit() waits for less.
+  void start_sync() const;
   const std::string& path() const { return path_; }  // as given, for messages
 
   void commit();  // the file is now in place, on disk; nothing may follow

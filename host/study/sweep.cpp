@@ -52,14 +52,13 @@ TouchReals reals_of(const Touch& t) {
 }
 
 Touch touch_of(const double* r) {
-  const auto count = [](double x) { return x >= 0 && x < 2147483648.0 ? static_cast<int>(x) : 0; };
   return {.touching = r[10] != 0,
           .scp = {r[0], r[1], r[2]},
           .force = {r[3], r[4], r[5]},
           .residual_angle = r[6],
-          .iterations = count(r[7]),
-          .crossings = count(r[8]),
-          .flags = static_cast<std::uint32_t>(count(r[9]))};
+          .iterations = static_cast<int>(r[7]),
+          .crossings = static_cast<int>(r[8]),
+          .flags = static_cast<std::uint32_t>(r[9])};
 }
 
 // Their pushes come where their forces are to be.
@@ -288,7 +287,10 @@ class Sweeper {
       for (std::size_t m = 0; m < methods; ++m) {
         const Touch& t = window.touch(m, chosen[i]);
         const Contact& contact = contacts[m * chosen.size() + i];
-        if (!agree(t.scp, contact.scp, depth) || !agree(t.force, contact.push, depth)) return false;
+        if (!agree(t.scp, contact.scp, depth) || !agree(t.force, contact.push, depth) ||
+            std::isfinite(t.residual_angle) != std::isfinite(contact.residual_angle)) {
+          return false;
+        }
       }
     }
     return true;

@@ -222,6 +222,11 @@ bool SweepParts::is_in_range(const SweepPart& part) const {
       return false;
     }
   }
+  for (std::size_t i = 0; i < part.contacts.size(); ++i) {
+    const double x = part.contacts[i];
+    const bool is_count = i % SweepPart::kContactReals >= SweepPart::kContactCounts;
+    if (is_count && !(x >= 0 && x < 0x1p31 && x == std::floor(x))) return false;
+  }
   return std::all_of(part.blocks.begin(), part.blocks.end(),
                      [&](const SweepBlock& block) { return gliss::is_in_range(block, cache_); });
 }

@@ -22,10 +22,10 @@ struct SweepPart {
   std::vector<SweepBlock> blocks;
   std::size_t chunks = 0;
   // Chunks behind these that were under way, and what was found of their first HIPs, in the sweep's
-  // own form: reals[HIP][method][kContactReals].
+  // own form: reals[HIP][method][kContactReals], of which the last are whole numbers from 0 on.
   std::size_t begun = 0;
   std::vector<double> contacts;
-  static constexpr std::size_t kContactReals = 11;
+  static constexpr std::size_t kContactReals = 11, kContactCounts = 7;  // where those begin
 };
 
 // A part is a file of its own that is there as a whole or not at all, with a checksum. Its name

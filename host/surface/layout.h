@@ -17,6 +17,7 @@ inline constexpr std::size_t kSideReals = SIDE_REALS, kPatchReals = PATCH_REALS,
 inline constexpr std::uint32_t kFormPaper = FORM_PAPER, kFormRibbon = FORM_RIBBON,
                                kFormBezier = FORM_BEZIER, kFormTable = FORM_TABLE,
                                kFormSextic = FORM_SEXTIC, kFormCurved = FORM_CURVED;
+static_assert(kMostTableCells == TABLE_MOST_CELLS);
 inline constexpr std::uint32_t kMostFairSides = FAIR_MOST_SIDES;
 inline constexpr std::uint32_t kFormsUnited = 256;  // among bits of forms: parts overlap
 inline constexpr std::uint32_t kFormMask = 255;     // above it, the r of a table

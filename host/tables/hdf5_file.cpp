@@ -69,17 +69,18 @@ class Hdf5File final : public ResultFile {
     if (rows == 0) return;
     open_datasets(id);
     const hsize_t total = table.rows + rows;
-    const Handle memory(H5Screate_simple(1, &rows, nullptr), H5Sclose, action_);
+    // Chunks that are full go to disk, so that a full disk is noticed now. Those of a column lie
+    // together, behind the indexes of all columns, which the first rows make.
+    const bool full = total / table.chunk > table.rows / table.chunk;
     for (std::size_t c = 0; c < block.size(); ++c) {
       check(H5Dset_extent(datasets_[c], &total));
-      const Handle space(H5Dget_space(datasets_[c]), H5Sclose, action_);
-      check(H5Sselect_hyperslab(space, H5S_SELECT_SET, &table.rows, nullptr, &rows, nullptr));
-      write_block(datasets_[c], table.columns[c].type, memory, space, block[c]);
+      write_block(datasets_[c], table, table.columns[c].type, rows, block[c]);
+      if (full && table.rows > 0) check(H5Dflush(datasets_[c]));
     }
-    // Chunks that are full go to disk, so that a full disk is noticed now.
-    const bool full = total / table.chunk > table.rows / table.chunk;
     table.rows = total;
-    if (full) check(H5Fflush(file_, H5F_SCOPE_GLOBAL));
+    if (!full) return;
+    check(H5Fflush(file_, H5F_SCOPE_GLOBAL));
+    output_.start_sync();
   }
 
   void set_attribute(const Attribute& attribute) override {
@@ -157,7 +158,7 @@ class Hdf5File final : public ResultFile {
     datasets_.clear();
   }
 
-  void write_block(hid_t dataset, ColumnType type, hid_t memory, hid_t space,
+  void write_block(hid_t dataset, const Table& table, ColumnType type, hsize_t rows,
                    const ColumnData& data) const {
     std::string texts;
     const void* values =
@@ -170,8 +171,29 @@ class Hdf5File final : public ResultFile {
       }
       values = texts.data();
     }
-    check(H5Dwrite(dataset, hdf5::representation(type).in_memory, memory, space, H5P_DEFAULT,
-                   values));
+    write_rows(dataset, table, hdf5::representation(type), rows, static_cast<const char*>(values));
+  }
+
+  // Writes rows behind those that the table has. A whole chunk that is in the file as it is in
+  // memory goes there at once: HDF5 would fill one of its own with zeros, and copy it there.
+  void write_rows(hid_t dataset, const Table& table, const hdf5::Representation& type, hsize_t rows,
+                  const char* values) const {
+    const hsize_t total = table.rows + rows;
+    const bool as_is =
+        table.rows > 0 && !type.compressed && check(H5Tequal(type.in_file, type.in_memory)) > 0;
+    for (hsize_t begin = table.rows, end; begin < total; begin = end) {
+      end = as_is ? std::min(total, (begin / table.chunk + 1) * table.chunk) : total;
+      const hsize_t count = end - begin, bytes = count * H5Tget_size(type.in_memory);
+      if (as_is && count == table.chunk) {
+        check(H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, &begin, bytes, values));
+      } else {
+        const Handle memory(H5Screate_simple(1, &count, nullptr), H5Sclose, action_);
+        const Handle space(H5Dget_space(dataset), H5Sclose, action_);
+        check(H5Sselect_hyperslab(space, H5S_SELECT_SET, &begin, nullptr, &count, nullptr));
+        check(H5Dwrite(dataset, type.in_memory, memory, space, H5P_DEFAULT, values));
+      }
+      values += bytes;
+    }
   }
 
   AtomicFile output_;  // first in, last out: removes the temporary after HDF5 has closed it

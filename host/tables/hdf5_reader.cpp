@@ -157,10 +157,10 @@ std::size_t Hdf5Reader::rows(const std::string& column) const {
   return open(column).rows;
 }
 
-std::vector<double> Hdf5Reader::numbers(const std::string& column, std::size_t stride) const {
+LargeArray<double> Hdf5Reader::numbers(const std::string& column, std::size_t stride) const {
   hdf5::Quiet quiet;
   const Dataset d = open(column);
-  std::vector<double> values((d.rows + stride - 1) / stride);
+  LargeArray<double> values((d.rows + stride - 1) / stride);
   for (hsize_t begin = 0, next = 0; begin < d.rows; begin += d.block) {
     poll();
     const hsize_t end = std::min(d.rows, begin + d.block);

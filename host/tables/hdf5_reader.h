@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "gliss/base/large_array.h"
+
 namespace gliss {
 
 namespace hdf5 {
@@ -27,7 +29,7 @@ class Hdf5Reader {
   bool has(const std::string& name) const;  // "ticks/x"
   std::size_t rows(const std::string& column) const;
   // A column's entries in every `stride`-th row, from the first.
-  std::vector<double> numbers(const std::string& column, std::size_t stride = 1) const;
+  LargeArray<double> numbers(const std::string& column, std::size_t stride = 1) const;
   // Texts of a fixed length alone: of others, which HDF5 cannot read safely, a column is refused
   // and an attribute is taken for none.
   std::vector<std::string> texts(const std::string& column) const;

@@ -35,7 +35,7 @@ std::string TableRequest::wanted() const {
   return fmt::format("{}", fmt::join(all, " or "));
 }
 
-const std::vector<double>* InputTable::find(std::string_view name) const {
+const LargeArray<double>* InputTable::find(std::string_view name) const {
   return find_in(names_, values_, name);
 }
 
@@ -86,7 +86,7 @@ class TableColumns {
   void add(const std::string& name) {
     table_.names_.push_back(name);
     table_.units_.push_back(file_.unit(name).value_or(""));
-    const std::vector<double>& values = table_.values_.emplace_back(file_.numbers(name));
+    const LargeArray<double>& values = table_.values_.emplace_back(file_.numbers(name));
     set_rows(name, values.size());
     const auto bad =
         std::find_if_not(values.begin(), values.end(), [](double x) { return std::isfinite(x); });

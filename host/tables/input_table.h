@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "gliss/base/export.h"
+#include "gliss/base/large_array.h"
 
 namespace gliss {
 
@@ -39,7 +40,7 @@ class GLISS_EXPORT InputTable {
   std::size_t alternative = 0;  // index of the one that was read
 
   // Null where the column was not asked for or is an optional one that the file lacks.
-  const std::vector<double>* find(std::string_view name) const;
+  const LargeArray<double>* find(std::string_view name) const;
   const std::vector<std::string>* find_text(std::string_view name) const;
   // The unit of a column, "mm"; empty where the file names none, as no CSV does.
   std::string unit(std::string_view name) const;
@@ -53,7 +54,7 @@ class GLISS_EXPORT InputTable {
   std::string source_;
   std::size_t first_line_ = 0;  // 0: the file has no lines
   std::vector<std::string> names_, units_;
-  std::vector<std::vector<double>> values_;
+  std::vector<LargeArray<double>> values_;
   std::vector<std::string> text_names_;
   std::vector<std::vector<std::string>> texts_;
 };

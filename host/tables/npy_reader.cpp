@@ -259,7 +259,7 @@ class NpyTable {
       refuse(
           fmt::format("column '{}': '{}' is no type of little-endian numbers", name, field.descr));
     table_.names_.push_back(name);
-    std::vector<double>& values = table_.values_.emplace_back();
+    LargeArray<double>& values = table_.values_.emplace_back();
     values.reserve(table_.rows);
     for (std::size_t row = 0; row < table_.rows; ++row) {
       poll_();

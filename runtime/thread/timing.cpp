@@ -26,15 +26,20 @@ void DurationHistogram::add(Nanoseconds duration) noexcept {
 }
 
 Nanoseconds DurationHistogram::quantile(double q) const {
-  const auto wanted = static_cast<std::uint64_t>(std::ceil(q * static_cast<double>(count_)));
-  std::uint64_t seen = 0;
-  for (std::size_t bin = 0; bin < bins_.size(); ++bin) {
-    seen += bins_[bin];
-    if (seen >= wanted && seen > 0) {
-      return std::min(max_, Nanoseconds(static_cast<std::int64_t>(longest_of(bin))));
+  auto rank = static_cast<std::uint64_t>(std::ceil(q * static_cast<double>(count_)));
+  if (rank >= count_) return max_;
+  rank -= rank > 0 ? 1 : 0;  // from 0
+  std::uint64_t shortest = 0;
+  for (std::size_t bin = 0;; shortest = longest_of(bin++) + 1) {
+    if (rank >= bins_[bin]) {
+      rank -= bins_[bin];
+      continue;
     }
+    const std::uint64_t width = longest_of(bin) + 1 - shortest;
+    const double share = static_cast<double>(rank) / static_cast<double>(bins_[bin]);
+    return Nanoseconds(static_cast<std::int64_t>(
+        shortest + static_cast<std::uint64_t>(share * static_cast<double>(width))));
   }
-  return max_;
 }
 
 std::vector<DurationHistogram::Bin> DurationHistogram::bins() const {

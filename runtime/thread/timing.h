@@ -24,7 +24,7 @@ class GLISS_EXPORT DurationHistogram {
   void add(Nanoseconds duration) noexcept;  // negative: as 0
   std::uint64_t count() const { return count_; }
   Nanoseconds max() const { return max_; }
-  // The longest of the bin that holds it, never above max(); 0 where there is none.
+  // Interpolated within the bin that holds it, never above max(); 0 where there is none.
   Nanoseconds quantile(double q) const;
   // The bins that hold any, shortest first: the longest duration of the bin, and how many.
   struct Bin {

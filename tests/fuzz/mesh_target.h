@@ -44,7 +44,10 @@ inline int read_mesh(void (*read)(std::string_view, Mesh&, Report&), std::string
     try {
       read(text, mesh, report);
     } catch (const MeshError&) {
-      require(!findings.empty() && findings.back().severity == Severity::kError, "a finding");
+      const auto is_error = [](const Finding& finding) {
+        return finding.severity == Severity::kError;
+      };
+      require(std::any_of(findings.begin(), findings.end(), is_error), "a finding that says why");
       return 0;
     }
     validated(mesh, {.strict = strict, .weld = strict ? -1 : 0.25}, report);

@@ -614,9 +614,10 @@ TEST(Friction, lets_a_mass_in_a_hand_come_to_rest) {
           if (i >= 3000 && i % 1000 == 0) {
             const double energy =
                 mass.energy(grip) + energy_of(cache, contact, mass.x / cache.unit);
-            if (i > 3000)
+            if (i > 3000) {
               ASSERT_LE(energy, last * (1 + 1e-9) + 1e-12)
                   << mu << ", " << force << " N, " << t << " s";
+            }
             last = energy;
           }
           mass.tick(grip, felt);

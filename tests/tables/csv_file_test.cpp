@@ -12,6 +12,7 @@ namespace gliss {
 namespace {
 
 using test::ScratchFolder;
+using testing::ElementsAreArray;
 
 void write_csv(const std::string& path, const std::vector<Column>& columns,
                const std::vector<ColumnData>& block) {
@@ -40,11 +41,11 @@ TEST(CsvFile, NumbersReadBackAsTheSameBits) {
             {std::span<const double>(doubles), std::span<const float>(floats),
              std::span<const std::uint32_t>(integers), std::span<const std::uint8_t>(bytes)});
   const InputTable table = read_csv(folder / "r.csv", {.alternatives = {{"a", "b", "c", "d"}}});
-  EXPECT_EQ(*table.find("a"), doubles);
-  const std::vector<double>& b = *table.find("b");  // its digits name a float, not a double
+  EXPECT_THAT(*table.find("a"), ElementsAreArray(doubles));
+  const auto& b = *table.find("b");  // its digits name a float, not a double
   EXPECT_EQ(std::vector<float>(b.begin(), b.end()), floats);
-  EXPECT_EQ(*table.find("c"), std::vector<double>(integers.begin(), integers.end()));
-  EXPECT_EQ(*table.find("d"), std::vector<double>(bytes.begin(), bytes.end()));
+  EXPECT_THAT(*table.find("c"), ElementsAreArray(integers));
+  EXPECT_THAT(*table.find("d"), ElementsAreArray(bytes));
 }
 
 TEST(CsvFile, QuotesOnlyWhatNeedsIt) {

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
@@ -120,6 +121,28 @@ TEST(ResultFile, SameResultsAreTheSameBytes) {
   write_tables(folder / "b.hdf5");
   EXPECT_EQ(folder.read("a.h5"), folder.read("b.hdf5"));
   EXPECT_FALSE(folder.read("a.h5").empty());
+}
+
+// Chunks have 16,384 rows: some blocks end one, some are many, some begin and end within.
+TEST(ResultFile, Hdf5KeepsRowsOfBlocksOfAnySize) {
+  const ScratchFolder folder;
+  std::size_t rows = 0;
+  {
+    const auto file = create_result_file(folder / "r.h5");
+    const auto table = file->add_table("", kColumns);
+    for (const std::size_t block : {16384, 100, 50000, 15436, 32768, 16383, 1, 1}) {
+      file->append(table, Rows(block, rows).block());
+      rows += block;
+    }
+    file->close();
+  }
+  const Rows all(rows);
+  const Hdf5Reader read(folder / "r.h5", "a result");
+  EXPECT_TRUE(std::ranges::equal(read.numbers("force"), all.force));
+  EXPECT_TRUE(std::ranges::equal(read.numbers("depth"), all.depth));
+  EXPECT_TRUE(std::ranges::equal(read.numbers("patch"), all.patch));
+  EXPECT_TRUE(std::ranges::equal(read.numbers("flag"), all.flag));
+  EXPECT_EQ(read.texts("label"), all.label);
 }
 
 TEST(ResultFile, BlocksThatDoNotFitAreRefused) {

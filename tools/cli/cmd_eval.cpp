@@ -1,6 +1,7 @@
 // gliss eval: points, derivatives and normals of patches. Its columns are a contract.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <span>
@@ -26,36 +27,22 @@ void describe(Command& command, EvalOptions& options) {
   add_keep_option(command, options.keep);
 }
 
-// The table keeps xi and eta.
-struct DomainPoints {
-  InputTable table;
-  std::vector<std::uint32_t> face;
-
-  // Points [begin, end).
-  PointArrays<double> arrays(std::size_t begin, std::size_t end) const {
-    return {
-        end - begin, {&face[begin]}, {&(*table.find("xi"))[begin]}, {&(*table.find("eta"))[begin]}};
-  }
-};
-
-DomainPoints read_domain_points(const EvalOptions& options, const PatchCache& cache) {
-  DomainPoints points;
+// The patches of the table, all of them faces of the cache, and xi and eta in their domains.
+InputTable read_domain_points(const EvalOptions& options, const PatchCache& cache) {
   const Watch watch(options, "read " + options.points);
-  points.table = read_table(options.points, {.alternatives = {{"patch", "xi", "eta"}},
-                                             .optional = options.keep,
-                                             .poll = stop_if_interrupted});
-  check_kept(options.keep, points.table, options.points);
-  const InputTable& table = points.table;
+  InputTable table = read_table(options.points, {.alternatives = {{"patch", "xi", "eta"}},
+                                                 .optional = options.keep,
+                                                 .poll = stop_if_interrupted});
+  check_kept(options.keep, table, options.points);
   const auto &patch = *table.find("patch"), &xi = *table.find("xi"), &eta = *table.find("eta");
   const auto refuse = [&](std::size_t row, const std::string& problem) {
     throw CsvError(fmt::format("{}: {}", table.place(row), problem));
   };
-  points.face.resize(table.rows);
   for (std::size_t i = 0; i < table.rows; ++i) {
     if (!(patch[i] >= 0 && patch[i] < cache.mesh_face_count) || patch[i] != std::floor(patch[i])) {
       refuse(i, fmt::format("no patch {}; they are 0 to {}", patch[i], cache.mesh_face_count - 1));
     }
-    const DomainPoint point{points.face[i] = static_cast<std::uint32_t>(patch[i]), xi[i], eta[i]};
+    const DomainPoint point{static_cast<std::uint32_t>(patch[i]), xi[i], eta[i]};
     if (cache.face_patch[point.face] == kNone) {
       refuse(i, fmt::format("patch {} is not in this cache of a region", patch[i]));
     }
@@ -64,7 +51,7 @@ DomainPoints read_domain_points(const EvalOptions& options, const PatchCache& ca
                             eta[i], patch[i], cache.face_valence[point.face]));
     }
   }
-  return points;
+  return table;
 }
 
 // Three columns of a table, rows of which are under way.
@@ -84,7 +71,8 @@ void run(const EvalOptions& options) {
   check_outputs({options.output}, {options.surface, options.points});
   const auto engine = make_engine(options);
   const PatchCache cache = open_surface(options, *engine);
-  const DomainPoints points = read_domain_points(options, cache);
+  const InputTable points = read_domain_points(options, cache);
+  const auto &patch = *points.find("patch"), &xi = *points.find("xi"), &eta = *points.find("eta");
   const UnitChange length(cache.unit, options.unit);
   const auto file = create_described_file(options.output, cache, options);
   Columns columns;
@@ -96,31 +84,31 @@ void run(const EvalOptions& options) {
   ResultTable table(*file, "", add_kept(columns, options.keep));
   const Stopwatch clock;
   const auto surface = engine->reside(cache);
-  for_blocks(options, "eval", points.table.rows, "points",
-             [&](std::size_t begin, std::size_t end, Watch&) {
-               const std::size_t rows = end - begin;
-               const PointArrays<double> asked = points.arrays(begin, end);
-               table.fill(rows, [&](std::size_t i) { return asked.face[i]; });
-               table.fill(rows, [&](std::size_t i) { return asked.xi[i]; });
-               table.fill(rows, [&](std::size_t i) { return asked.eta[i]; });
-               const VectorColumns position = extend_vectors(table, rows),
-                                   d_xi = extend_vectors(table, rows),
-                                   d_eta = extend_vectors(table, rows),
-                                   normal = extend_vectors(table, rows);
-               surface->evaluate(asked, {vectors_of(position), vectors_of(d_xi), vectors_of(d_eta),
-                                         vectors_of(normal)});
-               for (const VectorColumns& vectors : {position, d_xi, d_eta}) {
-                 for (const auto& column : vectors) {
-                   for (double& x : column) x = length(x);
-                 }
-               }
-               fill_kept(table, options.keep, points.table, begin, end);
-               table.write();
-             });
+  for_blocks(
+      options, "eval", points.rows, "points", [&](std::size_t begin, std::size_t end, Watch&) {
+        const std::size_t rows = end - begin;
+        const auto face = table.extend<std::uint32_t>(rows);
+        std::copy_n(&patch[begin], rows, face.begin());
+        table.fill(rows, [&](std::size_t i) { return xi[begin + i]; });
+        table.fill(rows, [&](std::size_t i) { return eta[begin + i]; });
+        const VectorColumns position = extend_vectors(table, rows),
+                            d_xi = extend_vectors(table, rows), d_eta = extend_vectors(table, rows),
+                            normal = extend_vectors(table, rows);
+        surface->evaluate(
+            {rows, {face.data()}, {&xi[begin]}, {&eta[begin]}},
+            {vectors_of(position), vectors_of(d_xi), vectors_of(d_eta), vectors_of(normal)});
+        for (const VectorColumns& vectors : {position, d_xi, d_eta}) {
+          for (const auto& column : vectors) {
+            for (double& x : column) x = length(x);
+          }
+        }
+        fill_kept(table, options.keep, points, begin, end);
+        table.write();
+      });
   file->close();
   const double seconds = clock.seconds();
-  report(options, fmt::format("{} points, {:.2f} s\n", points.table.rows, seconds),
-         {{"points", points.table.rows}, {"seconds", seconds}}, options.output == "-");
+  report(options, fmt::format("{} points, {:.2f} s\n", points.rows, seconds),
+         {{"points", points.rows}, {"seconds", seconds}}, options.output == "-");
 }
 
 }  // namespace

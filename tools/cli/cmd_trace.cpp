@@ -50,7 +50,7 @@ void describe(Command& command, TracingOptions& options) {
 }
 
 // Whole steps are written as such: 100000, where the shortest double would be 1e+05.
-ColumnType step_type(const std::vector<double>* steps) {
+ColumnType step_type(const LargeArray<double>* steps) {
   const auto whole = [](double s) { return s >= 0 && s < 4294967296.0 && s == std::floor(s); };
   return steps == nullptr || std::all_of(steps->begin(), steps->end(), whole)
              ? ColumnType::kUint32
@@ -87,7 +87,7 @@ void write(const std::vector<Row>& rows, const TracingOptions& options, const Un
     table.fill(count, [&](std::size_t i) { return grip_name(rows[i].felt.contact); });
   }
   for (const std::string& name : options.keep) {
-    const std::vector<double>& values = *path.find(name);
+    const LargeArray<double>& values = *path.find(name);
     table.fill(count, [&](std::size_t i) { return values[rows[i].tick]; });
   }
   table.write();
@@ -164,7 +164,7 @@ void run(const TracingOptions& options) {
   const PatchCache cache = open_surface(options, *engine);
   const PointTable path = path_of(options, cache);
   check_kept(options.keep, path.table, options.path);
-  const std::vector<double>* steps = path.table.find("step");
+  const LargeArray<double>* steps = path.table.find("step");
   const UnitChange across(path.unit, options.unit);
   tell_soft_spring(options, options.trace.stiffness, "--stiffness");
   // As the loop has it: by way of metres, so that the forces have the same bytes.

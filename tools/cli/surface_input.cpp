@@ -88,7 +88,7 @@ Columns& add_kept(Columns& columns, const std::vector<std::string>& names) {
 void fill_kept(ResultTable& table, const std::vector<std::string>& names, const InputTable& from,
                std::size_t begin, std::size_t end) {
   for (const std::string& name : names) {
-    const std::vector<double>& values = *from.find(name);
+    const LargeArray<double>& values = *from.find(name);
     table.fill(end - begin, [&](std::size_t i) { return values[begin + i]; });
   }
 }

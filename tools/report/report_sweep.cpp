@@ -19,7 +19,7 @@ class SampleReader {
   SampleReader(const Hdf5Reader& file, const ReportSource& source, std::size_t columns)
       : file_(file), source_(source), share_(source.bytes / columns) {}
 
-  std::vector<double> column(const std::string& name, std::size_t stride) const {
+  LargeArray<double> column(const std::string& name, std::size_t stride) const {
     auto values = file_.numbers(name, stride);
     source_.watch.add(share_);
     return values;

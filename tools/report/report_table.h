@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "gliss/base/large_array.h"
 #include "tools/report/report_source.h"
 
 namespace gliss::tools {
@@ -15,7 +16,7 @@ struct ReportTable {
   TickTable kind{};
   Json origin = Json::object();  // what the file says of itself; CSV: nothing
   std::size_t rows = 0;
-  std::map<std::string, std::vector<double>> numbers;  // those of the optional ones that it has
+  std::map<std::string, LargeArray<double>> numbers;  // those of the optional ones that it has
   std::map<std::string, std::vector<std::string>> texts;
 
   bool has(const char* name) const { return numbers.count(name) != 0; }
