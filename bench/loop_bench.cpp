@@ -1,5 +1,6 @@
 // The loop's tick on the knot of 1,440 quads, 2 mm beneath its surface, 0.15 mm a tick: device,
-// tracker, guard. Back to back, and woken 1000 times a second, when its memory has gone cold.
+// tracker, guard. Back to back, and woken 1000 times a second, when its memory has gone cold; and
+// with friction, under which nearly every tick slips.
 #include <benchmark/benchmark.h>
 
 #include "bench/benches.h"
@@ -14,7 +15,7 @@ namespace {
 constexpr double kDepth = 2, kStep = 0.15;  // mm
 constexpr std::size_t kTicks = 100000, kWokenTicks = 5000;
 
-void loop(benchmark::State& state, Precision precision, bool woken) {
+void loop(benchmark::State& state, Precision precision, bool woken, FrictionOptions friction) {
   const Generated knot = torus_knot();
   const std::vector<Vec3> round = path_beneath(knot, 120, 12, kDepth, kStep);
   std::vector<Vec3> path;
@@ -22,6 +23,7 @@ void loop(benchmark::State& state, Precision precision, bool woken) {
     path.push_back(round[i % round.size()] * knot.mesh.unit);
   SceneObject object;
   object.cache = std::make_shared<PatchCache>(make_setup(precision, 1).cache);
+  object.friction = friction;
   DurationHistogram compute, wake;
   for (auto _ : state) {
     ReplayDevice device(path);
@@ -52,8 +54,11 @@ void register_loop() {
     for (const bool woken : {false, true}) {
       const std::string name =
           "loop/exact/" + name_of(p) + "/4/" + (woken ? "woken_1kHz" : "back_to_back");
-      benchmark::RegisterBenchmark(name.c_str(), loop, p, woken)->UseRealTime();
+      benchmark::RegisterBenchmark(name.c_str(), loop, p, woken, FrictionOptions{})->UseRealTime();
     }
+    const std::string name = "loop/exact/" + name_of(p) + "/4/friction";
+    benchmark::RegisterBenchmark(name.c_str(), loop, p, false, FrictionOptions{0.5, 0.3})
+        ->UseRealTime();
   }
 }
 

@@ -43,7 +43,7 @@ function makeResults() {
   run(gliss, 'sweep', 'knot.obj', '--depth', '2mm,4mm', '--samples', '90000', '--unit', 'mm', '-o', 'knot.h5', '--quiet');
   writeFileSync(join(folder, 'path.csv'), run('python3', join(sources, 'tools', 'knot_path.py')));
   run(gliss, 'trace', 'knot.obj', '--path', 'path.csv', '--unit', 'mm', '-o', 'knot_forces.csv', '--quiet');
-  run(gliss, 'trace', 'knot.obj', '--path', 'path.csv', '--unit', 'mm', '-o', 'path.h5', '--quiet');
+  run(gliss, 'trace', 'knot.obj', '--path', 'path.csv', '--unit', 'mm', '--friction', '0.5,0.3', '-o', 'path.h5', '--quiet');
   writeFileSync(join(folder, 'scene.toml'), `[[object]]
 name = "knot"
 mesh = "knot.obj"
@@ -240,6 +240,7 @@ async function checkCharts(page) {
   for (const [label, told] of [['Distribution of the step across edges, 2mm', /to [^]* N[^]*%/], ['largest error of force, share of k d over tick', /level \w+, \w+/],
     ['Distribution: Computing', /µs[^]*%/], ['Time a sample over samples', /samples[^]*a sample\s+\d+ ns/],
     ['Force along the path', /Tick \d+[^]*Flat polygons\s+[\d.]+ N[^]*Gregory patches\s+[\d.]+ N/],
+    ['Share of the friction cone', /Tick \d+[^]*Flat polygons\s+[\d.]+[^]*Gregory patches\s+[\d.]+/],
     ['Memory a polygon over polygons', /polygons[^]*cache[^]*bytes a polygon/], ['Force over time', / s[^]*rendered[^]*sent/]]) {
     const chart = `[aria-label*="${label}"]`;
     await center(page, chart);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
+#include <string>
 
 #include "gliss/base/plain_arithmetic.h"
 #include "gliss/query/force_statistics.h"
@@ -29,7 +31,8 @@ class ContactTracker::Tick {
         state_(*std::get_if<RawContact<Real>>(&tracker.state_)),
         hip_(hip),
         on_surface_(1e-6 / cache_.scale),
-        glide_(0x1p-12 / cache_.scale) {}
+        glide_(0x1p-12 / cache_.scale),
+        rounding_(2 * double{std::numeric_limits<Real>::epsilon()} / cache_.scale) {}
 
   Contact run() {
     if (t_.options_.settle <= 0 || !hip_.allFinite() || t_.is_clear(hip_)) return follow();
@@ -42,6 +45,8 @@ class ContactTracker::Tick {
       t_.felt_.begin(hip_, now);
       return now;
     }
+    if (t_.friction_.is_on() && is_touching(last))
+      t_.felt_.allow(t_.friction_.slack(t_.felt_.way()));
     if (is_touching(last) && t_.felt_.is_leap(now.push)) {
       const Vec3 was = vector_of(last, kContactPush);
       if (t_.felt_.is_leap(was, now.push)) now = slide(last, was, now);
@@ -50,26 +55,47 @@ class ContactTracker::Tick {
     return now;
   }
 
+  // The tick of a contact that another tracker had, at a point of the surface.
+  Contact take_over(const DomainPoint& start, const Friction* friction) {
+    place_at(place_of(cache_, s_, start), state_);
+    const Vec3 lag =
+        friction != nullptr && friction->has_grip() ? friction->lag() : Vec3(Vec3::Zero());
+    const RawHip<Real> there = raw_hip<Real>(cache_, hip_ + lag);
+    kernels<Real>().track(s_, t_.options_.method, options_, &there, 1, &state_);
+    if (hip_.allFinite()) {
+      t_.last_ = hip_;
+      t_.clear_ = 0;
+    }
+    if (!t_.friction_.is_on()) return contact_of(cache_, s_, state_);
+    begin_friction();
+    if (!lag.isZero(0) && t_.friction_.has_grip()) {
+      t_.friction_ = *friction;
+      const Contact to = contact_of(cache_, s_, state_);
+      const Vec3 offset = to.scp - hip_;
+      state_ = dragged(state_, offset, axis_of(to, offset - lag), friction->slips());
+    }
+    return contact(state_);
+  }
+
  private:
   // The tick without settling.
   Contact follow() {
     const bool was_touching = t_.follows();
-    const double moved = (hip_ - t_.last_).norm();
+    double moved = (hip_ - t_.last_).norm();
     if (!hip_.allFinite() || t_.is_clear(hip_)) return look_only();
     if (!was_touching) {
       const RawContact<Real> end = nearest(hip_, left() / 2);
       return t_.clear_ < 0 ? accept(end) : arrive(end);
     }
-    RawContact<Real> next = state_;
-    kernels<Real>().tick(s_, t_.options_.method, within(left() / 2), raw_hip<Real>(cache_, hip_),
-                         &next);
-    spent_ += evaluations_of(next);
+    const bool has_grip = t_.friction_.has_grip();
+    const RawContact<Real> next = has_grip ? drag() : follow_to(state_, hip_);
     if (is_touching(next)) return is_unfinished(next) && hold() ? contact(state_) : accept(next);
+    if (has_grip) moved += t_.friction_.slack(moved);
+    is_dragged_ = false;
     const Contact gone = contact_of(cache_, s_, next);
     const RawContact<Real> end = nearest(hip_, left() / 2);
     // A HIP that has come out within this tick is no farther from the surface than it has moved.
-    const bool is_out =
-        (next.uints[kContactFlags] & kOnBorder) != 0 || gone.distance <= moved + on_surface_;
+    const bool is_out = is_on_border(next) || gone.distance <= moved + on_surface_;
     if (!is_out && is_touching(end)) return accept(end);
     // No surface lies between the last HIP and this one: it has not come out, whatever the sheets
     // say that lie nearest where a surface folds over itself.
@@ -79,6 +105,74 @@ class ContactTracker::Tick {
     t_.clear_ = 0;
     t_.behind_ = false;
     return arrive(end);
+  }
+
+  // The contact that follows the surface from `from` as the HIP, or what stands for it, goes there.
+  RawContact<Real> follow_to(RawContact<Real> from, const Vec3& there) {
+    kernels<Real>().tick(s_, t_.options_.method, within(left() / 2), raw_hip<Real>(cache_, there),
+                         &from);
+    spent_ += evaluations_of(from);
+    return from;
+  }
+
+  // A tick in contact with friction. The contact point stays where the HIP is in its cone. Else it
+  // is the nearest point to a slider that lags behind the HIP, by the tangential part of the push:
+  // a lag that is corrected until it meets the cone at the point found. The point comes nearer to
+  // the HIP, or else goes without friction. Ends free where the slider has come out.
+  RawContact<Real> drag() {
+    Friction& friction = t_.friction_;
+    const Vec3 offset = contact_of(cache_, s_, state_).scp - hip_;
+    const bool was_on_border = is_on_border(state_);
+    if (friction.holds(offset, was_on_border))
+      return dragged(state_, offset, friction.axis(), false);
+    friction.narrow();
+    Vec3 lag = friction.lag_within(offset, was_on_border);
+    const double most = lag.norm();
+    RawContact<Real> next = follow_to(state_, hip_ + lag);
+    for (int i = 1;; ++i) {
+      const Contact to = contact_of(cache_, s_, next);
+      const Vec3 there = to.scp - hip_, out = there - lag;
+      const bool on_border = is_on_border(next);
+      if (!to.touching && !on_border) return next;
+      const Vec3 axis = axis_of(to, out);
+      const double factor = friction.lag_factor(there, out, axis, on_border);
+      if (lag.isZero(0)) return dragged(next, there, axis, true);
+      if (!(there.norm() <= offset.norm() + rounding_ && there.dot(axis) > 0)) {
+        lag.setZero();
+        next = state_;
+      } else if (i < kDrags && std::abs(factor - 1) > kConeError) {
+        lag *= std::min(factor, most / lag.norm());
+        next.warmth[3] = next.warmth[4] = 0;
+      } else {
+        return dragged(next, there, axis, true);
+      }
+      next = follow_to(next, hip_ + lag);
+    }
+  }
+  // The contact with friction at `there`, whose offset from the HIP is another than that from the
+  // slider.
+  RawContact<Real> dragged(RawContact<Real> there, const Vec3& offset, const Vec3& axis,
+                           bool slips) {
+    Vec3 push = t_.friction_.feel(offset, axis, slips, is_on_border(there));
+    if (t_.options_.method == Method::kShaded) push += push.dot(axis) * (normal_of(there) - axis);
+    store(there, offset, push);
+    there.uints[kContactState] = !push.isZero(0);
+    std::uint32_t& flags = there.uints[kContactFlags];
+    flags = (flags & ~(kSettling | kSlipping)) | (slips ? kSlipping : kConverged);
+    const bool goes_on = there.uints[kContactPatch] == state_.uints[kContactPatch];
+    for (std::size_t i = 0; i < 2; ++i)
+      there.warmth[3 + i] =
+          goes_on ? there.reals[kContactXi + i] - state_.reals[kContactXi + i] : 0;
+    is_dragged_ = true;
+    return there;
+  }
+  // The direction in which a contact pushes without friction: `out` goes there from the HIP, or its
+  // slider. Of smooth patches it is the normal, with less rounding.
+  Vec3 axis_of(const Contact& to, const Vec3& out) const {
+    const bool is_smooth = t_.options_.method == Method::kGregory && (to.flags & kOnCrease) == 0;
+    const double length = out.norm();
+    return is_smooth || (to.flags & kOnBorder) != 0 || !(length > 0) ? to.normal
+                                                                     : Vec3(out / length);
   }
 
   // Takes the contact point from where it was towards where it leapt: downhill over the surface, or
@@ -110,19 +204,28 @@ class ContactTracker::Tick {
   // The tick ends with the SCP at a place that is not the nearest.
   Contact rest(RawContact<Real> there, const Vec3& offset, const Vec3& normal) {
     const Vec3 push = t_.options_.method == Method::kShaded ? Vec3(offset.norm() * normal) : offset;
-    for (int i = 0; i < 3; ++i) {
-      there.reals[kContactOffset + i] = static_cast<Real>(offset[i] * cache_.scale);
-      there.reals[kContactPush + i] = static_cast<Real>(push[i] * cache_.scale);
-    }
+    store(there, offset, push);
     there.uints[kContactState] = 1;
-    there.uints[kContactFlags] = (there.uints[kContactFlags] & ~kConverged) | kSettling;
+    there.uints[kContactFlags] =
+        (there.uints[kContactFlags] & ~(kConverged | kSlipping)) | kSettling;
     there.warm = false;
+    if (t_.friction_.is_on()) t_.friction_.begin(normal, true);
+    is_dragged_ = true;
     return accept(there);
   }
 
+  void store(RawContact<Real>& raw, const Vec3& offset, const Vec3& push) const {
+    for (int i = 0; i < 3; ++i) {
+      raw.reals[kContactOffset + i] = static_cast<Real>(offset[i] * cache_.scale);
+      raw.reals[kContactPush + i] = static_cast<Real>(push[i] * cache_.scale);
+    }
+  }
   static bool is_touching(const RawContact<Real>& raw) { return raw.uints[kContactState] != 0; }
   static bool is_unfinished(const RawContact<Real>& raw) {
     return (raw.uints[kContactFlags] & kUnfinished) != 0;
+  }
+  static bool is_on_border(const RawContact<Real>& raw) {
+    return (raw.uints[kContactFlags] & kOnBorder) != 0;
   }
   static int evaluations_of(const RawContact<Real>& raw) {
     return static_cast<int>(raw.uints[kContactIterations]) + 1;
@@ -132,6 +235,10 @@ class ContactTracker::Tick {
   Vec3 vector_of(const RawContact<Real>& raw, int first) const {
     const Eigen::Map<const Eigen::Matrix<Real, 3, 1>> v(&raw.reals[first]);
     return v.template cast<double>() / cache_.scale;
+  }
+  static Vec3 normal_of(const RawContact<Real>& raw) {
+    return Eigen::Map<const Eigen::Matrix<Real, 3, 1>>(&raw.reals[kContactNormal])
+        .template cast<double>();
   }
   int left() const { return kSearchEvaluations - spent_; }  // evaluations
   TrackOptions<Real> within(int budget) const {
@@ -164,7 +271,8 @@ class ContactTracker::Tick {
 
   Contact contact(const RawContact<Real>& raw) const {
     Contact c = contact_of(cache_, s_, raw);
-    c.iterations = spent_ - 1;
+    c.iterations = std::max(0, spent_ - 1);
+    if (c.touching && t_.friction_.has_grip()) c.cone_share = t_.friction_.share();
     return c;
   }
   // The nearest point, without a contact.
@@ -181,7 +289,13 @@ class ContactTracker::Tick {
     t_.clear_ = is_touching(raw) ? 0 : clear_of(raw);
     t_.behind_ = false;
     t_.held_push_ = 0;
+    if (t_.friction_.is_on() && !is_dragged_) begin_friction();
     return contact(raw);
+  }
+  // A contact begins, or one without friction goes on: that has it once it has left the border.
+  void begin_friction() {
+    const Contact c = contact_of(cache_, s_, state_);
+    t_.friction_.begin(axis_of(c, c.scp - hip_), c.touching && !is_on_border(state_));
   }
   // True if the contact went over a crease to `next`: its last normal is more like that of a face
   // beyond a crease than like that of the face where it is now. There a HIP may be outside though
@@ -299,7 +413,9 @@ class ContactTracker::Tick {
     return is_closed(end) || (was_near && !behind) ? accept(end) : accept_free(end);
   }
 
-  static constexpr double kApart = 1e-3;  // of cosines, more than one face's normals differ by
+  static constexpr int kDrags = 3;            // ways to where the lag meets the cone
+  static constexpr double kConeError = 1e-6;  // at which it does
+  static constexpr double kApart = 1e-3;      // of cosines, more than one face's normals differ by
   // Evaluations for a point on the way, where a bound on the distance is enough.
   static constexpr int kWaySearch = 128;
   static constexpr double kWaySteps = 16;
@@ -312,7 +428,9 @@ class ContactTracker::Tick {
   const Vec3 hip_;
   const double on_surface_;  // closer than this is on it, mesh's unit
   const double glide_;       // longest step that the ball round a point does not cover
+  const double rounding_;    // of a place on the surface, mesh's unit
   int spent_ = 0, searches_ = 0;
+  bool is_dragged_ = false;  // the state that the tick ends with has its friction
 };
 
 namespace {
@@ -327,8 +445,13 @@ Contact no_surface() {
 }  // namespace
 
 ContactTracker::ContactTracker(const PatchCache& cache, const QueryOptions& options)
-    : cache_(&cache), options_(options), felt_(options.settle, 1e-6 / cache.scale) {
+    : cache_(&cache),
+      options_(options),
+      felt_(options.settle, 1e-6 / cache.scale),
+      friction_(options.friction) {
   require_patches(cache);
+  if (const char* fault = fault_of(options.friction))
+    throw std::invalid_argument(std::string("QueryOptions ") + fault);
   if (cache.surface.index() == 1) state_.emplace<1>();
 }
 
@@ -339,20 +462,12 @@ Contact ContactTracker::tick(const Vec3& hip) noexcept {
       *cache_, [&]<class Real>(const Surface<Real>& s) { return Tick<Real>(*this, s, hip).run(); });
 }
 
-Contact ContactTracker::track(const Vec3& hip, const DomainPoint& start,
-                              const Settling* felt) noexcept {
+Contact ContactTracker::track(const Vec3& hip, const DomainPoint& start, const Settling* felt,
+                              const Friction* friction) noexcept {
   if (cache_->patch_count() == 0) return no_surface();
   const PlainArithmetic plain;
   return with_surface(*cache_, [&]<class Real>(const Surface<Real>& s) {
-    RawContact<Real>& state = *std::get_if<RawContact<Real>>(&state_);
-    place_at(place_of(*cache_, s, start), state);
-    const RawHip<Real> there = raw_hip<Real>(*cache_, hip);
-    kernels<Real>().track(s, options_.method, track_options<Real>(options_), &there, 1, &state);
-    if (hip.allFinite()) {
-      last_ = hip;
-      clear_ = 0;
-    }
-    Contact contact = contact_of(*cache_, s, state);
+    Contact contact = Tick<Real>(*this, s, hip).take_over(start, friction);
     if (options_.settle <= 0 || !hip.allFinite()) return contact;
     if (felt == nullptr) {
       felt_.begin(hip, contact);

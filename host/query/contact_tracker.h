@@ -4,6 +4,7 @@
 #include <variant>
 
 #include "gliss/base/export.h"
+#include "gliss/query/friction.h"
 #include "gliss/query/query.h"
 #include "gliss/query/settling.h"
 
@@ -25,6 +26,12 @@ namespace gliss {
 //   the push goes straight to what it becomes. If the contact has ended, the push keeps its
 //   direction, grows no more, and fades. How fast, and that no energy comes of it, Settling says.
 //   Such contacts have kSettling. Elsewhere ticks have the bytes that they have without.
+// - With friction the contact point is a point of the surface that stays, bit for bit, while the
+//   HIP keeps within a cone below it, and else slips as far as the cone asks: kSlipping. With q the
+//   point and x the HIP, k |q - x|^2 / 2 falls wherever q moves, so that friction makes no energy.
+//   A contact ends where a slider ends it that is as far before the HIP as the force is tangential.
+//   Force shading drags the god-object of the flat polygons, and turns the normal part of the
+//   force.
 class GLISS_EXPORT ContactTracker {
  public:
   // Evaluations of patches that a tick spends at most, with the default iterations of a solver; and
@@ -32,7 +39,7 @@ class GLISS_EXPORT ContactTracker {
   // contact.
   static constexpr int kTickEvaluations = 1000, kTickSearches = 128;
 
-  // Throws std::invalid_argument for a cache without patches.
+  // Throws std::invalid_argument for a cache without patches, and friction that is none.
   ContactTracker(const PatchCache& cache, const QueryOptions& options);
   ContactTracker(const PatchCache&&, const QueryOptions&) = delete;  // it would die at once
   // The contact after the HIP has moved to `hip` (mesh's unit). A HIP that is not finite has none,
@@ -40,9 +47,12 @@ class GLISS_EXPORT ContactTracker {
   // NaN; the next tick searches anew.
   Contact tick(const Vec3& hip) noexcept;
   // Follows the local nearest point from a given contact, whatever the state. With `felt`, that of
-  // another tracker before this tick, it settles from there.
-  Contact track(const Vec3& hip, const DomainPoint& start, const Settling* felt = nullptr) noexcept;
+  // another tracker before this tick, it settles from there; with `friction`, that of the other one
+  // after it, the contact point lags behind as far.
+  Contact track(const Vec3& hip, const DomainPoint& start, const Settling* felt = nullptr,
+                const Friction* friction = nullptr) noexcept;
   const Settling& felt() const { return felt_; }
+  const Friction& friction() const { return friction_; }
   // True if the last tick's contact was touching.
   bool touching() const { return follows() || felt_.is_felt(); }
   // Makes the HIP free; no surface is nearer to it than `clear`.
@@ -71,6 +81,7 @@ class GLISS_EXPORT ContactTracker {
   bool behind_ = false;       // it is free and behind an open surface
   double held_push_ = 0;      // push, mesh frame, when the SCP came to be held; 0: it is not
   Settling felt_;             // with settle only
+  Friction friction_;         // of a contact, where it is on
 };
 
 }  // namespace gliss

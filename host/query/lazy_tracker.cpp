@@ -30,8 +30,10 @@ Contact LazyTracker::tick(const Vec3& hip) {
   for (std::uint32_t last = kNone;
        !mesh_.is_inside(*region_, contact.at.face) && contact.at.face != last;) {
     last = contact.at.face;
+    const Friction friction = tracker_->friction();
     build_around(last);
-    contact = tracker_->track(hip, contact.at, touching ? &felt : nullptr);
+    contact = tracker_->track(hip, contact.at, touching ? &felt : nullptr,
+                              contact.touching ? &friction : nullptr);
   }
   return contact;
 }

@@ -69,6 +69,18 @@ struct SolverOptions {
 // The default of QueryOptions::settle, s.
 constexpr double kSettleTime = 5e-3;
 
+// Coulomb's law: how large the tangential part of a contact's force may be, over the normal part,
+// before the contact point slips, and while it does (Friction). Both 0: it slides freely. For
+// ContactTracker alone: what has no time has no friction.
+struct FrictionOptions {
+  static constexpr double kMost = 5;
+  double at_rest = 0, slipping = 0;  // 0 to kMost, slipping at most at_rest
+  // Ticks in which the one goes to the other by 1 - 1/e once the point slips; 0: at once.
+  double settle = 0;
+
+  bool any() const { return at_rest > 0; }
+};
+
 struct QueryOptions : SolverOptions {
   Method method = Method::kGregory;
   // Evaluations after which a search begins no further descent, so that it spends at most
@@ -80,6 +92,7 @@ struct QueryOptions : SolverOptions {
   // the contact would leap: it slides to where it belongs. The default is kSettleTime at 1 kHz.
   // 0: it leaps, as in the paper.
   double settle = 5;
+  FrictionOptions friction = {};
 };
 
 struct Contact {
@@ -88,12 +101,16 @@ struct Contact {
   Vec3 scp = Vec3::Zero(),
        normal = Vec3::Zero();  // surface contact point, mesh's unit; outward unit normal
   double distance = 0;         // signed, mesh's unit; negative inside
-  // SCP - HIP for gregory and flat, turned to the normal for shaded; zero outside. NaN where the
+  // SCP - HIP for gregory and flat, its normal part turned for shaded; zero outside. NaN where the
   // surface is at fault: its numbers give no contact, though the HIP is near. Mesh's unit
   Vec3 push = Vec3::Zero();
   double residual_angle = 0;          // between SCP - HIP and the normal, rad
   int iterations = 0, crossings = 0;  // iterations: over all patches that were tried
-  std::uint32_t flags = 0;            // kConverged, kOnBorder, kOnCrease, kNotBuilt, kUnfinished
+  // kConverged, kOnBorder, kOnCrease, kNotBuilt, kUnfinished, kSettling, kSlipping
+  std::uint32_t flags = 0;
+  // The tangential part of the push over what friction at rest permits, as ContactTracker has it; 0
+  // without friction.
+  double cone_share = 0;
   // The distance that a search found no surface nearer than, but for rounding, mesh's unit:
   // |distance| unless it is kUnfinished. Tracking leaves 0.
   double clear = 0;

@@ -49,6 +49,7 @@ void Settling::move(const Vec3& hip, double clear) noexcept {
   way_ = hip - hip_;
   hip_ = hip;
   pace_ = std::max(0.0, way_.norm() - std::max(0.0, clear));
+  allowed_ = 0;
 }
 
 double Settling::stride(double size, double way) const {
@@ -63,9 +64,9 @@ double Settling::reach(const Vec3& from, const Vec3& to) const {
 }
 
 bool Settling::is_leap(const Vec3& from, const Vec3& to) const {
-  const double change2 = (to - from).squaredNorm();
-  if (change2 <= 4 * pace_ * pace_) return false;
-  return std::sqrt(change2) > pace_ + reach(from, to);
+  const double change2 = (to - from).squaredNorm(), least = 2 * pace_ + allowed_;
+  if (change2 <= least * least) return false;
+  return std::sqrt(change2) > pace_ + allowed_ + reach(from, to);
 }
 
 double Settling::energy_of(const Contact& contact) const {

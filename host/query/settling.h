@@ -12,7 +12,7 @@ namespace gliss {
 // A tick *leaps* if the push changes by more than twice the HIP's way and a stride. A stride is a
 // share of the lesser push of the two ticks, 20 % / settle. But it is at most eight times the HIP's
 // way, or a 32nd of that share: however deep it is, a slow hand feels no more than ten times its
-// own way.
+// own way. Where friction lets go of a contact point, the drop of its force is no leap.
 //
 // The energy of a contact, over its stiffness, is push . (SCP - HIP) / 2. That is |push|^2 / 2, and
 // the potential of the rim that rounds off an open border. It grows by the work of the hand alone,
@@ -29,6 +29,8 @@ class GLISS_EXPORT Settling {
   void begin_free(const Vec3& hip) noexcept;
   // A tick begins with the HIP at `hip`; no surface is nearer than `clear` to where it was.
   void move(const Vec3& hip, double clear) noexcept;
+  // ... with a contact whose push may change by so much more, which is no leap: friction's.
+  void allow(double change) noexcept { allowed_ = change; }
   // ... and ends with a contact. Turns it to what is felt of it, which has kSettling if it differs.
   void feel(Contact& now, bool has_energy) noexcept;
 
@@ -37,6 +39,7 @@ class GLISS_EXPORT Settling {
   bool is_leap(const Vec3& from, const Vec3& to) const;
   // True if the push would leap from what is felt.
   bool is_leap(const Vec3& to) const { return is_leap(felt_, to); }
+  double way() const { return way_.norm(); }  // of the HIP in this tick
   bool is_felt() const { return !felt_.isZero(0); }
 
  private:
@@ -49,6 +52,7 @@ class GLISS_EXPORT Settling {
   double settle_, tiny_;
   Vec3 hip_ = Vec3::Zero(), way_ = Vec3::Zero(), felt_ = Vec3::Zero();
   double pace_ = 0;        // how far the HIP has come near a surface in this tick
+  double allowed_ = 0;     // change of the push that is friction's
   double energy_ = 0;      // that the hand has put in and not got back; negative: a debt
   double fading_ = 0;      // push when its contact ended, from which it fades; 0: it does not
   bool is_short_ = false;  // the last contact asked for more energy than there is

@@ -13,6 +13,7 @@ std::vector<TraceStatistics> trace(const PatchCache& cache, std::span<const Vec3
   for (const Method method : options.methods) {
     QueryOptions query{options, method};
     query.settle = options.settle;
+    query.friction = options.friction;
     trackers.emplace_back(cache, query);
     statistics.emplace_back();
     statistics.back().method = method;
@@ -27,6 +28,7 @@ std::vector<TraceStatistics> trace(const PatchCache& cache, std::span<const Vec3
       steps[m].force = Vec3::Zero() + contact_force(cache, steps[m].contact, options.stiffness);
       statistics[m].add(steps[m].contact.touching, steps[m].force,
                         is_settling(steps[m].contact.flags));
+      statistics[m].slipping += is_slipping(steps[m].contact.flags);
       gains[m].add(cache.unit * hips[tick], steps[m].force);
     }
     if (sink && !sink(tick, steps)) break;

@@ -17,6 +17,7 @@ struct TraceOptions : SolverOptions {
   std::vector<Method> methods{Method::kGregory, Method::kShaded, Method::kFlat};
   double stiffness = 500;                 // N/m
   double settle = QueryOptions{}.settle;  // ticks
+  FrictionOptions friction = {};
 };
 
 struct TraceStep {
@@ -26,15 +27,21 @@ struct TraceStep {
 
 struct TraceStatistics : ForceStatistics {
   Method method = Method::kGregory;
-  Work work;           // of the force on the hand, J
-  double loop_gain{};  // LoopGain::largest, of the path's closed_loops
+  std::uint64_t slipping = 0;  // ticks in contact with kSlipping
+  Work work;                   // of the force on the hand, J
+  double loop_gain{};          // LoopGain::largest, of the path's closed_loops
+
+  // The share of the ticks in contact that slip; 0 where there was none.
+  double slipping_share() const {
+    return touching == 0 ? 0 : static_cast<double>(slipping) / static_cast<double>(touching);
+  }
 };
 
 // Takes steps in order, all methods of a tick together (steps[i] belongs to options.methods[i]).
 // False stops the trace.
 using TraceSink = std::function<bool(std::size_t tick, std::span<const TraceStep> steps)>;
 
-// HIPs in the mesh's unit.
+// HIPs in the mesh's unit. Throws std::invalid_argument as ContactTracker does.
 GLISS_EXPORT std::vector<TraceStatistics> trace(const PatchCache& cache, std::span<const Vec3> hips,
                                                 const TraceOptions& options,
                                                 const TraceSink& sink = nullptr);

@@ -19,11 +19,14 @@ enum class Solver { kNewton, kGaussNewton, kPaper };
 // Bits of a contact's flags. kNotBuilt: its patches are not there yet, it is of the base polygons.
 // kUnfinished: the search's budget was spent before every point was tried or ruled out.
 // kSettling: on its way to where a leap ends (ContactTracker, QueryOptions::settle).
+// kSlipping: its point has left the cone of friction and follows (QueryOptions::friction).
 inline constexpr std::uint32_t kConverged = 1, kOnBorder = 2, kOnCrease = 4, kNotBuilt = 8,
-                               kUnfinished = 16, kSettling = 32;
+                               kUnfinished = 16, kSettling = 32, kSlipping = 64;
 
 // True if a contact of these flags is kSettling.
 constexpr bool is_settling(std::uint32_t flags) { return (flags & kSettling) != 0; }
+// ... kSlipping.
+constexpr bool is_slipping(std::uint32_t flags) { return (flags & kSlipping) != 0; }
 
 template <class Real>
 struct TrackOptions {

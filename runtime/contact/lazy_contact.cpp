@@ -90,7 +90,8 @@ Contact LazyContact::tick_free(const Vec3& hip) noexcept {
 Contact LazyContact::tick_on_patches(const Vec3& hip) noexcept {
   const Settling felt = patches_->felt();
   const Contact contact = patches_->tick(hip);
-  if (!holds(contact)) return stand_in(hip, base_.track(hip, {face_}, &felt));
+  if (!holds(contact))
+    return stand_in(hip, base_.track(hip, {face_}, &felt, &patches_->friction()));
   if (!contact.touching) base_.release(hip, 0);
   return settle(contact, Place::kOnPatches);
 }
@@ -99,7 +100,7 @@ Contact LazyContact::tick_on_base(const Vec3& hip) noexcept {
   const Settling felt = base_.felt();
   const Contact base = base_.tick(hip);
   if (covers(base.at.face)) {
-    const Contact contact = patches_->track(hip, base.at, &felt);
+    const Contact contact = patches_->track(hip, base.at, &felt, &base_.friction());
     if (holds(contact)) return settle(contact, Place::kOnPatches);
   }
   return stand_in(hip, base);

@@ -13,6 +13,7 @@ namespace {
 QueryOptions query_of(const SceneObject& object) {
   QueryOptions query{{object.solver, object.max_iterations, object.tolerance}, object.method};
   query.settle = object.settle;
+  query.friction = object.friction;
   return query;
 }
 
@@ -21,6 +22,7 @@ const char* fault_of(const SceneObject& object) {
   if (!object.pose.matrix().allFinite()) return "has a pose that is not finite";
   if (!std::isfinite(object.stiffness)) return "has a stiffness that is not finite";
   if (!(object.settle >= 0)) return "has a settle that is not 0 or more";
+  if (const char* fault = fault_of(object.friction)) return fault;
   if (object.cache != nullptr)
     return object.cache->patch_count() == 0 ? "has a cache without patches" : nullptr;
   if (object.lazy == nullptr)

@@ -29,6 +29,7 @@ struct SceneObject {
   int max_iterations = 64;  // these two as SolverOptions has them
   double tolerance = 0;
   double settle = QueryOptions{}.settle;  // ticks
+  FrictionOptions friction = {};
 
   // The mesh's unit in m. Requires a cache or `lazy`.
   double unit() const { return cache != nullptr ? cache->unit : lazy->base().unit; }
@@ -48,7 +49,7 @@ class GLISS_EXPORT Tracker {
   // `hips`: where the tool's HIPs are from the device's position (m, world); none: one, there.
   // Throws std::invalid_argument, one line with the object's index, for an object without a surface
   // (neither cache nor `lazy`, or a cache without patches) and for a lazy one with another method
-  // than kGregory, or numbers that are not finite; and for such HIPs.
+  // than kGregory, numbers that are not finite, or friction that is none; and for such HIPs.
   explicit Tracker(std::span<const SceneObject> objects, std::span<const Vec3> hips = {});
 
   // The force on the hand at a position (m, world), in N: the sum over HIPs and objects. What is

@@ -44,7 +44,10 @@ std::vector<SceneObject> open_objects(const Scene& scene, const SceneOpening& op
     object.solver = described.solver;
     object.max_iterations = described.max_iterations;
     object.tolerance = described.tolerance;
-    object.settle = described.settle / std::chrono::duration<double>(scene.loop.period).count();
+    const double period = std::chrono::duration<double>(scene.loop.period).count();
+    object.settle = described.settle / period;
+    object.friction = described.friction;
+    object.friction.settle /= period;
     object.pose = described.pose;
     if (described.patches == Patches::kLazy) {
       const Precision precision = described.precision.value_or(Precision::kDouble);

@@ -29,6 +29,23 @@ Eigen::Matrix3d read_rotation(TomlTable table) {
   return Eigen::AngleAxisd(degrees * std::numbers::pi / 180, axis.stableNormalized()).matrix();
 }
 
+// { static = 0.5, dynamic = 0.3, settle = "2ms" }
+FrictionOptions read_friction(TomlTable table) {
+  FrictionOptions friction;
+  table.get("static", friction.at_rest);
+  if (!(friction.at_rest >= 0 && friction.at_rest <= FrictionOptions::kMost))
+    table.fail("static", fmt::format("must be from 0 to {:g}", FrictionOptions::kMost));
+  friction.slipping = friction.at_rest;
+  table.get("dynamic", friction.slipping);
+  if (!(friction.slipping >= 0 && friction.slipping <= friction.at_rest))
+    table.fail("dynamic", "must be from 0 to static");
+  table.get("settle", friction.settle, parse_time);
+  if (!(friction.settle >= 0 && friction.settle <= 1))
+    table.fail("settle", "must be from 0 to 1 s; \"2ms\" is usual");
+  table.done();
+  return friction;
+}
+
 void read_patches(TomlTable& table, ObjectDescription& object, bool from_cache) {
   table.get("patches", object.patches, kPatchesNames);
   const bool lazy = object.patches == Patches::kLazy;
@@ -94,6 +111,7 @@ ObjectDescription read_object(TomlTable table, const std::string& scene, std::si
   table.get("settle", object.settle, parse_time);
   if (!(object.settle >= 0 && object.settle <= 1))
     table.fail("settle", "must be from 0 to 1 s; \"5ms\" is usual");
+  if (auto friction = table.table("friction")) object.friction = read_friction(*friction);
   read_patches(table, object, mesh.empty());
   Vec3 position = Vec3::Zero();
   table.get_point("position", position);

@@ -43,6 +43,7 @@ struct ObjectDescription : SolverOptions {
   double crease_radius = 0;                  // m, that they are rounded by; 0: they stay sharp
   double stiffness = 500;                    // N/m
   double settle = kSettleTime;               // s; 0: contacts leap (QueryOptions::settle)
+  FrictionOptions friction{};                // its `settle` in s
   Method method = Method::kGregory;
   Pose pose = Pose::Identity();
   Patches patches = Patches::kAll;

@@ -244,6 +244,38 @@ TEST_F(Program, ContactsSettleWhereTheyAreToldTo) {
   EXPECT_THAT(slip.err, HasSubstr("--settle: '5' is not from 0 to 1 s; 5ms is usual"));
 }
 
+TEST_F(Program, ContactsRubWhereTheyAreToldTo) {
+  output_of("generate goldberg --frequency 2 -o ball.obj");
+  std::string hips = "x_mm,y_mm,z_mm\n";
+  for (int i = 0; i < 50; ++i) hips += fmt::format("{},0,0\n", 12 - 0.1 * i);
+  for (int i = 0; i < 1000; ++i)
+    hips += fmt::format("{},{},0\n", 7 * std::cos(0.002 * i), 7 * std::sin(0.002 * i));
+  folder_.write("round.csv", hips);
+  const std::string trace = "trace ball.obj --unit mm --path round.csv --stiffness 0.1N/mm ";
+  const std::string plain = output_of(trace), none = output_of(trace + "--friction 0");
+  EXPECT_EQ(none, plain);
+  const std::string rubbed = output_of(trace + "--friction 0.5,0.3 --friction-settle 2ms");
+  EXPECT_THAT(rubbed, AllOf(HasSubstr(",state,cone_share,grip\n"), HasSubstr(",free,0,free\n"),
+                            HasSubstr(",stick\n"), HasSubstr(",slip\n")));
+  const auto felt = json_of(trace + "--friction 0.5,0.3 -o felt.csv")["methods"][0];
+  EXPECT_GT(felt["slipping"], 300);
+  EXPECT_LT(felt["net_work_J"], 0);
+  folder_.write("scene.toml",
+                "[[object]]\nmesh = 'ball.obj'\nunit = 'mm'\nstiffness = '0.1N/mm'\n"
+                "friction = {static = 0.5, dynamic = 0.3}\n");
+  const auto rendered = json_of("run scene.toml --device replay:round.csv --no-wait");
+  EXPECT_EQ(rendered["largest_force_step"], felt["largest_step_N"]);
+  for (const char* bad : {"-1", "6", "nan", "0.3,0.4", "0.3,0.2,0.1", "inf", "much", "0.3,"}) {
+    const test::Outcome slip = run(trace + "--friction " + bad);
+    EXPECT_EQ(slip.code, 2) << bad;
+    EXPECT_THAT(slip.err, HasSubstr("--friction: '")) << bad;
+  }
+  EXPECT_THAT(run(trace + "--friction 1 --friction-settle 2").err,
+              HasSubstr("--friction-settle: '2' is not from 0 to 1 s; 2ms is usual"));
+  EXPECT_THAT(run(trace + "--friction-settle 2ms").err,
+              HasSubstr("--friction-settle goes with --friction"));
+}
+
 TEST_F(Program, CoordinatesAreInTheUnitAskedFor) {
   output_of("bake knot.obj --unit mm -o knot.gliss");
   const auto mm = numbers_of(output_of("eval knot.gliss --at points.csv --unit mm"));

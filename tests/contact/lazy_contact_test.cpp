@@ -160,6 +160,43 @@ TEST(LazyContact, is_the_contact_of_the_whole_cache_where_the_worker_keeps_up) {
   EXPECT_LT(lazy.worker().held(), 8u);
 }
 
+// Base polygons that stand in, and patches that come after: the point of the other surface that
+// lags as far goes on.
+TEST(LazyContact, rubs_on_where_one_surface_stands_in_for_the_other) {
+  QueryOptions rubbing;
+  rubbing.friction = {0.5, 0.3};
+  Gate gate;
+  LazyContact lazy(lazy_knot(), rubbing, gate.options());
+  const std::vector<Vec3> path = way_on_knot(0.05, 3000);
+  constexpr std::size_t kRubs = 120;  // the HIP is pressed down before, straight
+  Contact last;
+  std::size_t changes = 0, slips = 0, touching = 0;
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    gate.shut = i / 300 % 2 == 1;
+    if (!gate.shut && i % 10 == 0) settle(lazy, path[i]);
+    lazy.post(path[i]);
+    const Contact now = lazy.tick(path[i]);
+    if (last.touching && now.touching && i % 10 != 0) {
+      const double way = (path[i] - path[i - 1]).norm();
+      const bool changes_surface = ((now.flags ^ last.flags) & kNotBuilt) != 0;
+      changes += changes_surface;
+      // Where they change Settling bounds what their shapes differ by, else the cone.
+      const double most = way * 1.5 + 0.2 * 2 + (changes_surface ? 10 * way : 0);
+      EXPECT_LE((now.push - last.push).norm(), most) << i;
+      if (i > kRubs && !is_settling(now.flags)) {
+        EXPECT_GT(now.cone_share, 0.3) << i;
+      }
+      slips += is_slipping(now.flags);
+      ++touching;
+    }
+    last = now;
+  }
+  gate.shut = false;
+  EXPECT_GT(touching, path.size() * 3 / 4);
+  EXPECT_GT(slips, touching / 2);
+  test::record("surfaces change", "{} times in {} ticks, {} slip", changes, touching, slips);
+}
+
 // Goes along the knot beside the whole cache's contact; false where the worker was late, which
 // tells nothing. `patience`: how long it is given.
 bool is_carried_along(int patience) {

@@ -7,6 +7,7 @@
 #include "gliss/engine/engine.h"
 #include "gliss/generate/generate.h"
 #include "gliss/loop/loop.h"
+#include "tests/support/allocations.h"
 #include "tests/support/surfaces.h"
 
 namespace gliss {
@@ -123,6 +124,60 @@ TEST(Tracker, refuses_an_object_without_a_surface_and_names_it) {
   EXPECT_EQ(refusal({.cache = ball()}), "none");
   const SceneObject alone{};
   EXPECT_THROW(Tracker({&alone, 1}), std::invalid_argument);
+}
+
+TEST(Tracker, refuses_friction_that_is_none_and_names_it) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto told = [&](const FrictionOptions& friction) {
+    const std::string refused = refusal({.cache = ball(), .friction = friction});
+    QueryOptions query;
+    query.friction = friction;
+    if (refused == "none") {
+      EXPECT_NO_THROW(ContactTracker(*ball(), query));
+    } else {
+      EXPECT_THROW(ContactTracker(*ball(), query), std::invalid_argument);
+    }
+    return refused;
+  };
+  const std::string at_rest = "SceneObject 1 has a static friction that is not from 0 to 5",
+                    slipping = "SceneObject 1 has a dynamic friction that is not from 0 to 5";
+  EXPECT_EQ(told({-0.1, 0}), at_rest);
+  EXPECT_EQ(told({nan, 0}), at_rest);
+  EXPECT_EQ(told({1e300, 0}), at_rest);
+  EXPECT_EQ(told({0.5, -0.1}), slipping);
+  EXPECT_EQ(told({0.5, nan}), slipping);
+  EXPECT_EQ(told({0.3, 0.4}), "SceneObject 1 has a dynamic friction above the static one");
+  EXPECT_EQ(told({0.3, 0.3, -1}),
+            "SceneObject 1 has a settle of its friction that is not 0 or more");
+  EXPECT_EQ(told({0.3, 0.3, 1 / 0.0}),
+            "SceneObject 1 has a settle of its friction that is not 0 or more");
+  EXPECT_EQ(told({0.3, 0, 2}), "none");
+  EXPECT_EQ(told({5, 5}), "none");
+}
+
+TEST(Tracker, rubs_as_a_contact_tracker_does_and_allocates_nothing) {
+  const auto cache = ball();
+  const FrictionOptions friction{0.5, 0.3, 2};
+  const SceneObject object{.cache = cache, .friction = friction};
+  Tracker tracker({&object, 1});
+  QueryOptions query;
+  query.friction = friction;
+  ContactTracker contact(*cache, query);
+  std::size_t slips = 0, sticks = 0;
+  std::uint64_t allocations = 0;
+  for (const Vec3& hip : wandering(5000, 0.012)) {
+    const std::uint64_t before = test::allocations();
+    const Vec3 got = tracker.step(hip);
+    allocations += test::allocations() - before;
+    const Contact felt = contact.tick(hip / cache->unit);
+    const Vec3 want = contact_force(*cache, felt, 500);
+    ASSERT_EQ(std::memcmp(&got, &want, sizeof got), 0) << got << "\n" << want;
+    slips += is_slipping(felt.flags);
+    sticks += felt.touching && !is_slipping(felt.flags);
+  }
+  EXPECT_EQ(allocations, 0u);
+  EXPECT_GT(slips, 100u);
+  EXPECT_GT(sticks, 10u);
 }
 
 }  // namespace

@@ -30,6 +30,7 @@ level = "exact"
 method = "shaded"
 solver = "gauss-newton"
 settle = "5ms"
+friction = {static = 0.5, dynamic = 0.3, settle = "2ms"}
 position = ["10mm", "-2cm", 0.3]
 rotation = {axis = [0, 0, 2], degrees = 90}
 
@@ -37,6 +38,7 @@ rotation = {axis = [0, 0, 2], degrees = 90}
 cache = "ball.gliss"
 method = "flat"
 solver = "paper"
+friction = {static = 0.4}
 
 [loop]
 rate = 2000
@@ -81,6 +83,9 @@ seed = 77
   EXPECT_EQ(ball.method, Method::kShaded);
   EXPECT_EQ(ball.solver, Solver::kGaussNewton);
   EXPECT_EQ(ball.settle, 0.005);
+  EXPECT_EQ(ball.friction.at_rest, 0.5);
+  EXPECT_EQ(ball.friction.slipping, 0.3);
+  EXPECT_EQ(ball.friction.settle, 0.002);
   EXPECT_EQ(list(ball.pose.translation()), (List{0.01, -0.02, 0.3}));
   // A quarter turn about z leads x to y.
   EXPECT_LT((ball.pose * Vec3(1, 2, 3) - Vec3(-1.99, 0.98, 3.3)).norm(), 1e-12);
@@ -88,6 +93,9 @@ seed = 77
   EXPECT_EQ(second.name, "2");
   EXPECT_EQ(second.surface, files.folder / "ball.gliss");
   EXPECT_EQ(second.method, Method::kFlat);
+  EXPECT_EQ(second.friction.at_rest, 0.4);
+  EXPECT_EQ(second.friction.slipping, 0.4);
+  EXPECT_EQ(second.friction.settle, 0);
   EXPECT_EQ(second.solver, Solver::kPaper);
 
   EXPECT_EQ(scene.loop.period, 500us);

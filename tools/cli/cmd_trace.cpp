@@ -46,6 +46,7 @@ void describe(Command& command, TracingOptions& options) {
   add_methods_option(command, options.trace.methods);
   add_solver_options(command, options.trace);
   add_settle_option(command, options.trace.settle);
+  add_friction_options(command, options.trace.friction);
 }
 
 // Whole steps are written as such: 100000, where the shortest double would be 1e+05.
@@ -65,8 +66,13 @@ struct Row {
   TraceStep felt;
 };
 
-void write(const std::vector<Row>& rows, const UnitChange& length,
-           const std::vector<std::string>& keep, const InputTable& path, ResultTable& table) {
+const char* grip_name(const Contact& contact) {
+  if (!contact.touching) return "free";
+  return is_slipping(contact.flags) ? "slip" : "stick";
+}
+
+void write(const std::vector<Row>& rows, const TracingOptions& options, const UnitChange& length,
+           const InputTable& path, ResultTable& table) {
   const std::size_t count = rows.size();
   table.fill(count, [&](std::size_t i) { return rows[i].step; });
   table.fill(count, [&](std::size_t i) { return method_name(rows[i].method); });
@@ -76,7 +82,11 @@ void write(const std::vector<Row>& rows, const UnitChange& length,
   table.fill(count, [&](std::size_t i) { return rows[i].felt.contact.at.face; });
   table.fill(count,
              [&](std::size_t i) { return rows[i].felt.contact.touching ? "contact" : "free"; });
-  for (const std::string& name : keep) {
+  if (options.trace.friction.any()) {
+    table.fill(count, [&](std::size_t i) { return rows[i].felt.contact.cone_share; });
+    table.fill(count, [&](std::size_t i) { return grip_name(rows[i].felt.contact); });
+  }
+  for (const std::string& name : options.keep) {
     const LargeArray<double>& values = *path.find(name);
     table.fill(count, [&](std::size_t i) { return values[rows[i].tick]; });
   }
@@ -96,7 +106,7 @@ void report_statistics(const TracingOptions& options, const std::vector<TraceSta
       fmt::format("{:<8} {:>14} {:>10} {:>10} {:>14} {:>14} {:>10} {:>10} {:>8} {:>10}\n", "method",
                   "max step, N", "jumps/100k", "lost/100k", "mean step, N", "max force, N", "ticks",
                   "in contact", "entries", "settling");
-  std::string work;
+  std::string slips, work;
   Json json;
   json["stiffness_N_per_m"] = options.trace.stiffness;
   for (const TraceStatistics& s : found) {
@@ -105,6 +115,9 @@ void report_statistics(const TracingOptions& options, const std::vector<TraceSta
         method_name(s.method), s.largest_step, s.jumps_per_100k(), s.lost_per_100k(), s.mean_step,
         s.largest_force, s.ticks, s.touching, s.entries, s.settling);
     text += unsound_text(s.unsound, "steps");
+    if (options.trace.friction.any())
+      slips += fmt::format("{:<8} slips in {:.1f} % of the ticks in contact\n",
+                           method_name(s.method), 100 * s.slipping_share());
     work += fmt::format("{:<8} net work {:>12.6g} J of {:.6g} J{}\n", method_name(s.method),
                         s.work.net, s.work.gross, gain_text(s, length));
     json["methods"].push_back(
@@ -122,8 +135,9 @@ void report_statistics(const TracingOptions& options, const std::vector<TraceSta
          {"net_work_J", s.work.net},
          {"gross_work_J", s.work.gross},
          {"loop_gain", std::isfinite(s.loop_gain) ? Json(s.loop_gain) : Json()}});
+    if (options.trace.friction.any()) json["methods"].back()["slipping"] = s.slipping;
   }
-  report(options, text + work, json, options.output == "-");
+  report(options, text + slips + work, json, options.output == "-");
 }
 
 PointTable path_of(const TracingOptions& options, const PatchCache& cache) {
@@ -141,6 +155,8 @@ PointTable path_of(const TracingOptions& options, const PatchCache& cache) {
 }
 
 void run(const TracingOptions& options) {
+  if (options.trace.friction.settle > 0 && !options.trace.friction.any())
+    throw InputError("--friction-settle goes with --friction");
   if (options.path.empty() && !(options.depth > 0))
     throw InputError("--path is required, or --depth for a path of its own");
   check_outputs({options.output}, {options.surface, options.path});
@@ -165,6 +181,8 @@ void run(const TracingOptions& options) {
       .add({"fx", "fy", "fz"}, ColumnType::kFloat64, "N")
       .add({"patch"}, ColumnType::kUint32)
       .add({"state"}, ColumnType::kText);
+  if (options.trace.friction.any())
+    columns.add({"cone_share"}, ColumnType::kFloat64).add({"grip"}, ColumnType::kText);
   ResultTable table(*file, "", add_kept(columns, options.keep));
   const UnitChange outward(cache.unit, options.unit);
   std::vector<Row> rows;
@@ -179,13 +197,13 @@ void run(const TracingOptions& options) {
                           across(path.points[tick]), options.trace.methods[m], felt[m]});
         }
         if (rows.size() >= kBlockRows) {
-          write(rows, outward, options.keep, path.table, table);
+          write(rows, options, outward, path.table, table);
           rows.clear();
         }
         watch.reach(tick + 1);
         return true;
       });
-  write(rows, outward, options.keep, path.table, table);
+  write(rows, options, outward, path.table, table);
   file->close();
   tell_tight_curvature(options, cache, deepest, "the deepest contact");
   if (std::all_of(statistics.begin(), statistics.end(),

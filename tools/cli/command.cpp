@@ -186,6 +186,37 @@ void add_settle_option(Command& command, double& settle) {
       });
 }
 
+void add_friction_options(Command& command, FrictionOptions& friction) {
+  command.option(
+      {"--friction", "STATIC[,DYNAMIC]",
+       "coefficients of friction at rest and while the contact slips, which is the first where "
+       "there is no second; default 0: none"},
+      [&friction](const std::string& text) {
+        const std::vector<std::string> words = split(text, ',');
+        if (words.size() > 2)
+          throw InputError(fmt::format("--friction: '{}' is not STATIC or STATIC,DYNAMIC", text));
+        friction.at_rest = parse_number<double>("--friction", words.front());
+        friction.slipping = parse_number<double>("--friction", words.back());
+        if (!(friction.at_rest >= 0 && friction.at_rest <= FrictionOptions::kMost &&
+              friction.slipping >= 0 && friction.slipping <= friction.at_rest))
+          throw InputError(
+              fmt::format("--friction: '{}' is not from 0 to {:g}, the second at most "
+                          "the first",
+                          text, FrictionOptions::kMost));
+      });
+  command.option(
+      {"--friction-settle", "TIME",
+       "the time in which the one goes to the other by 63 % once a contact slips, with a "
+       "tick a millisecond; default 0: at once"},
+      [&friction](const std::string& text) {
+        const double seconds = parse_time(text);
+        if (!(seconds >= 0 && seconds <= 1))
+          throw InputError(
+              fmt::format("--friction-settle: '{}' is not from 0 to 1 s; 2ms is usual", text));
+        friction.settle = seconds * 1e3;
+      });
+}
+
 void add_methods_option(Command& command, std::vector<Method>& methods) {
   command.option({"--method", "LIST", "of gregory, shaded and flat; all by default"},
                  [&methods](const std::string& text) {

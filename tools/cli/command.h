@@ -81,6 +81,8 @@ double positive_stiffness(const std::string& text);  // N/m, of --stiffness
 void add_stiffness_option(Command& command, double& stiffness);
 // --settle TIME; `settle`, whose value is the default, is in ticks of 1 ms.
 void add_settle_option(Command& command, double& settle);
+// --friction and --friction-settle, in ticks of 1 ms.
+void add_friction_options(Command& command, FrictionOptions& friction);
 // Adds the options of one solver; of all.
 void add_solver_options(Command& command, SolverOptions& options);
 void add_step_options(Command& command, SolverOptions& options);

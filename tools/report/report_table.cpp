@@ -13,7 +13,7 @@ struct WantedColumns {
 
 const WantedColumns& wanted(TickTable kind) {
   static const WantedColumns of_trace{{"step", "x", "y", "z", "fx", "fy", "fz", "patch"},
-                                      {"scp_x", "scp_y", "scp_z"},
+                                      {"scp_x", "scp_y", "scp_z", "cone_share"},
                                       {"method", "state"}};
   static const WantedColumns of_recording{
       {"time", "lateness", "compute", "missed", "fx", "fy", "fz", "sent_x", "sent_y", "sent_z"},

@@ -12,7 +12,7 @@ namespace gliss::tools {
 namespace {
 
 constexpr std::size_t kMostBars = 20000;  // a method
-constexpr std::size_t kBarBytes = 7 * 4;
+constexpr std::size_t kBarBytes = 8 * 4;
 constexpr std::size_t kLargest = 3;
 
 // How deep HIPs are beneath their contacts at most, in the unit of the file; null where it does not
@@ -55,23 +55,27 @@ Json method_result(const ReportTable& table, const std::string& method,
   for (auto tick = largest.begin(); tick != end; ++tick)
     peaks.push_back({{"step", column("step")(*tick)}, {"change", change[*tick]}});
 
-  return {{"method", method},
-          {"ticks", statistics.ticks},
-          {"in_contact", statistics.touching},
-          {"mean_change", statistics.mean_step},
-          {"jumps_per_100k", statistics.jumps_per_100k()},
-          {"lost_per_100k", statistics.lost_per_100k()},
-          {"unsound", statistics.unsound},
-          {"largest_force", statistics.largest_force},
-          {"deepest", deepest(table, rows)},
-          {"largest", peaks},
-          {"step", packed_at<float>(bars, column("step"))},
-          {"change", packed_at<float>(bars, [&](std::size_t tick) { return change[tick]; })},
-          {"force", packed_at<float>(bars, [&](std::size_t tick) { return force(tick).norm(); })},
-          {"x", packed_at<float>(bars, column("x"))},
-          {"y", packed_at<float>(bars, column("y"))},
-          {"z", packed_at<float>(bars, column("z"))},
-          {"patch", packed_at<std::uint32_t>(bars, column("patch"))}};
+  Json json = {
+      {"method", method},
+      {"ticks", statistics.ticks},
+      {"in_contact", statistics.touching},
+      {"mean_change", statistics.mean_step},
+      {"jumps_per_100k", statistics.jumps_per_100k()},
+      {"lost_per_100k", statistics.lost_per_100k()},
+      {"unsound", statistics.unsound},
+      {"largest_force", statistics.largest_force},
+      {"deepest", deepest(table, rows)},
+      {"largest", peaks},
+      {"step", packed_at<float>(bars, column("step"))},
+      {"change", packed_at<float>(bars, [&](std::size_t tick) { return change[tick]; })},
+      {"force", packed_at<float>(bars, [&](std::size_t tick) { return force(tick).norm(); })},
+      {"x", packed_at<float>(bars, column("x"))},
+      {"y", packed_at<float>(bars, column("y"))},
+      {"z", packed_at<float>(bars, column("z"))},
+      {"patch", packed_at<std::uint32_t>(bars, column("patch"))}};
+  // With friction.
+  if (table.has("cone_share")) json["cone_share"] = packed_at<float>(bars, column("cone_share"));
+  return json;
 }
 
 }  // namespace

@@ -39,26 +39,36 @@ class PathCharts {
       onRange: (from, to) => this.show(from, to),
       sync,
     }));
-    const data = joined(this.methods.map(({step, force}) => [step, force]));
-    this.forces = new Chart({
-      label: 'Force along the path',
-      height: 220,
-      x: {label: 'tick', range: this.range},
-      y: {label: 'N', range: this.forceHeights(...this.range)},
-      series: this.methods.map(({method}) => ({color: methodColor(method), paths: holds})),
-      data,
-      tell: index => [`Tick ${count(data[0][index])}`, this.rowsAt(data[0][index], 'force')],
-      onRange: (from, to) => this.show(from, to),
-      sync,
-    });
+    this.forces = this.lines('force', 'Force along the path', 'N', sync);
+    this.cones = this.methods[0].cone_share ? this.lines('cone_share', 'Share of the friction cone along the path', '', sync) : null;
     this.element.replaceChildren(...this.methods.map((method, i) => el('.strip', {},
         el('h4', {}, swatch(methodColor(method.method), methodTitle(method.method)),
             el('span.aside', {}, `mean ${number(method.mean_change)} N, largest `,
                 `${number(method.largest[0]?.change ?? 0)} N, jumps ${number(method.jumps_per_100k)} and lost ${
                 number(method.lost_per_100k)} per 100\u202f000 ticks in contact`)),
-        this.changes[i].element)), el('.strip', {}, el('h4', {}, 'Force, |F|',
-        el('span.aside.key', {}, this.methods.map(({method}) => swatch(methodColor(method), methodTitle(method))))),
-        this.forces.element));
+        this.changes[i].element)), this.strip('Force, |F|', this.forces),
+    ...(this.cones ? [this.strip('Share of the friction cone: the tangential force over what holds at rest', this.cones)] : []));
+  }
+
+  // A chart with a line for each method.
+  lines(key, label, unit, sync) {
+    const data = joined(this.methods.map(({step, [key]: values}) => [step, values]));
+    return new Chart({
+      label,
+      height: 220,
+      x: {label: 'tick', range: this.range},
+      y: {label: unit, range: this.lineHeights(key, ...this.range)},
+      series: this.methods.map(({method}) => ({color: methodColor(method), paths: holds})),
+      data,
+      tell: index => [`Tick ${count(data[0][index])}`, this.rowsAt(data[0][index], key, unit)],
+      onRange: (from, to) => this.show(from, to),
+      sync,
+    });
+  }
+
+  strip(title, chart) {
+    const names = this.methods.map(({method}) => swatch(methodColor(method), methodTitle(method)));
+    return el('.strip', {}, el('h4', {}, title, el('span.aside.key', {}, names)), chart.element);
   }
 
   // The least, of those above 0, and the largest in sight of all methods: they share an axis.
@@ -74,7 +84,7 @@ class PathCharts {
     return [least, most];
   }
 
-  forceHeights(from, to) { return [0, 1.05 * this.extent('force', from, to)[1] || 1]; }
+  lineHeights(key, from, to) { return [0, 1.05 * this.extent(key, from, to)[1] || 1]; }
 
   heights(from, to) {
     const [least, most] = this.extent('change', from, to);
@@ -85,16 +95,17 @@ class PathCharts {
 
   show(from, to) {
     const range = this.heights(from, to);
-    for (const chart of [...this.changes, this.forces]) chart.show(from, to);
+    for (const chart of [...this.changes, this.forces, ...(this.cones ? [this.cones] : [])]) chart.show(from, to);
     for (const chart of this.changes) chart.setHeight(range);
-    this.forces.setHeight(this.forceHeights(from, to));
+    this.forces.setHeight(this.lineHeights('force', from, to));
+    this.cones?.setHeight(this.lineHeights('cone_share', from, to));
   }
 
   // What each method has at a tick.
-  rowsAt(tick, key) {
+  rowsAt(tick, key, unit = 'N') {
     return this.methods.map(({method, step, [key]: values}) => {
       const i = nearest(step, tick);
-      return [methodTitle(method), step[i] === tick ? `${number(values[i])} N` : 'not shown', methodColor(method)];
+      return [methodTitle(method), step[i] === tick ? `${number(values[i])} ${unit}` : 'not shown', methodColor(method)];
     });
   }
 
