@@ -21,6 +21,7 @@ constexpr int kRides = 5;            // along each path, for the time of a tick
 // Items a second of work that does `items` at a time.
 template <class Poll, class Work>
 double rate_of(std::size_t items, Poll poll, Work work) {
+  poll();
   work();  // memory touched, kernels compiled
   const Stopwatch clock;
   std::size_t rounds = 0;
@@ -80,8 +81,8 @@ void Comparison::add_exact(Construction construction) {
   exact.points.resize(points_.size());
   evaluate(exact.cache, points_, exact.points);
   for (const ComparePath& path : paths_) {
-    poll();
-    exact.pushes.push_back(feel_path(exact.cache, {}, path.hips, path.depth / mesh_.unit, {}).push);
+    const double depth = path.depth / mesh_.unit;
+    exact.pushes.push_back(feel_path(exact.cache, {}, path.hips, depth, {}, options_.poll).push);
   }
   exact_.push_back(std::move(exact));
 }
@@ -205,6 +206,7 @@ Comparison::Surface Comparison::build(const CompareCandidate& candidate, Precisi
 
 void Comparison::measure_shape(const Surface& surface, const Engine& engine,
                                CompareRow& row) const {
+  poll();
   const PatchCache& cache = surface.cache;
   const Method method = surface.candidate.method;
   const Exact& exact = exact_of(surface.candidate);
@@ -256,10 +258,9 @@ void Comparison::measure_feel(const PatchCache& cache, const QueryOptions& query
   row.tick = row.jumps_per_100k = row.lost_per_100k = row.settling_share = 0;
   row.unsound = 0;
   for (std::size_t i = 0; i < paths_.size(); ++i) {
-    poll();
     const ComparePath& path = paths_[i];
     const double depth = path.depth / mesh_.unit;
-    const FeltPath felt = feel_path(cache, query, path.hips, depth, exact.pushes[i]);
+    const FeltPath felt = feel_path(cache, query, path.hips, depth, exact.pushes[i], options_.poll);
     const double newtons = options_.stiffness * mesh_.unit;
     row.max_force_step = std::max(row.max_force_step, newtons * felt.force.largest_step);
     row.p99_force_step = std::max(row.p99_force_step, newtons * felt.p99_step);
@@ -271,7 +272,8 @@ void Comparison::measure_feel(const PatchCache& cache, const QueryOptions& query
     row.p99_force_error = std::max(row.p99_force_error, felt.error.p99 / depth);
     double tick = felt.median_tick;  // the best of some: others use the machine as well
     for (int ride = 1; ride < kRides; ++ride)
-      tick = std::min(tick, feel_path(cache, query, path.hips, depth, {}).median_tick);
+      tick =
+          std::min(tick, feel_path(cache, query, path.hips, depth, {}, options_.poll).median_tick);
     row.tick = std::max(row.tick, tick);
   }
 }
@@ -279,7 +281,7 @@ void Comparison::measure_feel(const PatchCache& cache, const QueryOptions& query
 void Comparison::measure_walks(const PatchCache& cache, const QueryOptions& query,
                                const Engine& engine, CompareRow& row) const {
   row.walk_max_force_step = row.walk_p99_force_step = kUnknown;
-  row.loop_gain = loop_gain(cache, query, walks_.loops);
+  row.loop_gain = loop_gain(cache, query, walks_.loops, options_.poll);
   if (walks_.walks.empty()) return;
   const FeltWalks felt = feel_walks(cache, query, walks_.walks, walks_.depth / mesh_.unit,
                                     polled(engine), options_.most_jumps > 0 ? &row.jumps : nullptr);
@@ -318,7 +320,10 @@ DenseRow Comparison::match(Method method, const CompareRow& target, std::uint64_
        cells = cells < 2 ? cells + 1 : cells + cells / 2) {
     poll();
     const Mesh dense = tessellate(mesh_, exact.cache, cells);
-    const PatchCache cache = build_base(dense, build_topology(dense), Precision::kDouble);
+    poll();
+    const Topology topology = build_topology(dense);
+    poll();
+    const PatchCache cache = build_base(dense, topology, Precision::kDouble);
     CompareRow felt{};
     measure_feel(cache, query_of({method, {}}, Solver::kNewton), exact, felt);
     last_step = row.max_force_step;

@@ -156,7 +156,8 @@ Distances normal_gaps(const Mesh& mesh, const Topology& topology, const PatchCac
 }
 
 FeltPath feel_path(const PatchCache& cache, const QueryOptions& options, std::span<const Vec3> path,
-                   double depth, std::span<const Vec3> reference) {
+                   double depth, std::span<const Vec3> reference,
+                   const std::function<void()>& poll) {
   using Clock = std::chrono::steady_clock;
   FeltPath result;
   result.force = ForceStatistics(depth);
@@ -165,6 +166,7 @@ FeltPath feel_path(const PatchCache& cache, const QueryOptions& options, std::sp
   std::vector<double> ticks;
   ticks.reserve(path.size());
   for (std::size_t i = 0; i < path.size(); ++i) {
+    if (poll && i % 256 == 0) poll();
     const auto start = Clock::now();
     const Contact contact = tracker.tick(path[i]);
     ticks.push_back(std::chrono::duration<double>(Clock::now() - start).count());

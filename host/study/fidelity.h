@@ -49,9 +49,11 @@ struct FeltPath {
   double median_tick = 0;    // s
   std::vector<Vec3> push{};  // [tick]
 };
-// `depth` of the path. `reference`: pushes to compare with, or empty.
+// `depth` of the path. `reference`: pushes to compare with, or empty. `poll` is called every 256
+// ticks, and may end it by throwing.
 GLISS_EXPORT FeltPath feel_path(const PatchCache& cache, const QueryOptions& options,
                                 std::span<const Vec3> path, double depth,
-                                std::span<const Vec3> reference);
+                                std::span<const Vec3> reference,
+                                const std::function<void()>& poll = nullptr);
 
 }  // namespace gliss

@@ -247,9 +247,10 @@ std::vector<std::vector<Vec3>> loop_paths(const Mesh& mesh, const Topology& topo
 }
 
 double loop_gain(const PatchCache& cache, const QueryOptions& options,
-                 std::span<const std::vector<Vec3>> loops) {
+                 std::span<const std::vector<Vec3>> loops, const std::function<void()>& poll) {
   double largest = std::numeric_limits<double>::quiet_NaN();
   for (const std::vector<Vec3>& loop : loops) {
+    if (poll) poll();
     const PathLoop round{kRoundBegins, kRoundBegins + kRound};
     LoopGain gain({&round, 1});
     ContactTracker tracker(cache, options);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -70,7 +71,9 @@ GLISS_EXPORT std::vector<std::vector<Vec3>> loop_paths(const Mesh& mesh, const T
                                                        std::uint64_t seed = 1);
 
 // The largest gain (Work) of those loops of loop_paths that stay in contact; NaN: there is none.
+// `poll` is called before each loop, and may end it by throwing.
 GLISS_EXPORT double loop_gain(const PatchCache& cache, const QueryOptions& options,
-                              std::span<const std::vector<Vec3>> loops);
+                              std::span<const std::vector<Vec3>> loops,
+                              const std::function<void()>& poll = nullptr);
 
 }  // namespace gliss
