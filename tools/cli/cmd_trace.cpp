@@ -97,6 +97,8 @@ void write(const std::vector<Row>& rows, const TracingOptions& options, const Un
 // sum over steps. `length` of the path, m.
 std::string gain_text(const TraceStatistics& s, double length) {
   if (std::isnan(s.loop_gain) || !(s.work.gross > 0.01 * s.largest_force * length)) return "";
+  if (s.loop_gain < -0.01)  // friction
+    return fmt::format("; closed loops take at least {:.3g} %", -100 * s.loop_gain);
   return fmt::format("; closed loops give the hand up to {:.3g} %", 100 * s.loop_gain);
 }
 
