@@ -41,6 +41,7 @@
 #include "gliss/mesh/topology.h"
 #include "gliss/query/contact_tracker.h"
 #include "gliss/query/force_statistics.h"
+#include "gliss/query/friction.h"
 #include "gliss/query/lazy_mesh.h"
 #include "gliss/query/lazy_tracker.h"
 #include "gliss/query/query.h"

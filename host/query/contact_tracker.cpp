@@ -45,8 +45,9 @@ class ContactTracker::Tick {
       t_.felt_.begin(hip_, now);
       return now;
     }
+    // The lag changes by the slack at most, and the push of the slider by twice its way.
     if (t_.friction_.is_on() && is_touching(last))
-      t_.felt_.allow(t_.friction_.slack(t_.felt_.way()));
+      t_.felt_.allow(3 * t_.friction_.slack(t_.felt_.way()));
     if (is_touching(last) && t_.felt_.is_leap(now.push)) {
       const Vec3 was = vector_of(last, kContactPush);
       if (t_.felt_.is_leap(was, now.push)) now = slide(last, was, now);

@@ -53,7 +53,7 @@ class GLISS_EXPORT Friction {
   bool slips() const { return slips_; }
   // |lag| over static x press, of the last tick.
   double share() const;
-  // How far the push may change in this tick by friction alone, for a HIP that moves by `way`.
+  // How far the lag may change in this tick, for a HIP that moves by `way`.
   double slack(double way) const { return mu_ * way + narrowed_ * press_; }
 
  private:

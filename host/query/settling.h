@@ -12,7 +12,7 @@ namespace gliss {
 // A tick *leaps* if the push changes by more than twice the HIP's way and a stride. A stride is a
 // share of the lesser push of the two ticks, 20 % / settle. But it is at most eight times the HIP's
 // way, or a 32nd of that share: however deep it is, a slow hand feels no more than ten times its
-// own way. Where friction lets go of a contact point, the drop of its force is no leap.
+// own way. Where friction lets go of a contact point, what its force changes by is no leap.
 //
 // The energy of a contact, over its stiffness, is push . (SCP - HIP) / 2. That is |push|^2 / 2, and
 // the potential of the rim that rounds off an open border. It grows by the work of the hand alone,

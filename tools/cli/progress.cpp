@@ -7,7 +7,7 @@
 namespace gliss {
 namespace {
 
-constexpr double kRedraw = 0.1;  // seconds
+constexpr double kRedraw = 0.1, kWorthALine = 0.5;  // seconds
 constexpr int kBarWidth = 26;
 
 }  // namespace
@@ -33,6 +33,7 @@ void Progress::update(std::uint64_t done) {
 void Progress::finish() {
   if (line_.place() == StatusLine::Place::kNowhere) return;
   state_.seconds = clock_.seconds();
+  if (line_.place() == StatusLine::Place::kLog && state_.seconds < kWorthALine) return;
   if (state_.total != 0) state_.done = state_.total;
   line_.finish(fmt::format("{}: {}", label_, finished_text(state_, noun_)));
 }

@@ -21,7 +21,8 @@ class Progress {
            ProgressStyle style = ProgressStyle::kAutomatic);
 
   void update(std::uint64_t done);
-  void finish();  // says how many in what time
+  // Says how many in what time; in a log only what took half a second.
+  void finish();
 
  private:
   std::string label_, noun_;
