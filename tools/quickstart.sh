@@ -20,7 +20,7 @@ build=build-quickstart
 configure() { cmake --preset release -B $build -DGLISS_TESTS=OFF -DGLISS_BENCH=OFF -DGLISS_WERROR=OFF "$@"; }
 configure -UGLISS_REPORT
 # The page of gliss report comes from npm's registry at its first build, which some networks keep off.
-if grep -q '^GLISS_REPORT:BOOL=ON' $build/CMakeCache.txt && ! cmake --build $build --target report/report.html; then
+if grep -q '^GLISS_REPORT:BOOL=ON' $build/CMakeCache.txt && ! cmake --build $build --target report_html; then
   echo "The page of gliss report is left out, for npm cannot fetch what it needs. Behind a proxy, set HTTPS_PROXY, or" >&2
   echo "NODE_EXTRA_CA_CERTS to the file of its certificates, and run this again. All else goes on." >&2
   configure -DGLISS_REPORT=OFF
