@@ -85,6 +85,12 @@ struct GLISS_EXPORT ForceStatistics {
   // The share of the ticks in contact that settle; 0 where there was none.
   double settling_share() const noexcept { return per_100k(settling) * 1e-5; }
 
+ protected:
+  // 0 where there was no contact.
+  double per_100k(std::uint64_t ticks) const noexcept {
+    return touching == 0 ? 0 : 1e5 * static_cast<double>(ticks) / static_cast<double>(touching);
+  }
+
  private:
   double add_unsound() noexcept {
     ++unsound;
@@ -119,10 +125,6 @@ struct GLISS_EXPORT ForceStatistics {
     return count;
   }
   double full_force() const noexcept { return known_full_force_ > 0 ? known_full_force_ : held_; }
-  double per_100k(std::uint64_t count) const noexcept {
-    return touching == 0 ? 0 : 1e5 * static_cast<double>(count) / static_cast<double>(touching);
-  }
-
   double known_full_force_ = 0;
   bool was_in_contact_ = false;
   Vec3 last_ = Vec3::Zero();

@@ -32,9 +32,7 @@ struct TraceStatistics : ForceStatistics {
   double loop_gain{};          // LoopGain::largest, of the path's closed_loops
 
   // The share of the ticks in contact that slip; 0 where there was none.
-  double slipping_share() const {
-    return touching == 0 ? 0 : static_cast<double>(slipping) / static_cast<double>(touching);
-  }
+  double slipping_share() const noexcept { return per_100k(slipping) * 1e-5; }
 };
 
 // Takes steps in order, all methods of a tick together (steps[i] belongs to options.methods[i]).

@@ -29,6 +29,13 @@ Eigen::Matrix3d read_rotation(TomlTable table) {
   return Eigen::AngleAxisd(degrees * std::numbers::pi / 180, axis.stableNormalized()).matrix();
 }
 
+// A time from 0 to 1 s, of which `usual` is a sensible one.
+void read_settle(TomlTable& table, double& settle, const char* usual) {
+  table.get("settle", settle, parse_time);
+  if (!(settle >= 0 && settle <= 1))
+    table.fail("settle", fmt::format("must be from 0 to 1 s; \"{}\" is usual", usual));
+}
+
 // { static = 0.5, dynamic = 0.3, settle = "2ms" }
 FrictionOptions read_friction(TomlTable table) {
   FrictionOptions friction;
@@ -39,9 +46,7 @@ FrictionOptions read_friction(TomlTable table) {
   table.get("dynamic", friction.slipping);
   if (!(friction.slipping >= 0 && friction.slipping <= friction.at_rest))
     table.fail("dynamic", "must be from 0 to static");
-  table.get("settle", friction.settle, parse_time);
-  if (!(friction.settle >= 0 && friction.settle <= 1))
-    table.fail("settle", "must be from 0 to 1 s; \"2ms\" is usual");
+  read_settle(table, friction.settle, "2ms");
   table.done();
   return friction;
 }
@@ -108,9 +113,7 @@ ObjectDescription read_object(TomlTable table, const std::string& scene, std::si
   table.get("tolerance", object.tolerance);
   if (!(object.tolerance >= 0 && object.tolerance < 1))
     table.fail("tolerance", "must be 0 or more and less than 1");
-  table.get("settle", object.settle, parse_time);
-  if (!(object.settle >= 0 && object.settle <= 1))
-    table.fail("settle", "must be from 0 to 1 s; \"5ms\" is usual");
+  read_settle(table, object.settle, "5ms");
   if (auto friction = table.table("friction")) object.friction = read_friction(*friction);
   read_patches(table, object, mesh.empty());
   Vec3 position = Vec3::Zero();

@@ -78,6 +78,16 @@ class Program : public ::testing::Test {
     return json;
   }
 
+  // ball.obj, and round.csv: a HIP that goes in and then `ticks` on beneath the surface.
+  void write_ball_and_round(int ticks) {
+    output_of("generate goldberg --frequency 2 -o ball.obj");
+    std::string hips = "x_mm,y_mm,z_mm\n";
+    for (int i = 0; i < 50; ++i) hips += fmt::format("{},0,0\n", 12 - 0.1 * i);
+    for (int i = 0; i < ticks; ++i)
+      hips += fmt::format("{},{},0\n", 7 * std::cos(0.002 * i), 7 * std::sin(0.002 * i));
+    folder_.write("round.csv", hips);
+  }
+
   const Mesh knot_ = torus_knot(24, 6).mesh;
   const ScratchFolder folder_;
 };
@@ -211,12 +221,7 @@ TEST_F(Program, TraceKeepsTheStepsOfTheFile) {
 }
 
 TEST_F(Program, ContactsSettleWhereTheyAreToldTo) {
-  output_of("generate goldberg --frequency 2 -o ball.obj");
-  std::string hips = "x_mm,y_mm,z_mm\n";
-  for (int i = 0; i < 50; ++i) hips += fmt::format("{},0,0\n", 12 - 0.1 * i);
-  for (int i = 0; i < 2000; ++i)
-    hips += fmt::format("{},{},0\n", 7 * std::cos(0.002 * i), 7 * std::sin(0.002 * i));
-  folder_.write("round.csv", hips);
+  write_ball_and_round(2000);
   const auto felt = [&](const char* settle) {
     return json_of(
         fmt::format("trace ball.obj --unit mm --path round.csv --method flat "
@@ -245,12 +250,7 @@ TEST_F(Program, ContactsSettleWhereTheyAreToldTo) {
 }
 
 TEST_F(Program, ContactsRubWhereTheyAreToldTo) {
-  output_of("generate goldberg --frequency 2 -o ball.obj");
-  std::string hips = "x_mm,y_mm,z_mm\n";
-  for (int i = 0; i < 50; ++i) hips += fmt::format("{},0,0\n", 12 - 0.1 * i);
-  for (int i = 0; i < 1000; ++i)
-    hips += fmt::format("{},{},0\n", 7 * std::cos(0.002 * i), 7 * std::sin(0.002 * i));
-  folder_.write("round.csv", hips);
+  write_ball_and_round(1000);
   const std::string trace = "trace ball.obj --unit mm --path round.csv --stiffness 0.1N/mm ";
   const std::string plain = output_of(trace), none = output_of(trace + "--friction 0");
   EXPECT_EQ(none, plain);

@@ -272,7 +272,7 @@ TEST(Friction, makes_no_energy) {
   }
 }
 
-// What friction and a rim give a hand that has come from the open, it has put in before. The
+// Friction and a rim give a hand that has come from the open no more than it has put in. The
 // potential of a rim is not exact where its border is curved.
 TEST(Friction, gives_on_rims_what_the_hand_has_put_in) {
   for (const Mesh& mesh : {test::open_strip(), test::sheet(1.5), test::sheet(0)}) {

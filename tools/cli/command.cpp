@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "gliss/base/units.h"
+#include "gliss/query/friction.h"
 #include "tools/cli/terminal.h"
 #include "tools/cli/watch.h"
 
@@ -25,6 +26,15 @@ double parse_weld(const std::string& text) {
   const double length = parse_length(text);
   if (!(length >= 0)) throw InputError("--weld must not be negative; 'none' welds nothing");
   return length;
+}
+
+// A time from 0 to 1 s in ticks of 1 ms, for an option of which `usual` is a sensible value.
+double ticks_of(const std::string& option, const std::string& text, const std::string& usual) {
+  const double seconds = parse_time(text);
+  if (!(seconds >= 0 && seconds <= 1))
+    throw InputError(
+        fmt::format("{}: '{}' is not from 0 to 1 s; {} is usual", option, text, usual));
+  return seconds * 1e3;
 }
 
 std::string& kept_command_line() {
@@ -178,12 +188,7 @@ void add_settle_option(Command& command, double& settle) {
        fmt::format("where a contact would leap it slides, and the force takes so long to change by "
                    "20 %, with a tick a millisecond; 0: it leaps; default {}",
                    settle > 0 ? fmt::format("{:g}ms", settle) : "0")},
-      [&settle](const std::string& text) {
-        const double seconds = parse_time(text);
-        if (!(seconds >= 0 && seconds <= 1))
-          throw InputError(fmt::format("--settle: '{}' is not from 0 to 1 s; 5ms is usual", text));
-        settle = seconds * 1e3;
-      });
+      [&settle](const std::string& text) { settle = ticks_of("--settle", text, "5ms"); });
 }
 
 void add_friction_options(Command& command, FrictionOptions& friction) {
@@ -197,8 +202,7 @@ void add_friction_options(Command& command, FrictionOptions& friction) {
           throw InputError(fmt::format("--friction: '{}' is not STATIC or STATIC,DYNAMIC", text));
         friction.at_rest = parse_number<double>("--friction", words.front());
         friction.slipping = parse_number<double>("--friction", words.back());
-        if (!(friction.at_rest >= 0 && friction.at_rest <= FrictionOptions::kMost &&
-              friction.slipping >= 0 && friction.slipping <= friction.at_rest))
+        if (fault_of(friction) != nullptr)
           throw InputError(
               fmt::format("--friction: '{}' is not from 0 to {:g}, the second at most "
                           "the first",
@@ -209,11 +213,7 @@ void add_friction_options(Command& command, FrictionOptions& friction) {
        "the time in which the one goes to the other by 63 % once a contact slips, with a "
        "tick a millisecond; default 0: at once"},
       [&friction](const std::string& text) {
-        const double seconds = parse_time(text);
-        if (!(seconds >= 0 && seconds <= 1))
-          throw InputError(
-              fmt::format("--friction-settle: '{}' is not from 0 to 1 s; 2ms is usual", text));
-        friction.settle = seconds * 1e3;
+        friction.settle = ticks_of("--friction-settle", text, "2ms");
       });
 }
 

@@ -73,7 +73,6 @@ Json method_result(const ReportTable& table, const std::string& method,
       {"y", packed_at<float>(bars, column("y"))},
       {"z", packed_at<float>(bars, column("z"))},
       {"patch", packed_at<std::uint32_t>(bars, column("patch"))}};
-  // With friction.
   if (table.has("cone_share")) json["cone_share"] = packed_at<float>(bars, column("cone_share"));
   return json;
 }

@@ -39,19 +39,22 @@ class PathCharts {
       onRange: (from, to) => this.show(from, to),
       sync,
     }));
-    this.forces = this.lines('force', 'Force along the path', 'N', sync);
-    this.cones = this.methods[0].cone_share ? this.lines('cone_share', 'Share of the friction cone along the path', '', sync) : null;
+    const plots = [{key: 'force', unit: 'N', label: 'Force along the path', title: 'Force, |F|'}];
+    if (this.methods[0].cone_share) {
+      plots.push({key: 'cone_share', unit: '', label: 'Share of the friction cone along the path',
+        title: 'Share of the friction cone: the tangential force over what holds at rest'});
+    }
+    this.plots = plots.map(plot => ({...plot, chart: this.lines(plot, sync)}));
     this.element.replaceChildren(...this.methods.map((method, i) => el('.strip', {},
         el('h4', {}, swatch(methodColor(method.method), methodTitle(method.method)),
             el('span.aside', {}, `mean ${number(method.mean_change)} N, largest `,
                 `${number(method.largest[0]?.change ?? 0)} N, jumps ${number(method.jumps_per_100k)} and lost ${
                 number(method.lost_per_100k)} per 100\u202f000 ticks in contact`)),
-        this.changes[i].element)), this.strip('Force, |F|', this.forces),
-    ...(this.cones ? [this.strip('Share of the friction cone: the tangential force over what holds at rest', this.cones)] : []));
+        this.changes[i].element)), ...this.plots.map(plot => this.strip(plot)));
   }
 
   // A chart with a line for each method.
-  lines(key, label, unit, sync) {
+  lines({key, label, unit}, sync) {
     const data = joined(this.methods.map(({step, [key]: values}) => [step, values]));
     return new Chart({
       label,
@@ -66,7 +69,7 @@ class PathCharts {
     });
   }
 
-  strip(title, chart) {
+  strip({title, chart}) {
     const names = this.methods.map(({method}) => swatch(methodColor(method), methodTitle(method)));
     return el('.strip', {}, el('h4', {}, title, el('span.aside.key', {}, names)), chart.element);
   }
@@ -95,10 +98,9 @@ class PathCharts {
 
   show(from, to) {
     const range = this.heights(from, to);
-    for (const chart of [...this.changes, this.forces, ...(this.cones ? [this.cones] : [])]) chart.show(from, to);
+    for (const chart of [...this.changes, ...this.plots.map(plot => plot.chart)]) chart.show(from, to);
     for (const chart of this.changes) chart.setHeight(range);
-    this.forces.setHeight(this.lineHeights('force', from, to));
-    this.cones?.setHeight(this.lineHeights('cone_share', from, to));
+    for (const {key, chart} of this.plots) chart.setHeight(this.lineHeights(key, from, to));
   }
 
   // What each method has at a tick.
