@@ -1,6 +1,6 @@
 // The loop's tick on the knot of 1,440 quads, 2 mm beneath its surface, 0.15 mm a tick: device,
 // tracker, guard. Back to back, and woken 1000 times a second, when its memory has gone cold; and
-// with friction, under which nearly every tick slips.
+// with friction, under which nearly every tick slips, and with a texture.
 #include <benchmark/benchmark.h>
 
 #include "bench/benches.h"
@@ -15,7 +15,15 @@ namespace {
 constexpr double kDepth = 2, kStep = 0.15;  // mm
 constexpr std::size_t kTicks = 100000, kWokenTicks = 5000;
 
-void loop(benchmark::State& state, Precision precision, bool woken, FrictionOptions friction) {
+struct LoopCase {
+  const char* name;
+  bool woken = false;
+  FrictionOptions friction = {};
+  EffectOptions effects = {};
+};
+
+void loop(benchmark::State& state, Precision precision, const LoopCase& of) {
+  const bool woken = of.woken;
   const Generated knot = torus_knot();
   const std::vector<Vec3> round = path_beneath(knot, 120, 12, kDepth, kStep);
   std::vector<Vec3> path;
@@ -23,7 +31,8 @@ void loop(benchmark::State& state, Precision precision, bool woken, FrictionOpti
     path.push_back(round[i % round.size()] * knot.mesh.unit);
   SceneObject object;
   object.cache = std::make_shared<PatchCache>(make_setup(precision, 1).cache);
-  object.friction = friction;
+  object.friction = of.friction;
+  object.effects = of.effects;
   DurationHistogram compute, wake;
   for (auto _ : state) {
     ReplayDevice device(path);
@@ -50,15 +59,15 @@ void loop(benchmark::State& state, Precision precision, bool woken, FrictionOpti
 }  // namespace
 
 void register_loop() {
+  const LoopCase cases[] = {{"back_to_back"},
+                            {"woken_1kHz", true},
+                            {"friction", false, {0.5, 0.3}},
+                            {"texture", false, {}, {.texture = {Relief::kNoise, 5e-5, 2e-3}}}};
   for (const Precision p : {Precision::kDouble, Precision::kFloat}) {
-    for (const bool woken : {false, true}) {
-      const std::string name =
-          "loop/exact/" + name_of(p) + "/4/" + (woken ? "woken_1kHz" : "back_to_back");
-      benchmark::RegisterBenchmark(name.c_str(), loop, p, woken, FrictionOptions{})->UseRealTime();
+    for (const LoopCase& of : cases) {
+      const std::string name = "loop/exact/" + name_of(p) + "/4/" + of.name;
+      benchmark::RegisterBenchmark(name.c_str(), loop, p, of)->UseRealTime();
     }
-    const std::string name = "loop/exact/" + name_of(p) + "/4/friction";
-    benchmark::RegisterBenchmark(name.c_str(), loop, p, false, FrictionOptions{0.5, 0.3})
-        ->UseRealTime();
   }
 }
 

@@ -55,19 +55,30 @@ std::optional<Factor> find_time(std::string_view name) { return find(kTimes, nam
 
 std::optional<Factor> find_angle(std::string_view name) { return find(kAngles, name); }
 
-std::optional<Factor> find_stiffness(std::string_view name) {
-  const auto slash = name.find('/');
-  if (slash == std::string_view::npos) return {};
-  const auto force = find(kForces, name.substr(0, slash));
-  const auto length = find_length(name.substr(slash + 1));
-  if (!force || !length) return {};
-  return Factor{force->times * length->over, force->over * length->times};
-}
+std::optional<Factor> find_force(std::string_view name) { return find(kForces, name); }
 
 std::string_view trim(std::string_view text) {
   while (text.starts_with(' ')) text.remove_prefix(1);
   while (text.ends_with(' ')) text.remove_suffix(1);
   return text;
+}
+
+// "N s", "Ns"
+std::optional<Factor> find_impulse(std::string_view name) {
+  if (!name.ends_with('s')) return {};
+  name.remove_suffix(1);
+  return find_force(trim(name));
+}
+
+// What `find_top` finds over a length.
+template <std::optional<Factor> (*find_top)(std::string_view)>
+std::optional<Factor> find_over_length(std::string_view name) {
+  const auto slash = name.find('/');
+  if (slash == std::string_view::npos) return {};
+  const auto top = find_top(name.substr(0, slash));
+  const auto length = find_length(name.substr(slash + 1));
+  if (!top || !length) return {};
+  return Factor{top->times * length->over, top->over * length->times};
 }
 
 double parse(std::string_view text, std::optional<Factor> (*find_factor)(std::string_view),
@@ -99,9 +110,23 @@ double parse_length(std::string_view text) {
 }
 
 double parse_stiffness(std::string_view text) {
-  return parse(text, find_stiffness,
+  return parse(text, find_over_length<find_force>,
                detail::message("a stiffness is a number in N, mN or kN over ", kAcceptedLengths,
                                " such as 0.5N/mm, or in N/m without a unit"));
+}
+
+double parse_force(std::string_view text) {
+  return parse(text, find_force, "a force is a number in N, mN or kN, or in N without a unit");
+}
+
+double parse_viscosity(std::string_view text) {
+  return parse(text, find_over_length<find_impulse>,
+               "a viscosity is a number such as 3 N s/m, or in N s/m without a unit");
+}
+
+double parse_damping(std::string_view text) {
+  return parse(text, find_over_length<find_time>,
+               "a damping is a number such as 2 s/m, or in s/m without a unit");
 }
 
 double parse_time(std::string_view text) {

@@ -19,6 +19,9 @@ struct GLISS_EXPORT UnitError : std::runtime_error {
 // the double nearest to what was written: "9mm" is 0.009.
 GLISS_EXPORT double parse_length(std::string_view text);     // [m]; m, cm, mm, um, nm, in
 GLISS_EXPORT double parse_stiffness(std::string_view text);  // [N/m]; N, mN or kN over a length
+GLISS_EXPORT double parse_force(std::string_view text);      // [N]; N, mN, kN
+GLISS_EXPORT double parse_viscosity(std::string_view text);  // [N s/m]; as "3 N s/m", "1 mN s/mm"
+GLISS_EXPORT double parse_damping(std::string_view text);    // [s/m]; a time over a length
 GLISS_EXPORT double parse_time(std::string_view text);       // [s]; s, ms, us, ns
 GLISS_EXPORT double parse_angle(std::string_view text);      // [rad]; deg, rad
 // "mm" -> 1e-3; also a positive number of metres.

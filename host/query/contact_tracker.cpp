@@ -17,6 +17,8 @@ namespace {
 // True if its push is the way to the nearest point, whose size tells its energy.
 bool has_energy(Method method) { return method != Method::kShaded; }
 
+constexpr double kAny = std::numeric_limits<double>::infinity();
+
 }  // namespace
 
 // One tick in the cache's own precision.
@@ -273,7 +275,6 @@ class ContactTracker::Tick {
   Contact contact(const RawContact<Real>& raw) const {
     Contact c = contact_of(cache_, s_, raw);
     c.iterations = std::max(0, spent_ - 1);
-    if (c.touching && t_.friction_.has_grip()) c.cone_share = t_.friction_.share();
     return c;
   }
   // The nearest point, without a contact.
@@ -410,7 +411,9 @@ class ContactTracker::Tick {
       at += step;
     }
     if (!is_sure(end)) return pause(hip_, clear_of(end), end);
-    // A HIP that was near a surface and ends inside has come in, though its place was not found.
+    // A HIP that was near a surface, or is on it, and ends inside has come in, though its place was
+    // not found.
+    was_near = was_near || clear_of(end) <= on_surface_;
     return is_closed(end) || (was_near && !behind) ? accept(end) : accept_free(end);
   }
 
@@ -479,6 +482,43 @@ Contact ContactTracker::track(const Vec3& hip, const DomainPoint& start, const S
     }
     return contact;
   });
+}
+
+// From the state as a start, the HIP's own nearest point and those of HIPs beside it, to both sides
+// along each axis.
+template <class Real>
+ContactFoot ContactTracker::foot_on(const Surface<Real>& s, const Vec3& hip) const {
+  constexpr std::size_t kFeet = 7;
+  const RawContact<Real>& state = *std::get_if<RawContact<Real>>(&state_);
+  const std::size_t numbers = kPatchReals * std::size_t{state.uints[kContactPatch]};
+  const double step = std::cbrt(double{std::numeric_limits<Real>::epsilon()}) / cache_->scale *
+                      static_cast<double>(s.patch[numbers + kPatchUnscale]);
+  RawHip<Real> hips[kFeet];
+  RawContact<Real> feet[kFeet];
+  for (int i = 0; i < static_cast<int>(kFeet); ++i) {
+    const Vec3 aside = (i % 2 == 0 ? step : -step) * Vec3::Unit(i / 2 % 3);
+    hips[i] = raw_hip<Real>(*cache_, i == kFeet - 1 ? hip : Vec3(hip + aside));
+    feet[i] = state;
+  }
+  kernels<Real>().track(s, options_.method, track_options<Real>(options_), hips, kFeet, feet);
+  const auto contact = [&](int i) { return contact_of(*cache_, s, feet[i]); };
+  const Contact own = contact(kFeet - 1);
+  ContactFoot foot{own.scp, own.push, own.push.norm()};
+  if (has_energy(options_.method))
+    foot.depth = std::sqrt(std::max(0.0, own.push.dot(own.scp - hip)));
+  for (int axis = 0; axis < 3; ++axis)
+    foot.moves.col(axis) = (contact(2 * axis).scp - contact(2 * axis + 1).scp) / (2 * step);
+  const double moves = foot.moves.norm();
+  if (!(moves <= kMostMoves)) foot.moves *= moves < kAny ? kMostMoves / moves : 0;
+  return foot;
+}
+
+ContactFoot ContactTracker::foot(const Vec3& hip, const Contact& contact) const noexcept {
+  ContactFoot stays{contact.scp, contact.push, contact.push.norm()};
+  const bool is_nearest = (contact.flags & (kConverged | kSlipping)) != 0;
+  if (!contact.touching || is_settling(contact.flags) || !is_nearest) return stays;
+  const PlainArithmetic plain;
+  return with_surface(*cache_, [&]<class Real>(const Surface<Real>& s) { return foot_on(s, hip); });
 }
 
 void ContactTracker::release(const Vec3& hip, double clear) noexcept {

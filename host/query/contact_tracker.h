@@ -10,6 +10,13 @@
 
 namespace gliss {
 
+// A contact without friction, and how it moves with its HIP; lengths in the mesh's unit.
+struct ContactFoot {
+  Vec3 point = Vec3::Zero(), push = Vec3::Zero();  // as Contact's scp and push
+  double depth = 0;  // k depth^2 / 2 is the energy of the spring; of force shading |push|
+  Eigen::Matrix3d moves = Eigen::Matrix3d::Zero();  // d point / d HIP
+};
+
 // Follows the contact of one HIP with one cache by one method, tick by tick. It keeps a reference
 // to the cache, which must outlive it; one thread at a time may use it.
 //
@@ -51,8 +58,16 @@ class GLISS_EXPORT ContactTracker {
   // after it, the contact point lags behind as far.
   Contact track(const Vec3& hip, const DomainPoint& start, const Settling* felt = nullptr,
                 const Friction* friction = nullptr) noexcept;
+  // The contact that the last tick gave, as it is without friction. By central differences: of six
+  // HIPs, 1e-5 of the patch away, each with its nearest point. A foot moves at most kMostMoves
+  // times as far as the HIP: more, where that is nearly as deep as the radius of curvature, is cut.
+  // One that a leap moves, or that is held, stays: it moves by nothing.
+  ContactFoot foot(const Vec3& hip, const Contact& contact) const noexcept;
+  static constexpr double kMostMoves = 4;
   const Settling& felt() const { return felt_; }
   const Friction& friction() const { return friction_; }
+  // The tangential part of the last tick's push over what friction at rest permits; 0 without.
+  double cone_share() const { return touching() && friction_.has_grip() ? friction_.share() : 0; }
   // True if the last tick's contact was touching.
   bool touching() const { return follows() || felt_.is_felt(); }
   // Makes the HIP free; no surface is nearer to it than `clear`.
@@ -61,13 +76,17 @@ class GLISS_EXPORT ContactTracker {
   // that is touched.
   void move_to(const PatchCache& cache) noexcept;
   void move_to(const PatchCache&&) = delete;
-  // True if the HIP is free, and nearer to where it was last looked for than any surface: a tick
-  // there finds no contact and changes nothing, so that it may as well be left out.
-  bool is_clear(const Vec3& hip) const { return !touching() && (hip - last_).norm() < clear_; }
+  // True if the HIP is free, and nearer to where it was last looked for than any surface, by
+  // `reach`: a tick there finds no contact and changes nothing, so that it may as well be left out.
+  bool is_clear(const Vec3& hip, double reach = 0) const {
+    return !touching() && (hip - last_).norm() + reach < clear_;
+  }
 
  private:
   template <class Real>
   class Tick;
+  template <class Real>
+  ContactFoot foot_on(const Surface<Real>& surface, const Vec3& hip) const;
   // No search begins after as many: six descents of 64 steps may follow.
   static constexpr int kSearchEvaluations = kTickEvaluations - 6 * 65;
 

@@ -108,9 +108,6 @@ struct Contact {
   int iterations = 0, crossings = 0;  // iterations: over all patches that were tried
   // kConverged, kOnBorder, kOnCrease, kNotBuilt, kUnfinished, kSettling, kSlipping
   std::uint32_t flags = 0;
-  // The tangential part of the push over what friction at rest permits, as ContactTracker has it; 0
-  // without friction.
-  double cone_share = 0;
   // The distance that a search found no surface nearer than, but for rounding, mesh's unit:
   // |distance| unless it is kUnfinished. Tracking leaves 0.
   double clear = 0;

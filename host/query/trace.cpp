@@ -1,5 +1,9 @@
 #include "gliss/query/trace.h"
 
+#include <optional>
+#include <stdexcept>
+#include <string>
+
 #include "gliss/base/plain_arithmetic.h"
 #include "gliss/query/contact_tracker.h"
 
@@ -8,6 +12,8 @@ namespace gliss {
 std::vector<TraceStatistics> trace(const PatchCache& cache, std::span<const Vec3> hips,
                                    const TraceOptions& options, const TraceSink& sink) {
   const PlainArithmetic plain;
+  if (const char* fault = fault_of(options.effects))
+    throw std::invalid_argument(std::string("TraceOptions ") + fault);
   std::vector<ContactTracker> trackers;
   std::vector<TraceStatistics> statistics;
   for (const Method method : options.methods) {
@@ -18,14 +24,19 @@ std::vector<TraceStatistics> trace(const PatchCache& cache, std::span<const Vec3
     statistics.emplace_back();
     statistics.back().method = method;
   }
+  std::optional<Effects> effects;
+  if (options.effects.any()) effects.emplace(options.effects, options.stiffness, cache.unit);
   const std::vector<PathLoop> loops = closed_loops(hips);
   std::vector<LoopGain> gains(options.methods.size(), LoopGain(loops));
   std::vector<TraceStep> steps(options.methods.size());
   for (std::size_t tick = 0; tick < hips.size(); ++tick) {
+    if (effects) effects->see(hips[tick]);
     for (std::size_t m = 0; m < trackers.size(); ++m) {
-      steps[m].contact = trackers[m].tick(hips[tick]);
+      const Contact& contact = steps[m].contact = trackers[m].tick(hips[tick]);
       // A sum, as of the objects of a scene: it has no -0.
-      steps[m].force = Vec3::Zero() + contact_force(cache, steps[m].contact, options.stiffness);
+      steps[m].force = Vec3::Zero() + (effects ? effects->force(contact, trackers[m])
+                                               : contact_force(cache, contact, options.stiffness));
+      steps[m].cone_share = trackers[m].cone_share();
       statistics[m].add(steps[m].contact.touching, steps[m].force,
                         is_settling(steps[m].contact.flags));
       statistics[m].slipping += is_slipping(steps[m].contact.flags);

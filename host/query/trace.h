@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gliss/base/export.h"
+#include "gliss/query/effects.h"
 #include "gliss/query/force_statistics.h"
 #include "gliss/query/query.h"
 #include "gliss/query/work.h"
@@ -18,11 +19,13 @@ struct TraceOptions : SolverOptions {
   double stiffness = 500;                 // N/m
   double settle = QueryOptions{}.settle;  // ticks
   FrictionOptions friction = {};
+  EffectOptions effects = {};
 };
 
 struct TraceStep {
   Contact contact;
-  Vec3 force;  // N
+  Vec3 force;             // N
+  double cone_share = 0;  // ContactTracker::cone_share
 };
 
 struct TraceStatistics : ForceStatistics {
@@ -39,7 +42,8 @@ struct TraceStatistics : ForceStatistics {
 // False stops the trace.
 using TraceSink = std::function<bool(std::size_t tick, std::span<const TraceStep> steps)>;
 
-// HIPs in the mesh's unit. Throws std::invalid_argument as ContactTracker does.
+// HIPs in the mesh's unit. Throws std::invalid_argument as ContactTracker does,
+// and for effects that are none.
 GLISS_EXPORT std::vector<TraceStatistics> trace(const PatchCache& cache, std::span<const Vec3> hips,
                                                 const TraceOptions& options,
                                                 const TraceSink& sink = nullptr);

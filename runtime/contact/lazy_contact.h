@@ -25,6 +25,8 @@ class GLISS_EXPORT LazyContact {
   bool touching() const { return place_ != Place::kFree; }
   bool is_clear(const Vec3& hip) const { return !touching() && (hip - last_).norm() < clear_; }
   const LazyWorker& worker() const { return worker_; }
+  // The tracker that gave the last contact.
+  const ContactTracker& tracker() const { return place_ == Place::kOnPatches ? *patches_ : base_; }
 
  private:
   enum class Place { kFree, kOnPatches, kOnBase };

@@ -23,10 +23,12 @@ const char* fault_of(const SceneObject& object) {
   if (!std::isfinite(object.stiffness)) return "has a stiffness that is not finite";
   if (!(object.settle >= 0)) return "has a settle that is not 0 or more";
   if (const char* fault = fault_of(object.friction)) return fault;
+  if (const char* fault = fault_of(object.effects)) return fault;
   if (object.cache != nullptr)
     return object.cache->patch_count() == 0 ? "has a cache without patches" : nullptr;
   if (object.lazy == nullptr)
     return "has no surface: set its cache, or lazy to build patches near the HIP";
+  if (object.effects.magnet.any()) return "is lazy and has a magnet, which needs a cache";
   return object.method == Method::kGregory ? nullptr
                                            : "is lazy, which is for the method gregory alone";
 }
@@ -49,8 +51,10 @@ Tracker::Tracker(std::span<const SceneObject> objects, std::span<const Vec3> hip
   if (hips.empty()) hips = {&at_the_device, 1};
   for (const Vec3& hip : hips) {
     for (const SceneObject& object : objects) {
-      tracked_.push_back({object, hip, object.pose.inverse(), object.unit(), {}, {}});
+      tracked_.push_back({object, hip, object.pose.inverse(), object.unit(), {}, {}, {}});
       Tracked& tracked = tracked_.back();
+      if (object.effects.any())
+        tracked.effects.emplace(object.effects, object.stiffness, tracked.unit);
       if (object.cache != nullptr) {
         tracked.whole.emplace(*object.cache, query_of(object));
       } else {
@@ -69,12 +73,15 @@ Vec3 Tracker::step(const Vec3& position) noexcept {
     ObjectStep& step = steps_[i];
     const Vec3 at = tracked.to_object * (position + tracked.hip) / tracked.unit;
     if (tracked.lazy) tracked.lazy->post(at);
+    if (tracked.effects) tracked.effects->see(at);
     step.searched = !tracked.is_clear(at);
     step.force.setZero();
     if (!step.searched) continue;
     step.contact = tracked.tick(at);
-    if (step.contact.push.isZero(0)) continue;
-    const Vec3 force = tracked.object.stiffness * tracked.unit * step.contact.push;
+    if (step.contact.push.isZero(0) && !tracked.effects) continue;
+    const Vec3 force = tracked.effects
+                           ? tracked.effects->force(step.contact, tracked.tracker())
+                           : Vec3(tracked.object.stiffness * tracked.unit * step.contact.push);
     step.force = tracked.object.pose.linear() * force;
     sum += step.force;
   }

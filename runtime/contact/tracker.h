@@ -12,6 +12,7 @@
 #include "gliss/contact/lazy_contact.h"
 #include "gliss/contact/pose.h"
 #include "gliss/query/contact_tracker.h"
+#include "gliss/query/effects.h"
 
 namespace gliss {
 
@@ -30,6 +31,7 @@ struct SceneObject {
   double tolerance = 0;
   double settle = QueryOptions{}.settle;  // ticks
   FrictionOptions friction = {};
+  EffectOptions effects = {};  // a magnet needs a cache
 
   // The mesh's unit in m. Requires a cache or `lazy`.
   double unit() const { return cache != nullptr ? cache->unit : lazy->base().unit; }
@@ -49,7 +51,8 @@ class GLISS_EXPORT Tracker {
   // `hips`: where the tool's HIPs are from the device's position (m, world); none: one, there.
   // Throws std::invalid_argument, one line with the object's index, for an object without a surface
   // (neither cache nor `lazy`, or a cache without patches) and for a lazy one with another method
-  // than kGregory, numbers that are not finite, or friction that is none; and for such HIPs.
+  // than kGregory, numbers that are not finite, friction or effects that are none; and for such
+  // HIPs.
   explicit Tracker(std::span<const SceneObject> objects, std::span<const Vec3> hips = {});
 
   // The force on the hand at a position (m, world), in N: the sum over HIPs and objects. What is
@@ -71,8 +74,13 @@ class GLISS_EXPORT Tracker {
     // One of them.
     std::optional<ContactTracker> whole;
     std::unique_ptr<LazyContact> lazy;
+    std::optional<Effects> effects;
 
-    bool is_clear(const Vec3& at) const { return whole ? whole->is_clear(at) : lazy->is_clear(at); }
+    // True if nothing is so near that it is felt.
+    bool is_clear(const Vec3& at) const {
+      return whole ? whole->is_clear(at, effects ? effects->reach() : 0) : lazy->is_clear(at);
+    }
+    const ContactTracker& tracker() const { return whole ? *whole : lazy->tracker(); }
     Contact tick(const Vec3& at) noexcept { return whole ? whole->tick(at) : lazy->tick(at); }
     bool touching() const { return whole ? whole->touching() : lazy->touching(); }
   };

@@ -48,6 +48,8 @@ std::vector<SceneObject> open_objects(const Scene& scene, const SceneOpening& op
     object.settle = described.settle / period;
     object.friction = described.friction;
     object.friction.settle /= period;
+    object.effects = described.effects;
+    object.effects.tick = period;
     object.pose = described.pose;
     if (described.patches == Patches::kLazy) {
       const Precision precision = described.precision.value_or(Precision::kDouble);
@@ -65,10 +67,15 @@ std::vector<SceneObject> open_objects(const Scene& scene, const SceneOpening& op
 
 LoopOptions loop_options(const Scene& scene, const DeviceInfo& device) {
   const double most = std::min(scene.max_stiffness, device.max_stiffness);
+  const auto check = [&](const ObjectDescription& object, const char* what, double stiffness) {
+    if (stiffness <= most) return;
+    throw SceneError(fmt::format("{}: {} is {:g} N/m, and {} renders at most {:g} N/m",
+                                 object.place, what, stiffness, device.name, most));
+  };
   for (const ObjectDescription& object : scene.objects) {
-    if (object.stiffness <= most) continue;
-    throw SceneError(fmt::format("{}: stiffness is {:g} N/m, and {} renders at most {:g} N/m",
-                                 object.place, object.stiffness, device.name, most));
+    check(object, "stiffness", object.stiffness);
+    check(object, "stiffness of the magnet, 3.08 force / range,",
+          object.effects.magnet.stiffness());
   }
   LoopOptions options = scene.loop;
   options.guard.max_force = std::min(scene.loop.guard.max_force, scene.max_force);

@@ -51,6 +51,51 @@ FrictionOptions read_friction(TomlTable table) {
   return friction;
 }
 
+// { force = "0.5N", range = "2mm" }
+MagnetOptions read_magnet(TomlTable table) {
+  MagnetOptions magnet;
+  if (!table.has("force") || !table.has("range")) table.fail("", "needs force and range");
+  table.get_positive("force", magnet.force, parse_force);
+  table.get_positive("range", magnet.range, parse_length);
+  table.done();
+  return magnet;
+}
+
+// { kind = "grating", height = "50um", period = "2mm", along = [1, 0, 0] }
+TextureOptions read_texture(TomlTable table) {
+  TextureOptions texture;
+  for (const char* key : {"kind", "height", "period"})
+    if (!table.has(key)) table.fail("", "needs kind, height and period");
+  table.get("kind", texture.relief, kReliefNames);
+  table.get_positive("height", texture.height, parse_length);
+  table.get_positive("period", texture.period, parse_length);
+  if (table.has("along") && texture.relief != Relief::kGrating)
+    table.fail("along", "goes with kind = \"grating\"");
+  table.get_point("along", texture.along);
+  if (texture.along.isZero(0)) table.fail("along", "must be three numbers that are not all zero");
+  table.done();
+  if (const double steepest = Texture(texture).steepest(); !(steepest <= Texture::kSteepest))
+    table.fail("height",
+               fmt::format("makes slopes up to {:.3g}; at most {:g} can be felt: lower it, "
+                           "or make the period longer",
+                           steepest, Texture::kSteepest));
+  return texture;
+}
+
+void read_effects(TomlTable& table, EffectOptions& effects, bool lazy) {
+  table.get("damping", effects.damping, parse_damping);
+  if (!(effects.damping >= 0 && effects.damping <= EffectOptions::kMostDamping))
+    table.fail("damping", fmt::format("must be from 0 to {:g} s/m", EffectOptions::kMostDamping));
+  table.get("viscosity", effects.viscosity, parse_viscosity);
+  if (!(effects.viscosity >= 0 && effects.viscosity <= EffectOptions::kMostViscosity))
+    table.fail("viscosity",
+               fmt::format("must be from 0 to {:g} N s/m", EffectOptions::kMostViscosity));
+  if (auto magnet = table.table("magnet")) effects.magnet = read_magnet(*magnet);
+  if (effects.magnet.any() && lazy)
+    table.fail("magnet", "needs all patches; take patches = \"all\"");
+  if (auto texture = table.table("texture")) effects.texture = read_texture(*texture);
+}
+
 void read_patches(TomlTable& table, ObjectDescription& object, bool from_cache) {
   table.get("patches", object.patches, kPatchesNames);
   const bool lazy = object.patches == Patches::kLazy;
@@ -116,6 +161,7 @@ ObjectDescription read_object(TomlTable table, const std::string& scene, std::si
   read_settle(table, object.settle, "5ms");
   if (auto friction = table.table("friction")) object.friction = read_friction(*friction);
   read_patches(table, object, mesh.empty());
+  read_effects(table, object.effects, object.patches == Patches::kLazy);
   Vec3 position = Vec3::Zero();
   table.get_point("position", position);
   object.pose.translation() = position;

@@ -14,6 +14,7 @@
 #include "gliss/device/sim_device.h"
 #include "gliss/loop/loop.h"
 #include "gliss/mesh/creases.h"
+#include "gliss/query/effects.h"
 #include "gliss/query/query.h"
 #include "gliss/surface/patch_cache.h"
 
@@ -44,6 +45,7 @@ struct ObjectDescription : SolverOptions {
   double stiffness = 500;                    // N/m
   double settle = kSettleTime;               // s; 0: contacts leap (QueryOptions::settle)
   FrictionOptions friction{};                // its `settle` in s
+  EffectOptions effects{};                   // the loop's period is its tick
   Method method = Method::kGregory;
   Pose pose = Pose::Identity();
   Patches patches = Patches::kAll;

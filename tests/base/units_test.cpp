@@ -35,6 +35,19 @@ TEST(Units, Stiffnesses) {
   EXPECT_EQ(parse_stiffness("750"), 750);
 }
 
+TEST(Units, ForcesAndDampings) {
+  EXPECT_EQ(parse_force("0.5N"), 0.5);
+  EXPECT_EQ(parse_force("20 mN"), 0.02);
+  EXPECT_EQ(parse_force("3"), 3);
+  EXPECT_EQ(parse_viscosity("3 N s/m"), 3);
+  EXPECT_EQ(parse_viscosity("3Ns/m"), 3);
+  EXPECT_EQ(parse_viscosity("2 mN s/mm"), 2);
+  EXPECT_EQ(parse_viscosity("0.1"), 0.1);
+  EXPECT_EQ(parse_damping("2s/m"), 2);
+  EXPECT_EQ(parse_damping("2 ms/mm"), 2);
+  EXPECT_EQ(parse_damping("1.5"), 1.5);
+}
+
 TEST(Units, UnitsOfMeshes) {
   EXPECT_EQ(parse_unit("mm"), 1e-3);
   EXPECT_EQ(parse_unit("m"), 1);
@@ -65,6 +78,10 @@ TEST(Units, ErrorsQuoteTheTextAndSayWhatIsAccepted) {
   EXPECT_THAT(error(parse_stiffness, "5 N"), HasSubstr("0.5N/mm"));
   EXPECT_THAT(error(parse_stiffness, "5 N/"), HasSubstr("unknown unit 'N/'"));
   EXPECT_THAT(error(parse_stiffness, "5 mm"), HasSubstr("unknown unit 'mm'"));
+  EXPECT_THAT(error(parse_force, "5 N/m"), HasSubstr("a force is a number in N"));
+  EXPECT_THAT(error(parse_viscosity, "5 N/m"), HasSubstr("such as 3 N s/m"));
+  EXPECT_THAT(error(parse_viscosity, "5 s/m"), HasSubstr("unknown unit 's/m'"));
+  EXPECT_THAT(error(parse_damping, "5 N s/m"), HasSubstr("such as 2 s/m"));
   EXPECT_THAT(error(parse_unit, "0"), HasSubstr("'0' is not positive"));
   EXPECT_THAT(error(parse_unit, "feet"), HasSubstr("a unit is m, cm"));
 }

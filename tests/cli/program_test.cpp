@@ -276,6 +276,30 @@ TEST_F(Program, ContactsRubWhereTheyAreToldTo) {
               HasSubstr("--friction-settle goes with --friction"));
 }
 
+TEST_F(Program, ContactsHaveTheEffectsThatTheyAreToldTo) {
+  write_ball_and_round(1000);
+  const std::string trace = "trace ball.obj --unit mm --path round.csv --stiffness 0.1N/mm ";
+  const std::string plain = output_of(trace);
+  EXPECT_EQ(output_of(trace + "--damping 0 --viscosity 0"), plain);
+  for (const char* effect : {"--damping 2s/m", "--viscosity '1 N s/m'", "--magnet 0.1N,2mm",
+                             "--texture grating,50um,2mm,0,1,0", "--texture noise,50um,2mm"})
+    EXPECT_NE(output_of(trace + effect), plain) << effect;
+  const auto felt = json_of(trace + "--damping 2 --texture noise,50um,2mm -o felt.csv")["methods"];
+  folder_.write("scene.toml",
+                "[[object]]\nmesh = 'ball.obj'\nunit = 'mm'\nstiffness = '0.1N/mm'\ndamping = 2\n"
+                "texture = {kind = 'noise', height = '50um', period = '2mm'}\n");
+  const auto rendered = json_of("run scene.toml --device replay:round.csv --no-wait");
+  EXPECT_EQ(rendered["largest_force_step"], felt[0]["largest_step_N"]);
+  for (const char* bad : {"--damping -1", "--damping 30", "--viscosity nan", "--magnet 1N",
+                          "--magnet 1N,0", "--magnet -1N,1mm", "--texture bumps,1um,1mm",
+                          "--texture grating,1mm,1mm", "--texture grating,1um,1mm,1"}) {
+    const test::Outcome slip = run(trace + bad);
+    EXPECT_EQ(slip.code, 2) << bad;
+    const std::string words = bad;
+    EXPECT_THAT(slip.err, HasSubstr(words.substr(2, words.find(' ') - 2))) << bad;
+  }
+}
+
 TEST_F(Program, CoordinatesAreInTheUnitAskedFor) {
   output_of("bake knot.obj --unit mm -o knot.gliss");
   const auto mm = numbers_of(output_of("eval knot.gliss --at points.csv --unit mm"));

@@ -7,6 +7,7 @@
 #include "gliss/engine/engine.h"
 #include "gliss/generate/generate.h"
 #include "gliss/loop/loop.h"
+#include "gliss/query/trace.h"
 #include "tests/support/allocations.h"
 #include "tests/support/surfaces.h"
 
@@ -178,6 +179,44 @@ TEST(Tracker, rubs_as_a_contact_tracker_does_and_allocates_nothing) {
   EXPECT_EQ(allocations, 0u);
   EXPECT_GT(slips, 100u);
   EXPECT_GT(sticks, 10u);
+}
+
+TEST(Tracker, refuses_effects_that_are_none_and_names_them) {
+  EXPECT_EQ(refusal({.cache = ball(), .effects = {.damping = -1}}),
+            "SceneObject 1 has a damping that is not from 0 to 20 s/m");
+  SceneObject lazy;
+  lazy.effects.magnet = {1, 1e-3};
+  lazy.lazy = std::make_shared<const LazyMesh>(goldberg().mesh);
+  EXPECT_EQ(refusal(lazy), "SceneObject 1 is lazy and has a magnet, which needs a cache");
+}
+
+TEST(Tracker, has_the_effects_of_a_trace_and_allocates_nothing) {
+  const auto cache = ball();
+  TraceOptions options;
+  options.methods = {Method::kGregory};
+  options.friction = {0.5, 0.3};
+  options.effects = {
+      .damping = 2, .viscosity = 1, .magnet = {0.3, 2e-3}, .texture = {Relief::kNoise, 5e-5, 2e-3}};
+  const SceneObject object{
+      .cache = cache, .friction = options.friction, .effects = options.effects};
+  Tracker tracker({&object, 1});
+  const std::vector<Vec3> path = wandering(5000, 0.012);
+  std::vector<Vec3> hips;
+  for (const Vec3& hip : path) hips.push_back(hip / cache->unit);
+  std::uint64_t allocations = 0;
+  std::size_t pulls = 0, pushes = 0;
+  trace(*cache, hips, options, [&](std::size_t tick, std::span<const TraceStep> steps) {
+    const std::uint64_t before = test::allocations();
+    const Vec3 got = tracker.step(path[tick]);
+    allocations += test::allocations() - before;
+    EXPECT_EQ(got, steps[0].force) << tick;
+    pulls += !steps[0].contact.touching && !got.isZero(0);
+    pushes += steps[0].contact.touching;
+    return true;
+  });
+  EXPECT_EQ(allocations, 0u);
+  EXPECT_GT(pulls, 100u);
+  EXPECT_GT(pushes, 100u);
 }
 
 }  // namespace

@@ -33,6 +33,22 @@ TEST_P(OpenFan, is_walked_both_ways_round) {
   }
 }
 
+// Ticks of 0.02 mm that come to z = 0 but for rounding, above it or below: the next ones are
+// inside.
+TEST_P(OpenFan, is_entered_by_a_hip_that_a_tick_leaves_on_it) {
+  const PatchCache cache = test::cache_of(test::sheet());
+  QueryOptions options;
+  options.method = GetParam();
+  for (const double rounding : {-1e-12, -1e-16, 0.0, 1e-16, 1e-12}) {
+    ContactTracker tracker(cache, options);
+    for (int i = 15; i > 0; --i) tracker.tick({0, 0, 0.02 * i});
+    tracker.tick({0, 0, rounding});
+    const Contact in = tracker.tick({0, 0, -0.02});
+    EXPECT_TRUE(in.touching) << rounding;
+    EXPECT_NEAR(in.push.z(), 0.02, 1e-12) << rounding;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Methods, OpenFan,
                          ::testing::Values(Method::kGregory, Method::kShaded, Method::kFlat),
                          [](const auto& info) { return std::string(method_name(info.param)); });

@@ -31,6 +31,10 @@ method = "shaded"
 solver = "gauss-newton"
 settle = "5ms"
 friction = {static = 0.5, dynamic = 0.3, settle = "2ms"}
+damping = "2s/m"
+viscosity = "3 N s/m"
+magnet = {force = "0.2N", range = "2mm"}
+texture = {kind = "grating", height = "50um", period = "2mm", along = [0, 1, 2]}
 position = ["10mm", "-2cm", 0.3]
 rotation = {axis = [0, 0, 2], degrees = 90}
 
@@ -39,6 +43,7 @@ cache = "ball.gliss"
 method = "flat"
 solver = "paper"
 friction = {static = 0.4}
+texture = {kind = "noise", height = 1e-5, period = "1mm"}
 
 [loop]
 rate = 2000
@@ -86,6 +91,14 @@ seed = 77
   EXPECT_EQ(ball.friction.at_rest, 0.5);
   EXPECT_EQ(ball.friction.slipping, 0.3);
   EXPECT_EQ(ball.friction.settle, 0.002);
+  EXPECT_EQ(ball.effects.damping, 2);
+  EXPECT_EQ(ball.effects.viscosity, 3);
+  EXPECT_EQ(ball.effects.magnet.force, 0.2);
+  EXPECT_EQ(ball.effects.magnet.range, 2e-3);
+  EXPECT_EQ(ball.effects.texture.relief, Relief::kGrating);
+  EXPECT_EQ(ball.effects.texture.height, 50e-6);
+  EXPECT_EQ(ball.effects.texture.period, 2e-3);
+  EXPECT_EQ(list(ball.effects.texture.along), (List{0, 1, 2}));
   EXPECT_EQ(list(ball.pose.translation()), (List{0.01, -0.02, 0.3}));
   // A quarter turn about z leads x to y.
   EXPECT_LT((ball.pose * Vec3(1, 2, 3) - Vec3(-1.99, 0.98, 3.3)).norm(), 1e-12);
@@ -96,6 +109,9 @@ seed = 77
   EXPECT_EQ(second.friction.at_rest, 0.4);
   EXPECT_EQ(second.friction.slipping, 0.4);
   EXPECT_EQ(second.friction.settle, 0);
+  EXPECT_EQ(second.effects.texture.relief, Relief::kNoise);
+  EXPECT_EQ(second.effects.texture.height, 1e-5);
+  EXPECT_EQ(second.effects.damping, 0);
   EXPECT_EQ(second.solver, Solver::kPaper);
 
   EXPECT_EQ(scene.loop.period, 500us);

@@ -47,6 +47,7 @@ void describe(Command& command, TracingOptions& options) {
   add_solver_options(command, options.trace);
   add_settle_option(command, options.trace.settle);
   add_friction_options(command, options.trace.friction);
+  add_effect_options(command, options.trace.effects);
 }
 
 // Whole steps are written as such: 100000, where the shortest double would be 1e+05.
@@ -83,7 +84,7 @@ void write(const std::vector<Row>& rows, const TracingOptions& options, const Un
   table.fill(count,
              [&](std::size_t i) { return rows[i].felt.contact.touching ? "contact" : "free"; });
   if (options.trace.friction.any()) {
-    table.fill(count, [&](std::size_t i) { return rows[i].felt.contact.cone_share; });
+    table.fill(count, [&](std::size_t i) { return rows[i].felt.cone_share; });
     table.fill(count, [&](std::size_t i) { return grip_name(rows[i].felt.contact); });
   }
   for (const std::string& name : options.keep) {

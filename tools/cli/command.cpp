@@ -217,6 +217,57 @@ void add_friction_options(Command& command, FrictionOptions& friction) {
       });
 }
 
+namespace {
+
+// Throws InputError for an option that made effects that are none.
+void check_effects(const std::string& option, const std::string& text,
+                   const EffectOptions& effects) {
+  if (const char* fault = fault_of(effects))
+    throw InputError(fmt::format("{}: '{}' {}", option, text, fault));
+}
+
+void set_texture(const std::string& text, TextureOptions& texture) {
+  const std::vector<std::string> words = split(text, ',');
+  if (words.size() != 3 && words.size() != 6)
+    throw InputError(fmt::format(
+        "--texture: '{}' is not RELIEF,HEIGHT,PERIOD or RELIEF,HEIGHT,PERIOD,X,Y,Z", text));
+  texture.relief = parse_name("--texture", words[0], kReliefNames);
+  texture.height = parse_length(words[1]);
+  texture.period = parse_length(words[2]);
+  for (std::size_t i = 3; i < words.size(); ++i)
+    texture.along[static_cast<int>(i) - 3] = parse_number<double>("--texture", words[i]);
+}
+
+}  // namespace
+
+void add_effect_options(Command& command, EffectOptions& effects) {
+  const auto option = [&](const char* name, const char* value, const char* description,
+                          const std::function<void(const std::string&)>& set) {
+    command.option({name, value, description}, [&effects, name, set](const std::string& text) {
+      set(text);
+      check_effects(name, text, effects);
+    });
+  };
+  option("--damping", "DAMPING",
+         "the normal force grows by this times the velocity inwards, such as 2s/m; default 0",
+         [&effects](const std::string& text) { effects.damping = parse_damping(text); });
+  option("--viscosity", "VISCOSITY",
+         "a force against the velocity inside, such as 3Ns/m; default 0",
+         [&effects](const std::string& text) { effects.viscosity = parse_viscosity(text); });
+  option("--magnet", "FORCE,RANGE",
+         "a pull to the surface from outside, so large at most and from so far, such as 0.5N,2mm",
+         [&effects](const std::string& text) {
+           const std::vector<std::string> words = split(text, ',');
+           if (words.size() != 2)
+             throw InputError(fmt::format("--magnet: '{}' is not FORCE,RANGE", text));
+           effects.magnet = {parse_force(words[0]), parse_length(words[1])};
+         });
+  option("--texture", "RELIEF,HEIGHT,PERIOD[,X,Y,Z]",
+         "a relief of the surface: grating,50um,2mm,1,0,0 or noise,50um,2mm; the way across the "
+         "grooves of a grating is x unless it is given",
+         [&effects](const std::string& text) { set_texture(text, effects.texture); });
+}
+
 void add_methods_option(Command& command, std::vector<Method>& methods) {
   command.option({"--method", "LIST", "of gregory, shaded and flat; all by default"},
                  [&methods](const std::string& text) {

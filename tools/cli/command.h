@@ -13,6 +13,7 @@
 #include "gliss/base/stopwatch.h"
 #include "gliss/engine/opencl.h"
 #include "gliss/mesh/creases.h"
+#include "gliss/query/effects.h"
 #include "gliss/study/sweep.h"
 #include "gliss/surface/names.h"
 #include "gliss/validate/validate.h"
@@ -83,6 +84,8 @@ void add_stiffness_option(Command& command, double& stiffness);
 void add_settle_option(Command& command, double& settle);
 // --friction and --friction-settle, in ticks of 1 ms.
 void add_friction_options(Command& command, FrictionOptions& friction);
+// --damping, --viscosity, --magnet and --texture.
+void add_effect_options(Command& command, EffectOptions& effects);
 // Adds the options of one solver; of all.
 void add_solver_options(Command& command, SolverOptions& options);
 void add_step_options(Command& command, SolverOptions& options);

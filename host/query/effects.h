@@ -1,0 +1,81 @@
+// What a hand feels of a contact besides its spring: damping, viscosity, a magnet, a texture
+// (docs/method.md, Effects).
+#pragma once
+
+#include <array>
+
+#include "gliss/base/export.h"
+#include "gliss/query/contact_tracker.h"
+#include "gliss/query/texture.h"
+
+namespace gliss {
+
+// A pull to the surface from outside, up to `force` (N), within `range` (m).
+struct MagnetOptions {
+  double force = 0, range = 0;
+
+  bool any() const { return force > 0; }
+  // N/m: the force changes by at most so much a way.
+  double stiffness() const;
+};
+
+// All off by default. Velocities are those of the HIP in the object's frame, m/s.
+struct EffectOptions {
+  // Above these the delay of the velocity, 4 ticks, makes a hand that holds 0.1 kg tremble.
+  static constexpr double kMostDamping = 20, kMostViscosity = 20;
+
+  double damping = 0;    // s/m: by how much the normal force grows with the velocity inwards
+  double viscosity = 0;  // N s/m, inside
+  MagnetOptions magnet = {};
+  TextureOptions texture = {};
+  double tick = 1e-3;  // s, from one tick to the next
+
+  bool any() const { return damping > 0 || viscosity > 0 || magnet.any() || texture.any(); }
+};
+
+// Why `options` are none, as the end of a sentence; null: they are fine.
+GLISS_EXPORT const char* fault_of(const EffectOptions& options) noexcept;
+
+// The effects of one contact. It allocates nothing and takes no lock; one thread at a time.
+//
+// With x the HIP, p(x) its nearest point, D its depth, F = k D n the spring's force:
+// - Texture: h(p) <= 0 is a change of depth. The energy k (D + h)^2 / 2, none where D + h < 0, has
+//   the force k (D + h) (n - (dp/dx)^T grad h), so that closed paths do no work. It is added to the
+//   force of friction, which is passive itself. A contact that a leap moves (kSettling) has a
+//   point that stays: dp/dx = 0.
+// - Damping (Hunt and Crossley 1975): the normal part of the force times 1 + damping x v, v the
+//   velocity inwards, but 0 at least and 2 at most. It is zero on touching and never pulls.
+// - Viscosity: -viscosity x velocity, from nothing at the surface to all of it kSkin below.
+// - Magnet: outside, -dU/dd along the way to the nearest point, d the distance, with force x
+//   16 u^2 (1 - u)^2, u = d / range: nothing on touching and where its range ends.
+class GLISS_EXPORT Effects {
+ public:
+  static constexpr double kSkin = 1e-4;  // m
+  // Ticks over which a velocity is measured.
+  static constexpr std::size_t kWindow = 8;
+
+  // `unit`: of the mesh, m; `stiffness`: N/m. Requires options without a fault.
+  Effects(const EffectOptions& options, double stiffness, double unit);
+
+  // A tick begins with the HIP at `hip` (mesh's unit), each tick once.
+  void see(const Vec3& hip) noexcept;
+  // The distance outside (mesh's unit) within which a contact has to be looked for.
+  double reach() const { return options_.magnet.any() ? options_.magnet.range / unit_ : 0; }
+  // The force on the hand, N in the object's frame, for the contact that `tracker` gave of the HIP.
+  Vec3 force(const Contact& contact, const ContactTracker& tracker) const noexcept;
+
+  // m/s, object's frame: over the last kWindow ticks, thus 4 ticks old.
+  Vec3 velocity() const noexcept;
+
+ private:
+  Vec3 pull(const Contact& contact) const;
+  Vec3 textured(const Contact& contact, const ContactTracker& tracker) const;
+
+  EffectOptions options_;
+  Texture texture_;
+  double stiffness_, unit_;
+  std::array<Vec3, kWindow + 1> seen_;  // the last HIPs, in turns
+  std::size_t count_ = 0, last_ = 0;
+};
+
+}  // namespace gliss
