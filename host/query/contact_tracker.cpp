@@ -88,7 +88,7 @@ class ContactTracker::Tick {
     if (!hip_.allFinite() || t_.is_clear(hip_)) return look_only();
     if (!was_touching) {
       const RawContact<Real> end = nearest(hip_, left() / 2);
-      return t_.clear_ < 0 ? accept(end) : arrive(end);
+      return t_.clear_ < 0 ? accept(end) : arrive(end, t_.clear_ <= on_surface_);
     }
     const bool has_grip = t_.friction_.has_grip();
     const RawContact<Real> next = has_grip ? drag() : follow_to(state_, hip_);
@@ -107,7 +107,7 @@ class ContactTracker::Tick {
     t_.last_ = gone.scp;
     t_.clear_ = 0;
     t_.behind_ = false;
-    return arrive(end);
+    return arrive(end, false);
   }
 
   // The contact that follows the surface from `from` as the HIP, or what stands for it, goes there.
@@ -371,8 +371,8 @@ class ContactTracker::Tick {
 
   // Sphere tracing (Hart 1996) along the way of a free HIP, from last_ to where `end` is the
   // nearest point: the balls round both ends hold no surface, nor does that round any point
-  // between. A way that they cover crosses none.
-  Contact arrive(const RawContact<Real>& end) {
+  // between. A way that they cover crosses none. `begins_on_it`: the free HIP was on the surface.
+  Contact arrive(const RawContact<Real>& end, bool begins_on_it) {
     const Vec3 from = t_.last_, way = hip_ - from;
     const double length = way.norm();
     const bool crosses = is_sure(end) && is_touching(end) != t_.behind_;
@@ -382,7 +382,7 @@ class ContactTracker::Tick {
     const auto is_closed = [&](const RawContact<Real>& contact) {
       return cache_.is_closed_at(contact.uints[kContactPatch]);
     };
-    bool behind = t_.behind_, glided = false, was_near = false;
+    bool behind = t_.behind_, glided = begins_on_it, was_near = begins_on_it;
     for (double at = t_.clear_ > 0 ? t_.clear_ : std::min(4 * on_surface_, length);
          at < std::min(uncovered, length);) {
       const Vec3 x = from + (at / length) * way;
