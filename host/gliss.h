@@ -14,6 +14,7 @@
 #include "gliss/build/tile_cuts.h"
 #include "gliss/contact/lazy_contact.h"
 #include "gliss/contact/lazy_worker.h"
+#include "gliss/contact/motion.h"
 #include "gliss/contact/pose.h"
 #include "gliss/contact/tracker.h"
 #include "gliss/device/device.h"

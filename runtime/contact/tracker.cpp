@@ -20,6 +20,9 @@ QueryOptions query_of(const SceneObject& object) {
 // Why nothing can be touched of an object, as the end of a sentence about it; null: it can.
 const char* fault_of(const SceneObject& object) {
   if (!object.pose.matrix().allFinite()) return "has a pose that is not finite";
+  if (!is_rigid(object.pose)) return "has a pose that is no rotation and translation";
+  if (object.motion != nullptr && object.poses != nullptr)
+    return "has a motion and poses, of which it can follow one";
   if (!std::isfinite(object.stiffness)) return "has a stiffness that is not finite";
   if (!(object.settle >= 0)) return "has a settle that is not 0 or more";
   if (const char* fault = fault_of(object.friction)) return fault;
@@ -49,9 +52,12 @@ Tracker::Tracker(std::span<const SceneObject> objects, std::span<const Vec3> hip
   }
   static const Vec3 at_the_device = Vec3::Zero();
   if (hips.empty()) hips = {&at_the_device, 1};
+  for (const SceneObject& object : objects)
+    places_.push_back({object, object.pose, object.pose.inverse()});
   for (const Vec3& hip : hips) {
-    for (const SceneObject& object : objects) {
-      tracked_.push_back({object, hip, object.pose.inverse(), object.unit(), {}, {}, {}});
+    for (std::size_t place = 0; place < places_.size(); ++place) {
+      const SceneObject& object = places_[place].object;
+      tracked_.push_back({place, hip, object.unit(), {}, {}, {}});
       Tracked& tracked = tracked_.back();
       if (object.effects.any())
         tracked.effects.emplace(object.effects, object.stiffness, tracked.unit);
@@ -65,13 +71,33 @@ Tracker::Tracker(std::span<const SceneObject> objects, std::span<const Vec3> hip
   steps_.resize(tracked_.size());
 }
 
-Vec3 Tracker::step(const Vec3& position) noexcept {
+bool Tracker::move(std::size_t object, const Pose& pose) noexcept {
+  if (!is_rigid(pose)) return false;
+  places_[object].now = pose;
+  places_[object].to_object = pose.inverse();
+  return true;
+}
+
+void Tracker::follow_motions(Nanoseconds time) noexcept {
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    const SceneObject& object = places_[i].object;
+    if (object.motion != nullptr) {
+      move(i, object.motion->at(std::chrono::duration<double>(time).count()) * object.pose);
+    } else if (object.poses != nullptr) {
+      if (const auto pose = object.poses->latest()) move(i, *pose);
+    }
+  }
+}
+
+Vec3 Tracker::step(const Vec3& position, Nanoseconds time) noexcept {
   const PlainArithmetic plain;
+  follow_motions(time);
   Vec3 sum = Vec3::Zero();
   for (std::size_t i = 0; i < tracked_.size(); ++i) {
     Tracked& tracked = tracked_[i];
+    const Place& place = places_[tracked.place];
     ObjectStep& step = steps_[i];
-    const Vec3 at = tracked.to_object * (position + tracked.hip) / tracked.unit;
+    const Vec3 at = place.to_object * (position + tracked.hip) / tracked.unit;
     if (tracked.lazy) tracked.lazy->post(at);
     if (tracked.effects) tracked.effects->see(at);
     step.searched = !tracked.is_clear(at);
@@ -81,8 +107,8 @@ Vec3 Tracker::step(const Vec3& position) noexcept {
     if (step.contact.push.isZero(0) && !tracked.effects) continue;
     const Vec3 force = tracked.effects
                            ? tracked.effects->force(step.contact, tracked.tracker())
-                           : Vec3(tracked.object.stiffness * tracked.unit * step.contact.push);
-    step.force = tracked.object.pose.linear() * force;
+                           : Vec3(place.object.stiffness * tracked.unit * step.contact.push);
+    step.force = place.now.linear() * force;
     sum += step.force;
   }
   return sum;

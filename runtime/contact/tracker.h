@@ -10,9 +10,11 @@
 
 #include "gliss/base/export.h"
 #include "gliss/contact/lazy_contact.h"
+#include "gliss/contact/motion.h"
 #include "gliss/contact/pose.h"
 #include "gliss/query/contact_tracker.h"
 #include "gliss/query/effects.h"
+#include "gliss/thread/clock.h"
 
 namespace gliss {
 
@@ -23,6 +25,9 @@ struct SceneObject {
   Method method = Method::kGregory;
   Solver solver = Solver::kNewton;
   Pose pose = Pose::Identity();
+  // It moves from there, as one of these says; null: it rests.
+  std::shared_ptr<const Motion> motion = nullptr;      // by the time of a step, then `pose`
+  std::shared_ptr<const PoseChannel> poses = nullptr;  // in place of `pose`, once there is one
   // The mesh of an object without a cache, for kGregory alone. Each HIP has a thread that builds
   // for it.
   std::shared_ptr<const LazyMesh> lazy = nullptr;
@@ -44,6 +49,11 @@ struct ObjectStep {
   Vec3 force = Vec3::Zero();  // N, world
 };
 
+// Objects move with their contacts: a contact is of the object's material and goes along, a hand
+// that rests on it is dragged by friction, and velocities are those against the object. The force
+// of a smooth surface changes in a tick by at most the stiffness times the ways of hand and object.
+// One that comes to the hand is met however fast it is.
+//
 // One thread's at a time. It keeps copies of the objects, and with them their caches. A second hand
 // is a second Tracker; caches are shared.
 class GLISS_EXPORT Tracker {
@@ -51,14 +61,18 @@ class GLISS_EXPORT Tracker {
   // `hips`: where the tool's HIPs are from the device's position (m, world); none: one, there.
   // Throws std::invalid_argument, one line with the object's index, for an object without a surface
   // (neither cache nor `lazy`, or a cache without patches) and for a lazy one with another method
-  // than kGregory, numbers that are not finite, friction or effects that are none; and for such
-  // HIPs.
+  // than kGregory, poses that are not rigid, numbers that are not finite, friction or effects that
+  // are none; and for such HIPs.
   explicit Tracker(std::span<const SceneObject> objects, std::span<const Vec3> hips = {});
 
   // The force on the hand at a position (m, world), in N: the sum over HIPs and objects. What is
   // farther than the HIP has moved since its last search costs a comparison. NaN where a surface is
   // at fault, for the guard to see.
-  Vec3 step(const Vec3& position) noexcept;
+  // `time`, which does not run back, is for objects with a Motion.
+  Vec3 step(const Vec3& position, Nanoseconds time = {}) noexcept;
+  // Puts an object of the constructor's list to where the next step finds it. False for a pose that
+  // is not rigid: the object stays.
+  bool move(std::size_t object, const Pose& pose) noexcept;
   // The last step of the first HIP's objects, then of the next one's. Valid as long as
   // the tracker.
   std::span<const ObjectStep> objects() const { return steps_; }
@@ -66,11 +80,14 @@ class GLISS_EXPORT Tracker {
   bool touching() const;
 
  private:
-  struct Tracked {
+  struct Place {
     SceneObject object;
-    Vec3 hip;        // from the device's position, m
-    Pose to_object;  // of points in m
-    double unit;     // m, of the object's mesh
+    Pose now, to_object;  // of points in m
+  };
+  struct Tracked {
+    std::size_t place;
+    Vec3 hip;     // from the device's position, m
+    double unit;  // m, of the object's mesh
     // One of them.
     std::optional<ContactTracker> whole;
     std::unique_ptr<LazyContact> lazy;
@@ -84,6 +101,9 @@ class GLISS_EXPORT Tracker {
     Contact tick(const Vec3& at) noexcept { return whole ? whole->tick(at) : lazy->tick(at); }
     bool touching() const { return whole ? whole->touching() : lazy->touching(); }
   };
+  void follow_motions(Nanoseconds time) noexcept;
+
+  std::vector<Place> places_;  // [object]
   std::vector<Tracked> tracked_;
   std::vector<ObjectStep> steps_;  // [tracked_]
 };

@@ -66,7 +66,7 @@ HapticLoop::HapticLoop(HapticDevice& device, Tracker& tracker, const LoopOptions
 
 void HapticLoop::feel(Nanoseconds now, LoopTick& tick) noexcept {
   if (tick.input.sequence > 0 && tick.input.position.allFinite()) {
-    tick.rendered = tracker_.step(tick.input.position);
+    tick.rendered = tracker_.step(tick.input.position, tick.time);
   } else {
     tick.rendered.setConstant(std::numeric_limits<double>::quiet_NaN());
   }
@@ -125,9 +125,9 @@ LoopEnd HapticLoop::run(const std::function<bool(const LoopTick&)>& on_tick) {
     last_sequence = tick.input.sequence;
     tick.age = now - tick.input.measured;
     if (end && !failed_) guard_.trip(GuardReason::kStopRequested);
+    tick.time = wake.deadline - pace.start();
     feel(now, tick);
     tick.compute = read_clock(clock) - began;
-    tick.time = wake.deadline - pace.start();
     tick.lateness = wake.lateness;
     tick.missed = wake.missed;
     describe(tick);

@@ -51,6 +51,7 @@ std::vector<SceneObject> open_objects(const Scene& scene, const SceneOpening& op
     object.effects = described.effects;
     object.effects.tick = period;
     object.pose = described.pose;
+    object.motion = described.motion;
     if (described.patches == Patches::kLazy) {
       const Precision precision = described.precision.value_or(Precision::kDouble);
       object.lazy = std::make_shared<const LazyMesh>(

@@ -1,9 +1,9 @@
 #include "gliss/scene/scene.h"
 
 #include <filesystem>
-#include <numbers>
 
 #include "gliss/base/units.h"
+#include "gliss/scene/read_motion.h"
 #include "gliss/scene/toml_table.h"
 #include "gliss/tables/csv_reader.h"
 #include "gliss/tables/point_table.h"
@@ -15,18 +15,6 @@ constexpr Named<Patches> kPatchesNames[] = {{"all", Patches::kAll}, {"lazy", Pat
 
 std::string beside(const std::string& scene, const std::string& path) {
   return (std::filesystem::path(scene).parent_path() / path).string();
-}
-
-// {axis = [x, y, z], angle = "90deg"}
-Eigen::Matrix3d read_rotation(TomlTable table) {
-  Vec3 axis = Vec3::Zero();
-  double degrees = 0;
-  table.get_point("axis", axis);
-  table.get("degrees", degrees);
-  table.done();
-  if (axis.isZero(0)) table.fail("axis", "must be three numbers that are not all zero");
-  // Squares of 1e155 are not finite, those of 1e-165 are zero.
-  return Eigen::AngleAxisd(degrees * std::numbers::pi / 180, axis.stableNormalized()).matrix();
 }
 
 // A time from 0 to 1 s, of which `usual` is a sensible one.
@@ -121,7 +109,10 @@ bool get_parsed(TomlTable& table, const std::string& key, Value& value,
   return true;
 }
 
-ObjectDescription read_object(TomlTable table, const std::string& scene, std::size_t number) {
+// Adds the files that it names to `files`, whose first is the scene's own.
+ObjectDescription read_object(TomlTable table, std::size_t number, std::vector<std::string>& files,
+                              const std::function<void()>& poll) {
+  const std::string scene = files.front();
   ObjectDescription object;
   object.name = fmt::format("{}", number);
   table.get("name", object.name);
@@ -166,6 +157,9 @@ ObjectDescription read_object(TomlTable table, const std::string& scene, std::si
   table.get_point("position", position);
   object.pose.translation() = position;
   if (auto rotation = table.table("rotation")) object.pose.linear() = read_rotation(*rotation);
+  files.push_back(object.surface);
+  if (!object.creases.edges.empty()) files.push_back(object.creases.edges);
+  if (auto motion = table.table("motion")) object.motion = read_motion(*motion, files, poll);
   table.done();
   return object;
 }
@@ -265,10 +259,7 @@ Scene read_scene(const std::string& path, const std::function<void()>& poll) {
   Scene scene;
   scene.files.push_back(path);
   for (const TomlTable& table : root.tables("object")) {
-    scene.objects.push_back(read_object(table, path, scene.objects.size() + 1));
-    scene.files.push_back(scene.objects.back().surface);
-    if (!scene.objects.back().creases.edges.empty())
-      scene.files.push_back(scene.objects.back().creases.edges);
+    scene.objects.push_back(read_object(table, scene.objects.size() + 1, scene.files, poll));
   }
   if (auto table = root.table("guards")) read_guards(*table, scene);
   if (auto table = root.table("loop")) read_loop(*table, scene);

@@ -3,13 +3,14 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "gliss/base/export.h"
-#include "gliss/contact/pose.h"
+#include "gliss/contact/motion.h"
 #include "gliss/device/device.h"
 #include "gliss/device/sim_device.h"
 #include "gliss/loop/loop.h"
@@ -48,6 +49,7 @@ struct ObjectDescription : SolverOptions {
   EffectOptions effects{};                   // the loop's period is its tick
   Method method = Method::kGregory;
   Pose pose = Pose::Identity();
+  std::shared_ptr<const Motion> motion;  // null: it rests
   Patches patches = Patches::kAll;
   int rings = 3;  // around the contact, with kLazy
 };
@@ -62,7 +64,8 @@ struct Scene {
   double max_stiffness = std::numeric_limits<double>::infinity();  // N/m
   std::optional<SimOptions> sim;
   HandPath sim_path;
-  std::vector<std::string> files;  // paths: the scene's own, of meshes, caches and the sim's path
+  std::vector<std::string> files;  // paths: the scene's own, of meshes, caches, motions, the sim's
+                                   // path
 };
 
 // Throws SceneError, CsvError for the table of a path. `poll` is asked many times a second while

@@ -66,13 +66,17 @@ const toml::node* TomlTable::find(const std::string& key) {
 
 bool TomlTable::has(const std::string& key) { return find(key) != nullptr; }
 
+std::string TomlTable::name_of(const std::string& key) const {
+  return name_.empty() ? key : name_ + "." + key;
+}
+
 std::vector<TomlTable> TomlTable::tables(const std::string& key) {
   std::vector<TomlTable> found;
   const toml::node* node = find(key);
   if (node == nullptr) return found;
   if (!node->is_array_of_tables()) fail(key, fmt::format("write [[{}]], once for each", key));
   for (const toml::node& element : *node->as_array())
-    found.emplace_back(*element.as_table(), file_, key);
+    found.emplace_back(*element.as_table(), file_, name_of(key));
   return found;
 }
 
@@ -80,7 +84,7 @@ std::optional<TomlTable> TomlTable::table(const std::string& key) {
   const toml::node* node = find(key);
   if (node == nullptr) return std::nullopt;
   if (!node->is_table()) fail(key, fmt::format("must be a table: [{}]", key));
-  return TomlTable(*node->as_table(), file_, name_.empty() ? key : name_ + "." + key);
+  return TomlTable(*node->as_table(), file_, name_of(key));
 }
 
 void TomlTable::get(const std::string& key, std::string& value) {

@@ -71,6 +71,7 @@ class TomlTable {
 
  private:
   const toml::node* find(const std::string& key);
+  std::string name_of(const std::string& key) const;  // "device.workspace"
   double quantity(const std::string& key, const toml::node& node, Parse parse) const;
   Vec3 point(const std::string& key, const toml::node& node) const;
 

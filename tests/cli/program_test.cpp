@@ -300,6 +300,28 @@ TEST_F(Program, ContactsHaveTheEffectsThatTheyAreToldTo) {
   }
 }
 
+// A hand that rests and an object that goes the other way are a hand that goes and an object at
+// rest.
+TEST_F(Program, ObjectsOfScenesMove) {
+  write_ball_and_round(1000);
+  const std::string object = "[[object]]\nmesh = 'ball.obj'\nunit = 'mm'\nstiffness = '0.1N/mm'\n";
+  std::string hand = "x,y,z\n", still = "x,y,z\n";
+  for (int i = 0; i < 400; ++i) {
+    hand += fmt::format("0,0,{}\n", 0.012 - 1e-5 * (i + 1));
+    still += "0,0,0.012\n";
+  }
+  folder_.write("hand.csv", hand);
+  folder_.write("still.csv", still);
+  folder_.write("poses.csv", "t,x,y,z\n0,0,0,0\n0.4,0,0,0.004\n");
+  folder_.write("rest.toml", object);
+  folder_.write("rise.toml", object + "motion = {path = 'poses.csv'}\n");
+  const auto rest = json_of("run rest.toml --device replay:hand.csv --no-wait"),
+             rise = json_of("run rise.toml --device replay:still.csv --no-wait");
+  const double step = rest["largest_force_step"];
+  EXPECT_GT(step, 1e-4);
+  EXPECT_NEAR(static_cast<double>(rise["largest_force_step"]), step, 1e-9);
+}
+
 TEST_F(Program, CoordinatesAreInTheUnitAskedFor) {
   output_of("bake knot.obj --unit mm -o knot.gliss");
   const auto mm = numbers_of(output_of("eval knot.gliss --at points.csv --unit mm"));

@@ -17,6 +17,28 @@ using test::SceneFiles;
 std::vector<double> list(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 using List = std::vector<double>;
 
+TEST(Scene, reads_motions) {
+  const SceneFiles files;
+  const std::string object = "[[object]]\nmesh = 'ball.obj'\n";
+  const Scene keyframes = files.read(object + R"(
+motion = {repeat = true, keyframes = [{time = 0}, {time = "500ms", position = ["10mm", 0, 0]},
+    {time = 1, rotation = {axis = [0, 0, 1], degrees = 90}}]}
+)");
+  ASSERT_NE(keyframes.objects[0].motion, nullptr);
+  const Motion& motion = *keyframes.objects[0].motion;
+  EXPECT_EQ(motion.duration(), 1);
+  EXPECT_EQ(list(motion.at(0.25).translation()), (List{0.005, 0, 0}));
+  EXPECT_LT((motion.at(1.75).linear() * Vec3::UnitX() - Vec3(1, 1, 0).normalized()).norm(), 1e-12);
+  files.folder.write("poses.csv",
+                     "t,x_mm,y_mm,z_mm,qw,qx,qy,qz\n0,0,0,0,1,0,0,0\n2,4,0,0,0,0,0,1\n");
+  const Scene table = files.read(object + "motion = {path = 'poses.csv'}\n");
+  EXPECT_EQ(list(table.objects[0].motion->at(1).translation()), (List{0.002, 0, 0}));
+  EXPECT_LT((table.objects[0].motion->at(2).linear() * Vec3::UnitX() + Vec3::UnitX()).norm(),
+            1e-12);
+  EXPECT_EQ(table.files.back(), files.folder / "poses.csv");
+  EXPECT_EQ(files.read(object).objects[0].motion, nullptr);
+}
+
 TEST(Scene, reads_every_key) {
   const SceneFiles files;
   const Scene scene = files.read(R"(

@@ -14,6 +14,9 @@ struct SceneFiles {
   SceneFiles() {
     folder.write("ball.obj", "");
     folder.write("ball.gliss", "");
+    folder.write("back.csv", "t,x,y,z\n1,0,0,0\n0,0,0,0\n");
+    folder.write("long.csv", "t,x,y,z,qw,qx,qy,qz\n0,0,0,0,2,0,0,0\n");
+    folder.write("half.csv", "t,x,y,z,qw,qx\n0,0,0,0,1,0\n");
     folder.write("path.csv", "x,y,z\n0,0,0.02\n0,0,0.01\n");
   }
   Scene read(const std::string& text) const { return read_scene(folder.write("scene.toml", text)); }
