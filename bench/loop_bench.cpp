@@ -1,7 +1,9 @@
 // The loop's tick on the knot of 1,440 quads, 2 mm beneath its surface, 0.15 mm a tick: device,
 // tracker, guard. Back to back, and woken 1000 times a second, when its memory has gone cold; and
-// with friction, under which nearly every tick slips, and with a texture.
+// with friction, under which nearly every tick slips, with a texture, and with a tool of 100 HIPs.
 #include <benchmark/benchmark.h>
+
+#include <cmath>
 
 #include "bench/benches.h"
 #include "bench/setup.h"
@@ -20,7 +22,20 @@ struct LoopCase {
   bool woken = false;
   FrictionOptions friction = {};
   EffectOptions effects = {};
+  std::size_t hips = 1;  // of a tool that is a grid of them, all in contact
 };
+
+// A grid of `count` HIPs about a point, 0.2 mm apart.
+std::vector<Vec3> grid_of(std::size_t count) {
+  const double side = std::ceil(std::sqrt(static_cast<double>(count)));
+  std::vector<Vec3> hips;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double row = std::floor(static_cast<double>(i) / side);
+    hips.emplace_back(2e-4 * (static_cast<double>(i) - side * row - (side - 1) / 2),
+                      2e-4 * (row - (side - 1) / 2), 0);
+  }
+  return hips;
+}
 
 void loop(benchmark::State& state, Precision precision, const LoopCase& of) {
   const bool woken = of.woken;
@@ -36,7 +51,7 @@ void loop(benchmark::State& state, Precision precision, const LoopCase& of) {
   DurationHistogram compute, wake;
   for (auto _ : state) {
     ReplayDevice device(path);
-    Tracker tracker({&object, 1});
+    Tracker tracker({&object, 1}, grid_of(of.hips));
     HapticLoop loop(device, tracker, {.wait = woken});
     const auto run = [&] { loop.run([](const LoopTick&) { return true; }); };
     if (woken) {
@@ -62,6 +77,7 @@ void register_loop() {
   const LoopCase cases[] = {{"back_to_back"},
                             {"woken_1kHz", true},
                             {"friction", false, {0.5, 0.3}},
+                            {"tool_of_100", false, {}, {}, 100},
                             {"texture", false, {}, {.texture = {Relief::kNoise, 5e-5, 2e-3}}}};
   for (const Precision p : {Precision::kDouble, Precision::kFloat}) {
     for (const LoopCase& of : cases) {

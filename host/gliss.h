@@ -8,6 +8,7 @@
 #include "gliss/base/strided.h"
 #include "gliss/base/units.h"
 #include "gliss/base/vector.h"
+#include "gliss/base/wrench.h"
 #include "gliss/build/build_cache.h"
 #include "gliss/build/cache_mesh.h"
 #include "gliss/build/patch_batch.h"

@@ -26,7 +26,40 @@ std::vector<Vec3> read_recording(const Hdf5Reader& file, const std::string& acti
   return points;
 }
 
+std::vector<Turn> read_recorded_turns(const Hdf5Reader& file, std::size_t ticks,
+                                      const std::string& action) {
+  std::vector<Turn> turns;
+  if (!file.has("ticks/qw")) return turns;
+  const auto w = file.numbers("ticks/qw"), x = file.numbers("ticks/qx"),
+             y = file.numbers("ticks/qy"), z = file.numbers("ticks/qz");
+  if (w.size() != ticks || x.size() != ticks || y.size() != ticks || z.size() != ticks)
+    throw std::runtime_error(action + ": qw, qx, qy and qz are not as long as x");
+  for (std::size_t i = 0; i < ticks; ++i) turns.emplace_back(w[i], x[i], y[i], z[i]);
+  return turns;
+}
+
+// True if a quaternion's length is 1 but for what files round.
+bool is_turn(const Turn& turn) { return std::abs(turn.norm() - 1) < 1e-3; }
+
 }  // namespace
+
+std::vector<Turn> turns_of(const InputTable& table) {
+  const LargeArray<double>* q[4];
+  std::size_t there = 0;
+  for (std::size_t i = 0; i < 4; ++i) there += (q[i] = table.find(kTurnColumns[i])) != nullptr;
+  if (there == 0 || table.rows == 0) return {};
+  if (there < 4) throw std::runtime_error(table.place(0) + ": a rotation has qw, qx, qy and qz");
+  std::vector<Turn> turns;
+  for (std::size_t i = 0; i < table.rows; ++i) {
+    turns.emplace_back((*q[0])[i], (*q[1])[i], (*q[2])[i], (*q[3])[i]);
+    if (!is_turn(turns.back()))
+      throw std::runtime_error(
+          fmt::format("{}: qw, qx, qy and qz have the length {:.3g}, and a rotation has 1",
+                      table.place(i), turns.back().norm()));
+    turns.back().normalize();
+  }
+  return turns;
+}
 
 PointTable read_points(const std::string& path, double unit,
                        const std::vector<std::string>& optional,
@@ -38,6 +71,7 @@ PointTable read_points(const std::string& path, double unit,
       if (!file.has("x") && !file.has("x_mm")) {
         const std::string action = fmt::format("cannot read '{}' as a recording", path);
         result.points = read_recording(file, action, Poll(poll));
+        result.turns = read_recorded_turns(file, result.points.size(), action);
         return result;
       }
     } catch (const std::runtime_error& error) {
@@ -46,6 +80,7 @@ PointTable read_points(const std::string& path, double unit,
   }
   const std::vector<std::vector<std::string>> names = {{"x", "y", "z"}, {"x_mm", "y_mm", "z_mm"}};
   result.table = read_table(path, {.alternatives = names, .optional = optional, .poll = poll});
+  result.turns = turns_of(result.table);
   const std::size_t chosen = result.table.alternative;
   const std::string named = result.table.unit(names[chosen][0]);
   result.unit = chosen == 0 ? unit : 1e-3;

@@ -6,6 +6,7 @@
 
 #include "gliss/base/export.h"
 #include "gliss/base/vector.h"
+#include "gliss/base/wrench.h"
 #include "gliss/tables/csv_reader.h"
 #include "gliss/tables/input_table.h"
 
@@ -18,7 +19,15 @@ struct PointTable {
   InputTable table;          // the other columns that were asked for; of a recording: none
   double unit = 1;           // m
   std::vector<Vec3> points;  // in `unit`
+  std::vector<Turn> turns;   // of kTurnColumns, where they were asked for and are there; of ticks
 };
+
+// The columns of a rotation: a unit quaternion.
+inline const std::vector<std::string> kTurnColumns = {"qw", "qx", "qy", "qz"};
+// The rotations of a table that was asked for these columns; none where it lacks them all. Throws
+// std::runtime_error, which names the file or the row, where some are missing or the length is not
+// 1 to a thousandth.
+GLISS_EXPORT std::vector<Turn> turns_of(const InputTable& table);
 
 // Throws CsvError or RecordingError; NoFileError or std::system_error (host/files/open_file.h)
 // where a CSV file cannot be read. `poll` is asked many times a second, and what it throws ends the

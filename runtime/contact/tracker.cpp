@@ -90,14 +90,21 @@ void Tracker::follow_motions(Nanoseconds time) noexcept {
 }
 
 Vec3 Tracker::step(const Vec3& position, Nanoseconds time) noexcept {
+  Pose tool = Pose::Identity();
+  tool.translation() = position;
+  return step(tool, time).force;
+}
+
+Wrench Tracker::step(const Pose& tool, Nanoseconds time) noexcept {
   const PlainArithmetic plain;
   follow_motions(time);
-  Vec3 sum = Vec3::Zero();
+  Wrench sum;
   for (std::size_t i = 0; i < tracked_.size(); ++i) {
     Tracked& tracked = tracked_[i];
     const Place& place = places_[tracked.place];
     ObjectStep& step = steps_[i];
-    const Vec3 at = place.to_object * (position + tracked.hip) / tracked.unit;
+    const Vec3 arm = tool.linear() * tracked.hip;
+    const Vec3 at = place.to_object * (tool.translation() + arm) / tracked.unit;
     if (tracked.lazy) tracked.lazy->post(at);
     if (tracked.effects) tracked.effects->see(at);
     step.searched = !tracked.is_clear(at);
@@ -109,7 +116,8 @@ Vec3 Tracker::step(const Vec3& position, Nanoseconds time) noexcept {
                            ? tracked.effects->force(step.contact, tracked.tracker())
                            : Vec3(place.object.stiffness * tracked.unit * step.contact.push);
     step.force = place.now.linear() * force;
-    sum += step.force;
+    sum.force += step.force;
+    sum.torque += arm.cross(step.force);
   }
   return sum;
 }

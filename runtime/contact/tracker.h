@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "gliss/base/export.h"
+#include "gliss/base/wrench.h"
 #include "gliss/contact/lazy_contact.h"
 #include "gliss/contact/motion.h"
 #include "gliss/contact/pose.h"
@@ -58,7 +59,8 @@ struct ObjectStep {
 // is a second Tracker; caches are shared.
 class GLISS_EXPORT Tracker {
  public:
-  // `hips`: where the tool's HIPs are from the device's position (m, world); none: one, there.
+  // `hips`: where the tool's HIPs are from the device's position (m, the tool's frame, which is the
+  // world's where the device does not turn); none: one, there.
   // Throws std::invalid_argument, one line with the object's index, for an object without a surface
   // (neither cache nor `lazy`, or a cache without patches) and for a lazy one with another method
   // than kGregory, poses that are not rigid, numbers that are not finite, friction or effects that
@@ -70,6 +72,9 @@ class GLISS_EXPORT Tracker {
   // at fault, for the guard to see.
   // `time`, which does not run back, is for objects with a Motion.
   Vec3 step(const Vec3& position, Nanoseconds time = {}) noexcept;
+  // The same for a tool that turns: `tool` leads from its frame to the world's. The torque is about
+  // the device's position.
+  Wrench step(const Pose& tool, Nanoseconds time = {}) noexcept;
   // Puts an object of the constructor's list to where the next step finds it. False for a pose that
   // is not rigid: the object stays.
   bool move(std::size_t object, const Pose& pose) noexcept;
@@ -86,7 +91,7 @@ class GLISS_EXPORT Tracker {
   };
   struct Tracked {
     std::size_t place;
-    Vec3 hip;     // from the device's position, m
+    Vec3 hip;     // in the tool's frame, m
     double unit;  // m, of the object's mesh
     // One of them.
     std::optional<ContactTracker> whole;

@@ -1,5 +1,5 @@
-// A haptic device as a loop needs it. Positions in m, velocities in m/s, forces in N on the hand,
-// all in the world's frame.
+// A haptic device as a loop needs it. Positions in m, velocities in m/s, forces in N and torques
+// in N m on the hand, all in the world's frame.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -9,6 +9,7 @@
 
 #include "gliss/base/export.h"
 #include "gliss/base/vector.h"
+#include "gliss/base/wrench.h"
 #include "gliss/thread/clock.h"
 
 namespace gliss {
@@ -17,9 +18,11 @@ struct DeviceInfo {
   std::string name;                                                // "udp:10002"
   double max_force = std::numeric_limits<double>::infinity();      // N
   double max_stiffness = std::numeric_limits<double>::infinity();  // N/m
+  double max_torque = std::numeric_limits<double>::infinity();     // N m
   Eigen::AlignedBox3d workspace;                                   // m; empty: not known
   bool has_velocity = false;                                       // else velocities are zero
-  bool real_time = true;  // false: it lives in the loop's time, however fast that runs
+  bool has_orientation = false;  // else it does not turn, and torques go nowhere
+  bool real_time = true;         // false: it lives in the loop's time, however fast that runs
 };
 
 // The latest that the device has measured.
@@ -29,8 +32,9 @@ struct DeviceState {
   Nanoseconds measured{};      // on the loop's clock; no later than the loop first saw it
   Vec3 position = Vec3::Zero();
   Vec3 velocity = Vec3::Zero();
-  bool fault = false;  // the device says that it failed; the force is to end
-  bool ended = false;  // nothing comes after this
+  Turn orientation = Turn::Identity();  // of the tool, unit
+  bool fault = false;                   // the device says that it failed; the force is to end
+  bool ended = false;                   // nothing comes after this
 };
 
 // One thread's, the loop's, which calls read() and then write() in each tick and passes its clock
@@ -43,6 +47,10 @@ class GLISS_EXPORT HapticDevice {
   virtual DeviceState read(Nanoseconds now) noexcept = 0;
   // False where the force cannot be handed on; it then counts as a fault.
   virtual bool write(const Vec3& force, Nanoseconds now) noexcept = 0;
+  // ... with a torque about the device's position. A device without orientation has no use for it.
+  virtual bool write_wrench(const Wrench& wrench, Nanoseconds now) noexcept {
+    return write(wrench.force, now);
+  }
   // Tells a person how the device failed; not called in the loop.
   virtual std::string fault_text() const { return "the device reports a fault"; }
 };

@@ -44,12 +44,17 @@ GuardLimits checked(const GuardLimits& limits) {
   const auto positive = [](double x) { return x > 0 && std::isfinite(x); };
   require(positive(limits.max_force), "max_force: must be a positive number");
   require(positive(limits.max_rate), "max_rate: must be a positive number");
+  require(positive(limits.max_torque), "max_torque: must be a positive number");
+  require(positive(limits.max_torque_rate), "max_torque_rate: must be a positive number");
   require(limits.hold_after > 0ns, "hold_after: must be positive");
   require(limits.ramp_from >= limits.hold_after, "ramp_from: must not be before hold_after");
   require(limits.ramp_to > limits.ramp_from, "ramp_to: must be after ramp_from");
   require(limits.ramp_to <= 10ms, "ramp_to: must be at most 10 ms");
-  require(limits.max_force <= limits.max_rate * in_seconds(limits.ramp_to - limits.ramp_from),
+  const double ramp = in_seconds(limits.ramp_to - limits.ramp_from);
+  require(limits.max_force <= limits.max_rate * ramp,
           "max_rate: too low to bring max_force to zero from ramp_from to ramp_to");
+  require(limits.max_torque <= limits.max_torque_rate * ramp,
+          "max_torque_rate: too low to bring max_torque to zero from ramp_from to ramp_to");
   require(limits.engage_below > 0 && limits.engage_below <= 0.2,
           "engage_below: must be positive and at most 0.2 N");
   require(limits.engage_ramp >= 500ms, "engage_ramp: must be at least 0.5 s");
@@ -105,14 +110,15 @@ GuardOutput Guard::step(nanoseconds now, const GuardInput& input) noexcept {
     trip(GuardReason::kTimeBackwards);
   }
   const nanoseconds age = since(input.measured, now, limits_.ramp_to);
-  if (!is_finite(input.force)) note(GuardReason::kNotFinite);
+  if (!is_finite(input.force) || !is_finite(input.torque)) note(GuardReason::kNotFinite);
   if (!(age <= limits_.hold_after)) note(GuardReason::kLateInput);
   const bool usable = acts_ == 0;
-  ready_ = usable && input.force.norm() < limits_.engage_below;
+  ready_ = usable && input.force.norm() < limits_.engage_below &&
+           input.torque.norm() < limits_.max_torque * (limits_.engage_below / limits_.max_force);
 
   if (tripped()) dt = std::max(dt, kLeastStep);
   silent_ = std::min(silent_ + dt, limits_.ramp_to);
-  if (state_ == GuardState::kSafe) return {force_, state_, settle()};
+  if (state_ == GuardState::kSafe) return out();
   // Also where this input is usable: the force stood too long.
   if (silent_ > limits_.hold_after && usable) note(GuardReason::kLateInput);
   if (silent_ >= limits_.ramp_to && !tripped()) {
@@ -120,14 +126,16 @@ GuardOutput Guard::step(nanoseconds now, const GuardInput& input) noexcept {
                                                  : GuardReason::kLateInput);
   }
   if (usable && !tripped()) {
-    run(input.force, age, dt);
+    run(input, age, dt);
   } else {
     fade(dt);
   }
-  return {force_, state_, settle()};
+  return out();
 }
 
-void Guard::run(const Vec3& wanted, nanoseconds age, nanoseconds dt) noexcept {
+GuardOutput Guard::out() noexcept { return {sent_.force, state_, settle(), sent_.torque}; }
+
+void Guard::run(const GuardInput& wanted, nanoseconds age, nanoseconds dt) noexcept {
   ceiling_ *= left();
   silent_ = age;
   engaged_ = engaged_ || ready_;
@@ -135,22 +143,28 @@ void Guard::run(const Vec3& wanted, nanoseconds age, nanoseconds dt) noexcept {
   ceiling_ =
       std::min(ceiling_ + limits_.max_force * (in_seconds(dt) / in_seconds(limits_.engage_ramp)),
                engaged_ ? limits_.max_force : limits_.engage_below);
-  const double change = limits_.max_rate * in_seconds(std::min(dt, limits_.hold_after));
-  const LimitedForce limited = limit_force(wanted, force_, ceiling_, change);
-  force_ = limited.force;
-  if (!limited.finite) note(GuardReason::kNotFinite);
-  if (limited.force_limited) note(GuardReason::kForceLimit);
-  if (limited.rate_limited) note(GuardReason::kRateLimit);
+  const double seconds = in_seconds(std::min(dt, limits_.hold_after));
+  const LimitedForce force =
+      limit_force(wanted.force, sent_.force, ceiling_, limits_.max_rate * seconds);
+  const LimitedForce torque =
+      limit_force(wanted.torque, sent_.torque, limits_.max_torque * (ceiling_ / limits_.max_force),
+                  limits_.max_torque_rate * seconds);
+  sent_ = {force.force, torque.force};
+  note(force);
+  note(torque);
 }
 
 void Guard::fade(nanoseconds dt) noexcept {
   const bool first = state_ == GuardState::kStart || state_ == GuardState::kRun;
-  if (first) held_ = force_;
+  if (first) held_ = sent_;
   if (tripped()) silent_ = std::max(silent_, limits_.ramp_from);
   state_ = first || silent_ <= limits_.ramp_from ? GuardState::kHold : GuardState::kRamp;
-  force_ =
-      limit_force(held_ * left(), force_, force_.norm(), limits_.max_rate * in_seconds(dt)).force;
-  if (tripped() && force_ == Vec3::Zero()) state_ = GuardState::kSafe;
+  const auto fall = [&](const Vec3& held, const Vec3& from, double rate) {
+    return limit_force(held * left(), from, from.norm(), rate * in_seconds(dt)).force;
+  };
+  sent_ = {fall(held_.force, sent_.force, limits_.max_rate),
+           fall(held_.torque, sent_.torque, limits_.max_torque_rate)};
+  if (tripped() && sent_.is_zero()) state_ = GuardState::kSafe;
 }
 
 // The share of the force that the ramp leaves.
@@ -178,6 +192,12 @@ bool Guard::engage() noexcept {
 }
 
 void Guard::note(GuardReason reason) noexcept { acts_ |= bit_of(reason); }
+
+void Guard::note(const LimitedForce& limited) noexcept {
+  if (!limited.finite) note(GuardReason::kNotFinite);
+  if (limited.force_limited) note(GuardReason::kForceLimit);
+  if (limited.rate_limited) note(GuardReason::kRateLimit);
+}
 
 // Counts what began in this step and returns its reason.
 GuardReason Guard::settle() noexcept {

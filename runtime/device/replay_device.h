@@ -1,4 +1,5 @@
-// A recorded path of positions, one a tick, as a device. Its forces go nowhere.
+// A recorded path of positions, one a tick, perhaps with orientations, as a device. Its forces go
+// nowhere.
 #pragma once
 
 #include <string>
@@ -11,7 +12,9 @@ namespace gliss {
 
 class GLISS_EXPORT ReplayDevice final : public HapticDevice {
  public:
-  explicit ReplayDevice(std::vector<Vec3> positions, const std::string& name = "replay");
+  // `orientations`: none, or as many as positions, or std::invalid_argument.
+  explicit ReplayDevice(std::vector<Vec3> positions, const std::string& name = "replay",
+                        std::vector<Turn> orientations = {});
 
   const DeviceInfo& info() const noexcept override { return info_; }
   DeviceState read(Nanoseconds now) noexcept override;
@@ -20,6 +23,7 @@ class GLISS_EXPORT ReplayDevice final : public HapticDevice {
  private:
   DeviceInfo info_;
   std::vector<Vec3> positions_;  // m
+  std::vector<Turn> orientations_;
   std::size_t read_ = 0;
 };
 

@@ -33,7 +33,21 @@ SimOptions checked(const SimOptions& options) {
   require(options.hand_stiffness * kStepSeconds * kStepSeconds < 0.1 * options.mass &&
               options.hand_damping * kStepSeconds < 0.1 * options.mass,
           "mass: too small for this hand_stiffness and hand_damping");
+  require(positive(options.max_torque), "max_torque: must be a positive number");
+  require(!options.turning || options.turning->allFinite(), "turning: must be finite");
+  require(positive(options.inertia), "inertia: must be a positive number");
+  require(positive(options.wrist_stiffness), "wrist_stiffness: must be a positive number");
+  require(not_negative(options.wrist_damping), "wrist_damping: must not be negative");
+  require(options.wrist_stiffness * kStepSeconds * kStepSeconds < 0.1 * options.inertia &&
+              options.wrist_damping * kStepSeconds < 0.1 * options.inertia,
+          "inertia: too small for this wrist_stiffness and wrist_damping");
   return options;
+}
+
+// The rotation by a vector of its angle along its axis.
+Turn turn_by(const Vec3& v) {
+  const double angle = v.norm();
+  return angle > 0 ? Turn(Eigen::AngleAxisd(angle, v / angle)) : Turn(Turn::Identity());
 }
 
 }  // namespace
@@ -92,12 +106,15 @@ SimDevice::SimDevice(HandPath path, const SimOptions& options)
       options_(checked(options)),
       random_(options.seed),
       position_(path_.at(0)),
-      past_(static_cast<std::size_t>(options.delay / kStep) + 1, {position_, Vec3::Zero()}) {
+      past_(static_cast<std::size_t>(options.delay / kStep) + 1,
+            {position_, Vec3::Zero(), Turn::Identity()}) {
   info_.name = "sim";
   info_.max_force = options.max_force;
   info_.max_stiffness = options.max_stiffness;
   info_.workspace = options.workspace;
   info_.has_velocity = true;
+  info_.has_orientation = options.turning.has_value();
+  info_.max_torque = options.max_torque;
   info_.real_time = false;
 }
 
@@ -114,8 +131,22 @@ void SimDevice::move() noexcept {
     velocity_ = (inside.array() == position_.array()).select(velocity_, 0);
     position_ = inside;
   }
+  if (options_.turning) turn();
   ++steps_;
-  past_[steps_ % past_.size()] = {position_, velocity_};
+  past_[steps_ % past_.size()] = {position_, velocity_, orientation_};
+}
+
+// Likewise, with a wrist for the grip.
+void SimDevice::turn() noexcept {
+  const Turn target = turn_by(static_cast<double>(steps_) * kStepSeconds * *options_.turning);
+  Turn left = target * orientation_.conjugate();
+  if (left.w() < 0) left.coeffs() *= -1;
+  const double half = left.vec().norm();
+  const Vec3 to_go =
+      half > 0 ? Vec3(2 * std::atan2(half, left.w()) / half * left.vec()) : Vec3::Zero();
+  const Vec3 grip = options_.wrist_stiffness * to_go - options_.wrist_damping * spin_;
+  spin_ += kStepSeconds / options_.inertia * (grip + torque_);
+  orientation_ = (turn_by(kStepSeconds * spin_) * orientation_).normalized();
 }
 
 DeviceState SimDevice::read(Nanoseconds now) noexcept {
@@ -136,6 +167,7 @@ DeviceState SimDevice::read(Nanoseconds now) noexcept {
     if (options_.resolution > 0) x = options_.resolution * std::round(x / options_.resolution);
   }
   state.velocity = seen.velocity;
+  state.orientation = seen.orientation;
   const double over = path_.duration() + in_seconds(options_.delay);
   state.ended = static_cast<double>(steps_) * kStepSeconds > over;
   return state;
@@ -145,6 +177,12 @@ bool SimDevice::write(const Vec3& force, Nanoseconds) noexcept {
   const auto given = motor_force(force, options_.max_force);
   force_ = given.value_or(Vec3::Zero());
   return given.has_value();
+}
+
+bool SimDevice::write_wrench(const Wrench& wrench, Nanoseconds now) noexcept {
+  const auto given = motor_force(wrench.torque, options_.max_torque);
+  torque_ = given.value_or(Vec3::Zero());
+  return write(wrench.force, now) && given.has_value();
 }
 
 }  // namespace gliss

@@ -3,6 +3,7 @@
 // rounded as a sensor's. The same seed and times give the same bytes.
 #pragma once
 
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -47,6 +48,12 @@ struct SimOptions {
   double max_force = 3.3;       // N, what the motors give
   double max_stiffness = 2000;  // N/m
   Eigen::AlignedBox3d workspace = {};  // m, where the arm reaches; empty: everywhere
+  // rad/s, at which the hand would turn the tool about its point; null: it does not turn.
+  std::optional<Vec3> turning = {};
+  double inertia = 2e-5;         // kg m^2, about any axis
+  double wrist_stiffness = 2;    // N m/rad
+  double wrist_damping = 0.005;  // N m s/rad
+  double max_torque = 0.3;       // N m
 };
 
 class GLISS_EXPORT SimDevice final : public HapticDevice {
@@ -62,11 +69,13 @@ class GLISS_EXPORT SimDevice final : public HapticDevice {
   // it; the hand is then still there.
   DeviceState read(Nanoseconds now) noexcept override;
   bool write(const Vec3& force, Nanoseconds now) noexcept override;
+  bool write_wrench(const Wrench& wrench, Nanoseconds now) noexcept override;
 
   const Vec3& position() const { return position_; }  // m, without delay, noise and rounding
 
  private:
   void move() noexcept;
+  void turn() noexcept;
 
   DeviceInfo info_;
   HandPath path_;
@@ -76,8 +85,11 @@ class GLISS_EXPORT SimDevice final : public HapticDevice {
   Nanoseconds start_{};
   std::uint64_t steps_ = 0, reads_ = 0;
   Vec3 position_, velocity_ = Vec3::Zero(), force_ = Vec3::Zero();
+  Vec3 spin_ = Vec3::Zero(), torque_ = Vec3::Zero();  // rad/s, N m
+  Turn orientation_ = Turn::Identity();
   struct Moment {
     Vec3 position, velocity;
+    Turn orientation;
   };
   std::vector<Moment> past_;  // the last ones, in a ring by steps_
 };

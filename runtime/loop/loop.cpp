@@ -11,13 +11,14 @@ namespace {
 GuardLimits limits_of(const LoopOptions& options, const DeviceInfo& device) {
   GuardLimits limits = options.guard;
   limits.max_force = std::min(limits.max_force, device.max_force);
+  limits.max_torque = std::min(limits.max_torque, device.max_torque);
   return limits;
 }
 
 struct ZeroAtTheEnd {
   HapticDevice& device;
   const Nanoseconds& now;
-  ~ZeroAtTheEnd() { device.write(Vec3::Zero(), now); }
+  ~ZeroAtTheEnd() { device.write_wrench({}, now); }
 };
 
 // Deadlines on the timer's grid, or one after the other in a time of their own.
@@ -65,17 +66,26 @@ HapticLoop::HapticLoop(HapticDevice& device, Tracker& tracker, const LoopOptions
 }
 
 void HapticLoop::feel(Nanoseconds now, LoopTick& tick) noexcept {
-  if (tick.input.sequence > 0 && tick.input.position.allFinite()) {
-    tick.rendered = tracker_.step(tick.input.position, tick.time);
+  const Turn& turn = tick.input.orientation;
+  const bool is_turn = std::abs(turn.norm() - 1) < 1e-3;  // of three degrees of freedom as well
+  if (tick.input.sequence > 0 && tick.input.position.allFinite() && is_turn) {
+    Pose tool = Pose::Identity();
+    if (device_.info().has_orientation) tool.linear() = turn.normalized().toRotationMatrix();
+    tool.translation() = tick.input.position;
+    const Wrench wrench = tracker_.step(tool, tick.time);
+    tick.rendered = wrench.force;
+    if (device_.info().has_orientation) tick.rendered_torque = wrench.torque;
   } else {
     tick.rendered.setConstant(std::numeric_limits<double>::quiet_NaN());
   }
   if (failed_ || tick.input.fault) guard_.trip(GuardReason::kDeviceFault);
-  const GuardOutput out = guard_.step(now, {tick.rendered, tick.input.measured});
+  const GuardOutput out =
+      guard_.step(now, {tick.rendered, tick.input.measured, tick.rendered_torque});
   tick.sent = out.force;
+  tick.sent_torque = out.torque;
   tick.state = out.state;
   tick.reason = out.reason;
-  failed_ = !device_.write(tick.sent, now) || tick.input.fault;
+  failed_ = !device_.write_wrench({tick.sent, tick.sent_torque}, now) || tick.input.fault;
   if (options_.reengage && out.state == GuardState::kSafe && may_reengage(out.reason))
     guard_.engage();
 }

@@ -34,6 +34,8 @@ struct LoopTick {
   Nanoseconds age{};             // of the input, when it was read
   Vec3 rendered = Vec3::Zero();  // N, as the tracker has it; NaN without a usable position
   Vec3 sent = Vec3::Zero();      // N, as the guard let it out
+  // N m, about the device's position, likewise; zero without an orientation.
+  Vec3 rendered_torque = Vec3::Zero(), sent_torque = Vec3::Zero();
   GuardState state = GuardState::kStart;
   GuardReason reason = GuardReason::kNone;
   // The object that pushes most, or else is nearest; kNothing: none is near enough to ask.
@@ -58,7 +60,7 @@ GLISS_EXPORT const char* loop_end_text(LoopEnd end) noexcept;  // "the device ha
 class GLISS_EXPORT HapticLoop {
  public:
   // Throws std::invalid_argument for limits of the guard or a period that are none. The largest
-  // force is the smaller one of the guard's and the device's.
+  // force and torque are the smaller ones of the guard's and the device's.
   HapticLoop(HapticDevice& device, Tracker& tracker, const LoopOptions& options = {});
 
   // Ticks until on_tick returns false, or the device ends or fails: then on to where the guard is

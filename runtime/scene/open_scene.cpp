@@ -7,6 +7,7 @@
 #include "gliss/files/cache_file.h"
 #include "gliss/files/mesh_file.h"
 #include "gliss/mesh/rounding.h"
+#include "gliss/scene/tool.h"
 #include "gliss/surface/names.h"
 
 namespace gliss {
@@ -66,6 +67,15 @@ std::vector<SceneObject> open_objects(const Scene& scene, const SceneOpening& op
   return objects;
 }
 
+std::vector<Vec3> open_hips(const Scene& scene, const SceneOpening& opening) {
+  if (!scene.tool) return scene.hips;
+  LoadOptions options;
+  options.unit = scene.tool->unit;
+  options.poll = opening.poll;
+  const Mesh mesh = load_mesh(scene.tool->mesh, options);
+  return spread_points(mesh, static_cast<std::size_t>(scene.tool->points), opening.poll);
+}
+
 LoopOptions loop_options(const Scene& scene, const DeviceInfo& device) {
   const double most = std::min(scene.max_stiffness, device.max_stiffness);
   const auto check = [&](const ObjectDescription& object, const char* what, double stiffness) {
@@ -80,6 +90,7 @@ LoopOptions loop_options(const Scene& scene, const DeviceInfo& device) {
   }
   LoopOptions options = scene.loop;
   options.guard.max_force = std::min(scene.loop.guard.max_force, scene.max_force);
+  options.guard.max_torque = std::min(scene.loop.guard.max_torque, scene.max_torque);
   return options;
 }
 

@@ -27,8 +27,12 @@ struct SceneOpening {
 GLISS_EXPORT std::vector<SceneObject> open_objects(const Scene& scene,
                                                    const SceneOpening& opening = {});
 
-// The rules of a loop with these objects under a device: the scene's, and no force above what the
-// scene allows. Throws SceneError where an object is stiffer than the scene or the device permits:
+// The HIPs of a scene's tool, for a Tracker: those that it lists, or points of its mesh. Throws
+// MeshError, NoFileError, std::system_error.
+GLISS_EXPORT std::vector<Vec3> open_hips(const Scene& scene, const SceneOpening& opening = {});
+
+// The rules of a loop with these objects under a device: the scene's, and no force or torque
+// above what the scene allows. Throws SceneError where an object is stiffer than the scene or the device permits:
 // such a surface may shake the hand.
 GLISS_EXPORT LoopOptions loop_options(const Scene& scene, const DeviceInfo& device);
 

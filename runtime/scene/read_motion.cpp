@@ -6,6 +6,7 @@
 #include "gliss/base/units.h"
 #include "gliss/scene/scene.h"
 #include "gliss/tables/csv_reader.h"
+#include "gliss/tables/point_table.h"
 
 namespace gliss {
 namespace {
@@ -19,28 +20,17 @@ Poses read_table_of_poses(const std::string& path, const std::function<void()>& 
   const std::vector<std::vector<std::string>> names = {{"t", "x", "y", "z"},
                                                        {"t", "x_mm", "y_mm", "z_mm"}};
   const InputTable table =
-      read_table(path, {.alternatives = names, .optional = {"qw", "qx", "qy", "qz"}, .poll = poll});
+      read_table(path, {.alternatives = names, .optional = kTurnColumns, .poll = poll});
   const auto column = [&](std::size_t i) -> const LargeArray<double>& {
     return *table.find(names[table.alternative][i]);
   };
   const UnitChange to_metres(table.alternative == 0 ? 1 : 1e-3, 1);
-  const LargeArray<double>* turn[4] = {table.find("qw"), table.find("qx"), table.find("qy"),
-                                       table.find("qz")};
-  const auto there = std::count_if(std::begin(turn), std::end(turn), [](auto* q) { return q; });
-  if (there != 0 && there != 4)
-    throw std::runtime_error(fmt::format("{}: a rotation has qw, qx, qy and qz", path));
+  const std::vector<Turn> turns = turns_of(table);
   Poses all;
   for (std::size_t i = 0; i < table.rows; ++i) {
     Pose pose = Pose::Identity();
     pose.translation() = to_metres(Vec3(column(1)[i], column(2)[i], column(3)[i]));
-    if (there == 4) {
-      const Eigen::Quaterniond q((*turn[0])[i], (*turn[1])[i], (*turn[2])[i], (*turn[3])[i]);
-      if (!(std::abs(q.norm() - 1) < 1e-3))
-        throw std::runtime_error(
-            fmt::format("{}: qw, qx, qy and qz have the length {:.3g}, and a rotation has 1",
-                        table.place(i), q.norm()));
-      pose.linear() = q.normalized().toRotationMatrix();
-    }
+    if (!turns.empty()) pose.linear() = turns[i].toRotationMatrix();
     if (i > 0 && !(column(0)[i] > all.times.back()))
       throw std::runtime_error(
           fmt::format("{}: its time is not later than that of the row before", table.place(i)));
@@ -72,7 +62,7 @@ Poses read_keyframes(TomlTable& table) {
 
 }  // namespace
 
-Eigen::Matrix3d read_rotation(TomlTable table) {
+AxisAngle read_axis_angle(TomlTable& table) {
   Vec3 axis = Vec3::Zero();
   double degrees = 0;
   table.get_point("axis", axis);
@@ -80,7 +70,12 @@ Eigen::Matrix3d read_rotation(TomlTable table) {
   table.done();
   if (axis.isZero(0)) table.fail("axis", "must be three numbers that are not all zero");
   // Squares of 1e155 are not finite, those of 1e-165 are zero.
-  return Eigen::AngleAxisd(degrees * std::numbers::pi / 180, axis.stableNormalized()).matrix();
+  return {axis.stableNormalized(), degrees * std::numbers::pi / 180};
+}
+
+Eigen::Matrix3d read_rotation(TomlTable table) {
+  const AxisAngle turn = read_axis_angle(table);
+  return Eigen::AngleAxisd(turn.angle, turn.axis).matrix();
 }
 
 std::shared_ptr<const Motion> read_motion(TomlTable table, std::vector<std::string>& files,

@@ -11,7 +11,13 @@
 
 namespace gliss {
 
+struct AxisAngle {
+  Vec3 axis;     // unit
+  double angle;  // rad
+};
 // {axis = [x, y, z], degrees = 90}
+AxisAngle read_axis_angle(TomlTable& table);
+// ... as a rotation.
 Eigen::Matrix3d read_rotation(TomlTable table);
 
 // {path = "motion.csv"}, a table t,x,y,z or t,x_mm,y_mm,z_mm, perhaps with qw,qx,qy,qz; or

@@ -7,10 +7,10 @@ namespace {
 
 constexpr std::uint64_t kFlushedTicks = 4096;  // to disk together: a full one is noticed by then
 
-Columns recorded_columns() {
+Columns recorded_columns(bool turns) {
   using enum ColumnType;
-  return Columns()
-      .add({"tick"}, kUint32)
+  Columns columns;
+  columns.add({"tick"}, kUint32)
       .add({"time", "lateness", "compute", "age"}, kFloat64, "s")
       .add({"missed"}, kUint32)
       .add({"x", "y", "z"}, kFloat64, "m")
@@ -20,6 +20,10 @@ Columns recorded_columns() {
       .add({"object", "patch"}, kUint32)
       .add({"distance"}, kFloat64, "m")
       .add({"iterations", "crossings", "flags"}, kUint32);
+  if (turns)
+    columns.add({"qw", "qx", "qy", "qz"}, kFloat64)
+        .add({"tx", "ty", "tz", "sent_tx", "sent_ty", "sent_tz"}, kFloat64, "N m");
+  return columns;
 }
 
 }  // namespace
@@ -44,10 +48,12 @@ void TickQueue::take(std::vector<LoopTick>& ticks) {
   queue_->consume_all([&](const LoopTick& tick) { ticks.push_back(tick); });
 }
 
-RecordingFile::RecordingFile(const std::string& path, const std::vector<Attribute>& attributes)
+RecordingFile::RecordingFile(const std::string& path, const std::vector<Attribute>& attributes,
+                             bool turns)
     : many_tables_(!path.ends_with(".csv")),
+      turns_(turns),
       file_(create_result_file(path)),
-      table_(*file_, "ticks", recorded_columns(), {}, kFlushedTicks) {
+      table_(*file_, "ticks", recorded_columns(turns), {}, kFlushedTicks) {
   for (const Attribute& attribute : attributes) file_->set_attribute(attribute);
 }
 
@@ -77,6 +83,14 @@ void RecordingFile::write(const std::vector<LoopTick>& ticks) {
   fill([](const LoopTick& t) { return t.iterations; });
   fill([](const LoopTick& t) { return t.crossings; });
   fill([](const LoopTick& t) { return t.flags; });
+  if (turns_) {
+    fill([](const LoopTick& t) { return t.input.orientation.w(); });
+    fill([](const LoopTick& t) { return t.input.orientation.x(); });
+    fill([](const LoopTick& t) { return t.input.orientation.y(); });
+    fill([](const LoopTick& t) { return t.input.orientation.z(); });
+    fill_vectors([](const LoopTick& t) -> const Vec3& { return t.rendered_torque; });
+    fill_vectors([](const LoopTick& t) -> const Vec3& { return t.sent_torque; });
+  }
   table_.write();
 }
 

@@ -37,14 +37,16 @@ class GLISS_EXPORT TickQueue {
 // recording is a path for a replay and for `gliss trace`.
 class GLISS_EXPORT RecordingFile {
  public:
-  RecordingFile(const std::string& path, const std::vector<Attribute>& attributes);
+  // `turns`: with the orientation of a device that has one, and the torques.
+  RecordingFile(const std::string& path, const std::vector<Attribute>& attributes,
+                bool turns = false);
   void write(const std::vector<LoopTick>& ticks);
   // A table "histograms/`name`" of its own. Not in CSV, which holds one table.
   void add_histogram(const std::string& name, const DurationHistogram& durations);
   void close();  // nothing appears under `path` before
 
  private:
-  bool many_tables_;
+  bool many_tables_, turns_;
   std::unique_ptr<ResultFile> file_;
   ResultTable table_;
 };

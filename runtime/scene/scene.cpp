@@ -164,11 +164,30 @@ ObjectDescription read_object(TomlTable table, std::size_t number, std::vector<s
   return object;
 }
 
+// {mesh = "probe.obj", unit = "mm", points = 200}
+ToolDescription read_tool(TomlTable table, std::vector<std::string>& files) {
+  ToolDescription tool;
+  table.get("mesh", tool.mesh);
+  if (tool.mesh.empty()) table.fail("", "needs a mesh");
+  tool.mesh = beside(files.front(), tool.mesh);
+  std::error_code unknown;
+  if (!std::filesystem::exists(tool.mesh, unknown))
+    table.fail("mesh", fmt::format("there is no '{}'", tool.mesh));
+  files.push_back(tool.mesh);
+  get_parsed(table, "unit", tool.unit, parse_unit);
+  table.get("points", tool.points, 1, ToolDescription::kMostPoints);
+  table.done();
+  return tool;
+}
+
 void read_device(TomlTable table, Scene& scene) {
   Eigen::AlignedBox3d workspace;
   table.get_positive("max_force", scene.max_force);
   table.get_positive("max_stiffness", scene.max_stiffness, parse_stiffness);
+  table.get_positive("max_torque", scene.max_torque);
   table.get_points("hips", scene.hips);
+  if (auto tool = table.table("tool")) scene.tool = read_tool(*tool, scene.files);
+  if (scene.tool && !scene.hips.empty()) table.fail("tool", "has HIPs of its own; leave out hips");
   if (auto box = table.table("workspace")) {
     Vec3 least, most;
     if (!box->has("min") || !box->has("max")) table.fail("workspace", "needs min and max");
@@ -183,12 +202,15 @@ void read_device(TomlTable table, Scene& scene) {
   scene.sim->workspace = workspace;
   scene.sim->max_force = std::min(scene.sim->max_force, scene.max_force);
   scene.sim->max_stiffness = std::min(scene.sim->max_stiffness, scene.max_stiffness);
+  scene.sim->max_torque = std::min(scene.sim->max_torque, scene.max_torque);
 }
 
 void read_guards(TomlTable table, Scene& scene) {
   GuardLimits& limits = scene.loop.guard;
   table.get_positive("max_force", limits.max_force);
   table.get_positive("max_rate", limits.max_rate);
+  table.get_positive("max_torque", limits.max_torque);
+  table.get_positive("max_torque_rate", limits.max_torque_rate);
   table.get("hold_after", limits.hold_after);
   table.get("ramp_from", limits.ramp_from);
   table.get("ramp_to", limits.ramp_to);
@@ -235,6 +257,12 @@ HandPath read_hand_path(TomlTable& table, const std::function<void()>& poll,
   return HandPath::sampled(std::move(points), interval, rounds);
 }
 
+// {axis = [x, y, z], degrees = 30}, in a second; rad/s.
+Vec3 read_turning(TomlTable table) {
+  const AxisAngle turn = read_axis_angle(table);
+  return turn.angle * turn.axis;
+}
+
 void read_sim(TomlTable table, const std::function<void()>& poll, Scene& scene) {
   table.checked([&] { scene.sim_path = read_hand_path(table, poll, scene.files); });
   SimOptions& sim = scene.sim.emplace();
@@ -244,6 +272,10 @@ void read_sim(TomlTable table, const std::function<void()>& poll, Scene& scene) 
   table.get("resolution", sim.resolution, parse_length);
   table.get("noise", sim.noise, parse_length);
   table.get("delay", sim.delay);
+  if (auto turning = table.table("turning")) sim.turning = read_turning(*turning);
+  table.get_positive("inertia", sim.inertia);
+  table.get_positive("wrist_stiffness", sim.wrist_stiffness);
+  table.get("wrist_damping", sim.wrist_damping, nullptr);
   int seed = 1;
   table.get("seed", seed, 0, std::numeric_limits<int>::max());
   sim.seed = static_cast<std::uint64_t>(seed);

@@ -54,14 +54,24 @@ struct ObjectDescription : SolverOptions {
   int rings = 3;  // around the contact, with kLazy
 };
 
+// A tool whose HIPs are vertices of a mesh, spread over it.
+struct ToolDescription {
+  static constexpr int kMostPoints = 1000;
+  std::string mesh;  // path, from the scene's folder
+  double unit = 1;   // m
+  int points = 100;  // at most
+};
+
 struct Scene {
   std::vector<ObjectDescription> objects;
-  std::vector<Vec3> hips;  // m, from the device's position; empty: one, there
-  LoopOptions loop;        // of [loop] and [guards]
-  int priority = 80;       // of SCHED_FIFO
+  std::vector<Vec3> hips;               // m, from the device's position; empty: one, there
+  std::optional<ToolDescription> tool;  // in place of `hips`
+  LoopOptions loop;                     // of [loop] and [guards]
+  int priority = 80;                    // of SCHED_FIFO
   // Limits of [device], besides the device's own.
   double max_force = std::numeric_limits<double>::infinity();      // N
   double max_stiffness = std::numeric_limits<double>::infinity();  // N/m
+  double max_torque = std::numeric_limits<double>::infinity();     // N m
   std::optional<SimOptions> sim;
   HandPath sim_path;
   std::vector<std::string> files;  // paths: the scene's own, of meshes, caches, motions, the sim's

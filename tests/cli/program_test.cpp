@@ -322,6 +322,34 @@ TEST_F(Program, ObjectsOfScenesMove) {
   EXPECT_NEAR(static_cast<double>(rise["largest_force_step"]), step, 1e-9);
 }
 
+// A tool of a mesh's points, turned by the simulated hand; its recording replays it.
+TEST_F(Program, ToolsOfScenesTurn) {
+  write_ball_and_round(1000);
+  const std::string scene =
+      "[[object]]\nmesh = 'ball.obj'\nunit = 'mm'\nstiffness = '0.1N/mm'\n"
+      "[device]\ntool = {mesh = 'ball.obj', unit = '0.2mm', points = 40}\n"
+      "[sim]\nwaypoints = [[0, 0.001, '14mm'], [0, 0.001, '11mm']]\nspeed = 0.005\n"
+      "turning = {axis = [1, 0, 0], degrees = 90}\n";
+  folder_.write("scene.toml", scene);
+  const auto felt = json_of("run scene.toml --device sim --no-wait --record turned.h5");
+  EXPECT_GT(felt["largest_torque_Nm"], 1e-6);
+  const auto again = json_of("run scene.toml --device replay:turned.h5 --no-wait");
+  EXPECT_EQ(again["largest_force_step"], felt["largest_force_step"]);
+  // The ticks in which the simulation's force faded are rendered in full.
+  EXPECT_GE(again["largest_torque_Nm"], felt["largest_torque_Nm"]);
+  output_of("run scene.toml --device sim --no-wait --record turned.csv");
+  EXPECT_THAT(folder_.read("turned.csv"),
+              HasSubstr(",flags,qw,qx,qy,qz,tx,ty,tz,sent_tx,sent_ty,sent_tz\n"));
+  const auto csv = json_of("run scene.toml --device replay:turned.csv --no-wait");
+  EXPECT_EQ(csv["largest_torque_Nm"], again["largest_torque_Nm"]);
+  folder_.write("long.csv", "x,y,z,qw,qx,qy,qz\n0,0,0,2,0,0,0\n");
+  EXPECT_THAT(run("run scene.toml --device replay:long.csv --no-wait").err,
+              HasSubstr("long.csv:2: qw, qx, qy and qz have the length 2, and a rotation has 1"));
+  folder_.write("half.csv", "x,y,z,qw,qx\n0,0,0,1,0\n");
+  EXPECT_THAT(run("run scene.toml --device replay:half.csv --no-wait").err,
+              HasSubstr("half.csv:2: a rotation has qw, qx, qy and qz"));
+}
+
 TEST_F(Program, CoordinatesAreInTheUnitAskedFor) {
   output_of("bake knot.obj --unit mm -o knot.gliss");
   const auto mm = numbers_of(output_of("eval knot.gliss --at points.csv --unit mm"));

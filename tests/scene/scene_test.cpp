@@ -2,6 +2,8 @@
 // says.
 #include "gliss/scene/scene.h"
 
+#include <numbers>
+
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
@@ -16,6 +18,17 @@ using test::SceneFiles;
 // A vector as numbers that a list can be compared with.
 std::vector<double> list(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 using List = std::vector<double>;
+
+TEST(Scene, reads_a_tool) {
+  const SceneFiles files;
+  const Scene scene =
+      files.read("[device]\ntool = {mesh = 'ball.obj', unit = 'mm', points = 200}\n");
+  ASSERT_TRUE(scene.tool);
+  EXPECT_EQ(scene.tool->mesh, files.folder / "ball.obj");
+  EXPECT_EQ(scene.tool->unit, 1e-3);
+  EXPECT_EQ(scene.tool->points, 200);
+  EXPECT_EQ(scene.files.back(), files.folder / "ball.obj");
+}
 
 TEST(Scene, reads_motions) {
   const SceneFiles files;
@@ -74,6 +87,8 @@ priority = 42
 [guards]
 max_force = 2.5
 max_rate = 800
+max_torque = 0.2
+max_torque_rate = 90
 hold_after = "3ms"
 ramp_from = 0.004
 ramp_to = "9000us"
@@ -83,6 +98,7 @@ reengage = true
 
 [device]
 max_force = 1.5
+max_torque = 0.1
 max_stiffness = "1.2N/mm"
 hips = [[0, 0, 0], ["1mm", "2mm", "-3mm"]]
 workspace = {min = ["-5cm", -0.06, -0.07], max = [0.05, 0.06, "70mm"]}
@@ -97,6 +113,10 @@ hand_damping = 6
 resolution = "3um"
 noise = "2um"
 delay = "1.5ms"
+turning = {axis = [0, 0, 3], degrees = 180}
+inertia = 1e-4
+wrist_stiffness = 1.5
+wrist_damping = 0.01
 seed = 77
 )");
   ASSERT_EQ(scene.objects.size(), 2u);
@@ -142,6 +162,15 @@ seed = 77
   const GuardLimits& guard = scene.loop.guard;
   EXPECT_EQ(guard.max_force, 2.5);
   EXPECT_EQ(guard.max_rate, 800);
+  EXPECT_EQ(guard.max_torque, 0.2);
+  EXPECT_EQ(guard.max_torque_rate, 90);
+  EXPECT_EQ(scene.max_torque, 0.1);
+  ASSERT_TRUE(scene.sim && scene.sim->turning);
+  EXPECT_LT((*scene.sim->turning - std::numbers::pi * Vec3::UnitZ()).norm(), 1e-12);
+  EXPECT_EQ(scene.sim->max_torque, 0.1);
+  EXPECT_EQ(scene.sim->inertia, 1e-4);
+  EXPECT_EQ(scene.sim->wrist_stiffness, 1.5);
+  EXPECT_EQ(scene.sim->wrist_damping, 0.01);
   EXPECT_EQ(guard.hold_after, 3ms);
   EXPECT_EQ(guard.ramp_from, 4ms);
   EXPECT_EQ(guard.ramp_to, 9ms);

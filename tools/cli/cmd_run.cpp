@@ -316,18 +316,20 @@ void run(const RunOptions& options) {
     throw InputError(fmt::format("--no-wait: {} lives in real time", device->info().name));
   std::optional<RecordingFile> recording;
   if (!options.recording.empty())
-    recording.emplace(options.recording, provenance(options, scene, *device));
+    recording.emplace(options.recording, provenance(options, scene, *device),
+                      device->info().has_orientation);
   std::optional<AtomicFile> report_file;
   if (!options.report.empty()) report_file.emplace(options.report);
 
-  Tracker tracker(objects, scene.hips);
+  Tracker tracker(objects, open_hips(scene, {.poll = stop_if_interrupted}));
   rules.wait = !options.no_wait;
   rules.cpu_time = options.cpu_time;
   HapticLoop loop(*device, tracker, rules);
   Session session;
   run_session(loop, options, scene, recording, session);
 
-  const Json json = figures_of(options, scene, loop, session, device->info().name);
+  Json json = figures_of(options, scene, loop, session, device->info().name);
+  if (device->info().has_orientation) json["largest_torque_Nm"] = session.report.largest_torque();
   if (recording) {
     recording->add_histogram("wake_lateness", loop.record().lateness());
     recording->add_histogram("compute", loop.record().compute());

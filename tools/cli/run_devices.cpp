@@ -18,8 +18,10 @@ std::unique_ptr<HapticDevice> open_sim(const Scene& scene) {
 
 std::unique_ptr<HapticDevice> open_replay(const std::string& file) {
   try {
-    std::vector<Vec3> positions = points_in_metres(read_points(file, 1, {}, stop_if_interrupted));
-    return std::make_unique<ReplayDevice>(std::move(positions), "replay:" + file);
+    PointTable path = read_points(file, 1, kTurnColumns, stop_if_interrupted);
+    std::vector<Turn> turns = std::move(path.turns);
+    return std::make_unique<ReplayDevice>(points_in_metres(std::move(path)), "replay:" + file,
+                                          std::move(turns));
   } catch (const std::runtime_error& error) {  // also where there is no such file
     throw InputError(error.what());
   }

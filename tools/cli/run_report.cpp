@@ -34,6 +34,7 @@ void RunReport::add(const LoopTick& tick) {
   if (tick.rendered.allFinite())
     rendered_.add(tick.touching, tick.rendered, is_settling(tick.flags));
   sent_.add(tick.sent != Vec3::Zero(), tick.sent);
+  largest_torque_ = std::max(largest_torque_, tick.sent_torque.norm());
   if (tick.touching && tick.object != LoopTick::kNothing) {
     if (deepest_.size() <= tick.object) deepest_.resize(tick.object + 1, 0);
     deepest_[tick.object] = std::max(deepest_[tick.object], -tick.distance);

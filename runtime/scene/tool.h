@@ -1,0 +1,19 @@
+// The HIPs of a tool that is more than a point.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "gliss/base/export.h"
+#include "gliss/base/vector.h"
+#include "gliss/mesh/mesh.h"
+
+namespace gliss {
+
+// At most `count` vertices of a mesh, in m, spread over it: each the one that is farthest from
+// those before it (Gonzalez 1985), the first from the middle of the bounding box. All of them where
+// it has no more. `poll` is asked for each, and what it throws ends the work.
+GLISS_EXPORT std::vector<Vec3> spread_points(const Mesh& mesh, std::size_t count,
+                                             const std::function<void()>& poll = nullptr);
+
+}  // namespace gliss
