@@ -129,8 +129,10 @@ class ContactTracker::Tick {
     if (friction.holds(offset, was_on_border))
       return dragged(state_, offset, friction.axis(), false);
     friction.narrow();
-    Vec3 lag = friction.lag_within(offset, was_on_border);
-    const double most = lag.norm();
+    const Vec3 whole = friction.lag_within(offset, was_on_border);
+    const double most = whole.norm();
+    Vec3 lag = friction.guess() * whole;
+    friction.learn(1);
     RawContact<Real> next = follow_to(state_, hip_ + lag);
     for (int i = 1;; ++i) {
       const Contact to = contact_of(cache_, s_, next);
@@ -147,6 +149,7 @@ class ContactTracker::Tick {
         lag *= std::min(factor, most / lag.norm());
         next.warmth[3] = next.warmth[4] = 0;
       } else {
+        friction.learn(most > 0 ? lag.norm() / most * std::min(factor, 1.0) : 1);
         return dragged(next, there, axis, true);
       }
       next = follow_to(next, hip_ + lag);

@@ -45,6 +45,9 @@ class GLISS_EXPORT Friction {
   // offset, `rest` that from the place that it is nearest to. At a border only the lag along it is
   // free.
   double lag_factor(const Vec3& offset, const Vec3& rest, const Vec3& axis, bool on_border) const;
+  // The share of lag_within's that the last slip took to its end: where to begin in this tick.
+  double guess() const { return slips_ ? guess_ : 1; }
+  void learn(double share) noexcept { guess_ = share; }
   // The tick ends with this offset. Returns the push: zero where it ends past a border.
   Vec3 feel(const Vec3& offset, const Vec3& axis, bool slips, bool on_border) noexcept;
 
@@ -64,6 +67,7 @@ class GLISS_EXPORT Friction {
   double mu_;                        // now
   double narrowed_ = 0;              // by how much mu_ fell in this tick
   double press_ = 0;
+  double guess_ = 1;
   Vec3 axis_ = Vec3::Zero(), lag_ = Vec3::Zero();
   bool has_grip_ = false, slips_ = false;
 };
