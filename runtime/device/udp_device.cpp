@@ -52,7 +52,7 @@ UdpDevice::UdpDevice(std::uint16_t port, Nanoseconds patience) : port_(port) {
                                 "port, or end the loop that uses it already"));
     }
     pass_ = udp::find_pass(port);
-    send(Vec3::Zero(), now, 0);
+    send({}, now, 0);
     // A refusal ends a wait at once, and is to be waited for, not to be spun on.
     for (const Nanoseconds next = now + kHelloEvery; state_.sequence == 0;) {
       const Nanoseconds left = next - monotonic_time();
@@ -61,11 +61,11 @@ UdpDevice::UdpDevice(std::uint16_t port, Nanoseconds patience) : port_(port) {
       receive();
     }
   }
-  info_ = udp::info_of(last_, detail::message("udp:", port));
+  info_ = udp::info_of(last_, turns_, detail::message("udp:", port));
 }
 
 UdpDevice::~UdpDevice() {
-  for (int i = 0; i < kByes; ++i) send(Vec3::Zero(), monotonic_time(), udp::kBye);
+  for (int i = 0; i < kByes; ++i) send({}, monotonic_time(), udp::kBye);
 }
 
 DeviceState UdpDevice::read(Nanoseconds now) noexcept {
@@ -75,8 +75,8 @@ DeviceState UdpDevice::read(Nanoseconds now) noexcept {
   return state;
 }
 
-bool UdpDevice::write(const Vec3& force, Nanoseconds now) noexcept {
-  return send(force, now, 0) && !unreachable_ && !refused_;
+bool UdpDevice::write_wrench(const Wrench& wrench, Nanoseconds now) noexcept {
+  return send(wrench, now, 0) && !unreachable_ && !refused_;
 }
 
 std::string UdpDevice::fault_text() const {
@@ -90,9 +90,12 @@ std::string UdpDevice::fault_text() const {
 void UdpDevice::receive() noexcept {
   const auto dead = [&] { unreachable_ = true; };
   udp::drain<udp::kLargest>(socket_, kDrain, dead, [&](auto bytes, std::uint16_t) {
-    const auto datagram = udp::decode<udp::StateDatagram>(bytes);
-    if (datagram && Nanoseconds(datagram->measured) <= monotonic_time()) {
-      take(*datagram);
+    auto datagram = udp::decode<udp::TurningStateDatagram>(bytes);
+    const bool turns = datagram.has_value();
+    if (const auto state = udp::decode<udp::StateDatagram>(bytes))
+      datagram.emplace().state = *state;
+    if (datagram && Nanoseconds(datagram->state.measured) <= monotonic_time()) {
+      take(*datagram, turns);
     } else if (udp::decode<udp::RefusalDatagram>(bytes)) {
       refused_ = true;
     } else {
@@ -102,31 +105,39 @@ void UdpDevice::receive() noexcept {
 }
 
 // The same sequence again may carry other flags.
-void UdpDevice::take(const udp::StateDatagram& datagram) noexcept {
-  const bool older = datagram.session == last_.session ? datagram.sequence < last_.sequence
-                                                       : datagram.session < last_.session;
+void UdpDevice::take(const udp::TurningStateDatagram& turning, bool turns) noexcept {
+  const udp::StateDatagram &datagram = turning.state, &last = last_.state;
+  const bool older = datagram.session == last.session ? datagram.sequence < last.sequence
+                                                      : datagram.session < last.session;
   if (older) {
     ++outdated_;
     return;
   }
-  if (datagram.session != last_.session) before_ = state_.sequence;
-  last_ = datagram;
-  state_ = udp::state_of(datagram);
+  if (datagram.session != last.session) before_ = state_.sequence;
+  state_ = udp::state_of(turning);
   state_.sequence = before_ + datagram.sequence;
+  last_ = turning;
+  turns_ = turns;
   unreachable_ = refused_ = false;
 }
 
-bool UdpDevice::send(const Vec3& force, Nanoseconds now, std::uint16_t flags) noexcept {
-  udp::ForceDatagram datagram;
+bool UdpDevice::send(const Wrench& given, Nanoseconds now, std::uint16_t flags) noexcept {
+  udp::WrenchDatagram wrench;
+  udp::ForceDatagram& datagram = wrench.force;
   datagram.flags = flags;
   datagram.sequence = ++sent_;
-  datagram.answers = last_.sequence;
+  datagram.answers = last_.state.sequence;
   datagram.sent = std::max(now, 0ns).count();
-  if (const udp::Triple wanted = udp::triple(force); udp::is_finite(wanted))
+  if (const udp::Triple wanted = udp::triple(given.force); udp::is_finite(wanted))
     datagram.force = wanted;
+  if (const udp::Triple wanted = udp::triple(given.torque); udp::is_finite(wanted))
+    wrench.torque = wanted;
+  const udp::Pass* pass = pass_ ? &pass_->pass : nullptr;
   const udp::Outcome outcome =
-      pass_ ? socket_.send(udp::encode(udp::PassedForceDatagram{datagram, pass_->pass}))
-            : socket_.send(udp::encode(datagram));
+      turns_ ? (pass ? socket_.send(udp::encode(udp::PassedWrenchDatagram{wrench, *pass}))
+                     : socket_.send(udp::encode(wrench)))
+             : (pass ? socket_.send(udp::encode(udp::PassedForceDatagram{datagram, *pass}))
+                     : socket_.send(udp::encode(datagram)));
   if (outcome == udp::Outcome::kRefused) unreachable_ = true;
   return outcome == udp::Outcome::kDone;
 }

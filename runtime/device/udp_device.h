@@ -28,9 +28,13 @@ class GLISS_EXPORT UdpDevice final : public HapticDevice {
   // A device whose process stands still or died is one whose states age. One that was started again
   // goes on with new states.
   DeviceState read(Nanoseconds now) noexcept override;
-  // `now` is CLOCK_MONOTONIC's. A force that is not finite goes out as zero. False too from when
+  // `now` is CLOCK_MONOTONIC's. A force or torque that is not finite goes out as
+  // zero. False too from when
   // the device's process is known to have died until a state arrives.
-  bool write(const Vec3& force, Nanoseconds now) noexcept override;
+  bool write(const Vec3& force, Nanoseconds now) noexcept override {
+    return write_wrench({force, Vec3::Zero()}, now);
+  }
+  bool write_wrench(const Wrench& wrench, Nanoseconds now) noexcept override;
   std::string fault_text() const override;
 
   // Datagrams that are none of ours, or say that they were measured after they arrived.
@@ -39,14 +43,15 @@ class GLISS_EXPORT UdpDevice final : public HapticDevice {
 
  private:
   void receive() noexcept;
-  void take(const udp::StateDatagram& datagram) noexcept;
-  bool send(const Vec3& force, Nanoseconds now, std::uint16_t flags) noexcept;
+  void take(const udp::TurningStateDatagram& datagram, bool turns) noexcept;
+  bool send(const Wrench& wrench, Nanoseconds now, std::uint16_t flags) noexcept;
 
   std::uint16_t port_;
   udp::Socket socket_;
   std::optional<udp::FoundPass> pass_;
   DeviceInfo info_;
-  udp::StateDatagram last_;
+  udp::TurningStateDatagram last_;
+  bool turns_ = false;  // it came with an orientation
   DeviceState state_;
   std::uint64_t before_ = 0;  // sequence that the sessions before this one reached
   std::uint64_t sent_ = 0;

@@ -20,6 +20,7 @@ UdpServerOptions checked(UdpServerOptions options, const DeviceInfo& device) {
     throw std::invalid_argument("period: must be positive and shorter than the watchdog");
   if (options.guard) {
     options.guard->max_force = std::min(options.guard->max_force, device.max_force);
+    options.guard->max_torque = std::min(options.guard->max_torque, device.max_torque);
     Guard{*options.guard};  // checks them
   }
   return options;
@@ -64,37 +65,42 @@ void UdpServer::step(Nanoseconds now) noexcept {
   if (peer_ != 0 && !silent_ && late(heard_, now)) {
     ++counts_.watchdog_trips;
     silent_ = true;
-    force_ = Vec3::Zero();
+    wrench_ = {};
   }
   if (peer_ != 0 && now - heard_ > udp::kPlaceKept) forget();
-  written_ = device_.write(guarded(now), now);
+  written_ = device_.write_wrench(guarded(now), now);
 }
 
-Vec3 UdpServer::guarded(Nanoseconds now) noexcept {
-  if (peer_ == 0 || !guard_) return force_;
-  const GuardOutput out = guard_->step(now, {force_, heard_});
+Wrench UdpServer::guarded(Nanoseconds now) noexcept {
+  if (peer_ == 0 || !guard_) return wrench_;
+  const GuardOutput out = guard_->step(now, {wrench_.force, heard_, wrench_.torque});
   if (out.state == GuardState::kSafe && may_reengage(out.reason)) guard_->engage();
-  return silent_ ? Vec3(Vec3::Zero()) : out.force;
+  return silent_ ? Wrench{} : Wrench{out.force, out.torque};
 }
 
 void UdpServer::end() noexcept {
   const Nanoseconds now = std::max(now_, monotonic_time());
-  device_.write(Vec3::Zero(), now);
+  device_.write_wrench({}, now);
   if (peer_ == 0) return;
-  last_.flags |= udp::kEnded;
-  for (int i = 0; i < kFarewells && last_.sequence > 0; ++i) socket_.send(udp::encode(last_));
+  last_.state.flags |= udp::kEnded;
+  for (int i = 0; i < kFarewells && last_.state.sequence > 0; ++i) send_state();
   forget();
+}
+
+udp::Outcome UdpServer::send_state() noexcept {
+  return device_.info().has_orientation ? socket_.send(udp::encode(last_))
+                                        : socket_.send(udp::encode(last_.state));
 }
 
 void UdpServer::publish(Nanoseconds now) noexcept {
   DeviceState state = device_.read(now);
   if (peer_ == 0) return;
   state.fault = state.fault || !written_;
-  const udp::StateDatagram datagram = udp::datagram_of(device_.info(), state, session_);
+  const udp::TurningStateDatagram datagram = udp::datagram_of(device_.info(), state, session_);
   // The loop sees the states age, as it does where there is none.
   if (!udp::is_valid(datagram)) return;
   last_ = datagram;
-  const udp::Outcome outcome = socket_.send(udp::encode(datagram));
+  const udp::Outcome outcome = send_state();
   if (outcome == udp::Outcome::kDone) ++counts_.sent;
   if (outcome == udp::Outcome::kRefused) {
     ++counts_.lost;
@@ -108,10 +114,15 @@ void UdpServer::receive(Nanoseconds now) noexcept {
     forget();
   };
   udp::drain<udp::kLargest>(socket_, kDrain, dead, [&](auto bytes, std::uint16_t port) {
-    const auto passed = udp::decode<udp::PassedForceDatagram>(bytes);
+    auto passed = udp::decode<udp::PassedWrenchDatagram>(bytes);
+    if (const auto force = udp::decode<udp::PassedForceDatagram>(bytes))
+      passed = udp::PassedWrenchDatagram{{force->force, {}}, force->pass};
+    const auto has_no_pass = [&] {
+      return udp::decode<udp::ForceDatagram>(bytes) || udp::decode<udp::WrenchDatagram>(bytes);
+    };
     if (passed && port != 0 && is_same(passed->pass, pass_.value())) {
-      take(passed->force, port, now);
-    } else if (port != 0 && (passed || udp::decode<udp::ForceDatagram>(bytes))) {
+      take(passed->wrench, port, now);
+    } else if (port != 0 && (passed || has_no_pass())) {
       ++counts_.refused;
       if (peer_ == 0) socket_.send_to(port, udp::encode(udp::RefusalDatagram{}));
     } else {
@@ -122,8 +133,9 @@ void UdpServer::receive(Nanoseconds now) noexcept {
 
 // A process that stood still finds the oldest datagrams in its queue: when they were sent counts,
 // not when they are read.
-void UdpServer::take(const udp::ForceDatagram& datagram, std::uint16_t port,
+void UdpServer::take(const udp::WrenchDatagram& wrench, std::uint16_t port,
                      Nanoseconds now) noexcept {
+  const udp::ForceDatagram& datagram = wrench.force;
   // This tick may be as late as that.
   if (Nanoseconds(datagram.sent) > now + options_.watchdog) {
     ++counts_.rejected;
@@ -147,8 +159,9 @@ void UdpServer::take(const udp::ForceDatagram& datagram, std::uint16_t port,
   newest_ = datagram.sequence;
   heard_ = sent;
   counts_.answered = datagram.answers;
-  force_ =
-      motor_force(udp::vector(datagram.force), device_.info().max_force).value_or(Vec3::Zero());
+  const DeviceInfo& device = device_.info();
+  wrench_ = {motor_force(udp::vector(datagram.force), device.max_force).value_or(Vec3::Zero()),
+             motor_force(udp::vector(wrench.torque), device.max_torque).value_or(Vec3::Zero())};
 }
 
 // A tick later would be too late.
@@ -163,7 +176,7 @@ void UdpServer::join(std::uint16_t port) noexcept {
 
 // No force without a loop.
 void UdpServer::forget() noexcept {
-  force_ = Vec3::Zero();
+  wrench_ = {};
   silent_ = false;
   guard_.reset();
   if (peer_ == 0) return;

@@ -71,10 +71,11 @@ class GLISS_EXPORT UdpServer {
  private:
   void publish(Nanoseconds now) noexcept;
   void receive(Nanoseconds now) noexcept;
-  void take(const udp::ForceDatagram& datagram, std::uint16_t port, Nanoseconds now) noexcept;
+  void take(const udp::WrenchDatagram& datagram, std::uint16_t port, Nanoseconds now) noexcept;
+  udp::Outcome send_state() noexcept;
   void join(std::uint16_t port) noexcept;
   void forget() noexcept;
-  Vec3 guarded(Nanoseconds now) noexcept;
+  Wrench guarded(Nanoseconds now) noexcept;
   bool late(Nanoseconds sent, Nanoseconds now) const noexcept;
 
   HapticDevice& device_;
@@ -82,12 +83,12 @@ class GLISS_EXPORT UdpServer {
   udp::Socket socket_;
   udp::OwnPass pass_;
   std::uint64_t session_;
-  udp::StateDatagram last_;   // that was sent
-  std::uint16_t peer_ = 0;    // its port, 0: there is none
-  std::uint64_t newest_ = 0;  // sequence of its last force
-  Nanoseconds heard_{};       // when it sent that
-  bool silent_ = false;       // it is, and has no force
-  Vec3 force_ = Vec3::Zero();
+  udp::TurningStateDatagram last_;  // that was sent
+  std::uint16_t peer_ = 0;          // its port, 0: there is none
+  std::uint64_t newest_ = 0;        // sequence of its last force
+  Nanoseconds heard_{};             // when it sent that
+  bool silent_ = false;             // it is, and has no force
+  Wrench wrench_;
   std::optional<Guard> guard_;  // where there is a peer
   Nanoseconds now_{};
   bool written_ = true;

@@ -84,7 +84,7 @@ class UdpEnd {
       state.sequence = sequence;
       state.measured = hand.stamp();
       state.position = hand.position();
-      peer_.socket.send(udp::encode(udp::datagram_of({}, state, 1)));
+      peer_.socket.send(udp::encode(udp::datagram_of({}, state, 1).state));
       std::this_thread::sleep_for(700us);
     }
     while (!over_) std::this_thread::sleep_for(1ms);  // alive, and silent

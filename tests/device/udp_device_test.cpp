@@ -103,6 +103,69 @@ TEST(UdpDevice, brings_positions_and_takes_forces) {
   EXPECT_EQ(device.rejected() + device.outdated(), 0u);
 }
 
+// A device that turns: through server, wire and device, with the guard between.
+TEST(UdpDevice, brings_orientations_and_takes_torques) {
+  FakeDevice fake;
+  fake.turn();
+  UdpServer server(fake, 0, {.guard = std::nullopt});
+  std::atomic<bool> stop = false;
+  std::thread thread([&] { server.run([&] { return stop.load(); }); });
+  {
+    UdpDevice device(server.port());
+    EXPECT_TRUE(device.info().has_orientation);
+    EXPECT_EQ(device.info().max_torque, 0.2);
+    EXPECT_EQ(device.info().max_force, 3);
+    const bool done = eventually([&] {
+      const DeviceState state = device.read(monotonic_time());
+      EXPECT_EQ(state.orientation.coeffs(), Turn(0, 0, 1, 0).coeffs());
+      // More than the motors give, and a torque that is none.
+      const bool is_none = state.sequence % 7 == 0;
+      EXPECT_TRUE(
+          device.write_wrench({Vec3(0, 1.5, 0), Vec3(0, 0, is_none ? kNaN : 5)}, monotonic_time()));
+      return state.sequence > 50 && fake.size == 1.5 && device.rejected() == 0;
+    });
+    EXPECT_TRUE(done);
+  }
+  stop = true;
+  thread.join();
+  EXPECT_TRUE(fake.torque.isZero(0));  // the last that was written
+  EXPECT_EQ(server.counts().rejected, 0u);
+}
+
+// A server that steps by hand: what comes from the wire is no more than the motors give, and goes
+// with the watchdog.
+TEST(UdpServer, hands_a_torque_on_within_its_limit_and_takes_it_away) {
+  FakeDevice fake;
+  fake.turn();
+  UdpServer server(fake, 0, {.guard = std::nullopt});
+  Peer loop(server);
+  Nanoseconds now = monotonic_time();
+  for (std::uint64_t i = 1; i < 5; ++i) {
+    udp::WrenchDatagram wrench;
+    wrench.force.sequence = i;
+    wrench.force.sent = now.count();
+    wrench.torque = {0, 0.5, 0};
+    loop.socket.send(udp::encode(udp::PassedWrenchDatagram{wrench, *loop.pass}));
+    server.step(now += 1ms);
+  }
+  EXPECT_NEAR(fake.torque.y(), 0.2, 1e-9);
+  server.step(now += 25ms);
+  EXPECT_TRUE(fake.torque.isZero(0));
+}
+
+TEST(UdpServer, refuses_a_torque_without_a_pass) {
+  FakeDevice fake;
+  fake.turn();
+  UdpServer server(fake, 0);
+  Peer stranger(server.port());
+  stranger.socket.send(udp::encode(udp::WrenchDatagram{}));
+  udp::WrenchDatagram valid;
+  valid.force.sequence = 9;
+  stranger.socket.send(udp::encode(valid));
+  server.step(monotonic_time());
+  EXPECT_EQ(server.counts().refused, 1u);
+}
+
 TEST(UdpDevice, takes_its_force_along_when_it_is_destroyed) {
   ServedThread served;
   {

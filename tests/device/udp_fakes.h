@@ -36,8 +36,19 @@ class FakeDevice : public HapticDevice {
     size = force.norm();
     return accepts;
   }
+  bool write_wrench(const Wrench& wrench, Nanoseconds now) noexcept override {
+    torque = wrench.torque;
+    return write(wrench.force, now);
+  }
+  // It has an orientation, half a turn about y, and motors for a torque.
+  void turn() {
+    info_.has_orientation = true;
+    info_.max_torque = 0.2;
+    state.orientation = Turn(0, 0, 1, 0);
+  }
 
   DeviceState state;
+  Vec3 torque = Vec3(9, 9, 9);
   Vec3 last = Vec3(9, 9, 9);
   std::atomic<double> size{9};  // of it, for other threads
   bool accepts = true;
@@ -73,7 +84,7 @@ class Peer {
     state.sequence = sequence;
     state.measured = monotonic_time() + ahead;
     state.position = FakeDevice::position(sequence);
-    udp::StateDatagram d = udp::datagram_of({}, state, session);
+    udp::StateDatagram d = udp::datagram_of({}, state, session).state;
     d.flags |= flags;
     socket.send(udp::encode(d));
   }

@@ -23,7 +23,7 @@ DeviceState some_state() {
 }
 
 StateDatagram some_state_datagram() {
-  return datagram_of(test::FakeDevice().info(), some_state(), 42);
+  return datagram_of(test::FakeDevice().info(), some_state(), 42).state;
 }
 
 ForceDatagram some_force_datagram() {
@@ -42,17 +42,17 @@ TEST(UdpProtocol, carries_a_state_and_the_limits) {
     state.fault = (flags & 1) != 0;
     state.ended = (flags & 2) != 0;
     const DeviceInfo info = test::FakeDevice().info();
-    const auto got = decode<StateDatagram>(encode(datagram_of(info, state, 42)));
+    const auto got = decode<StateDatagram>(encode(datagram_of(info, state, 42).state));
     ASSERT_TRUE(got);
     EXPECT_EQ(got->session, 42u);
     EXPECT_EQ(got->sequence, state.sequence);
-    const DeviceState arrived = state_of(*got);
+    const DeviceState arrived = state_of({*got});
     EXPECT_EQ(arrived.measured, state.measured);
     EXPECT_EQ(arrived.position, state.position);
     EXPECT_EQ(arrived.velocity, state.velocity);
     EXPECT_EQ(arrived.fault, state.fault);
     EXPECT_EQ(arrived.ended, state.ended);
-    const DeviceInfo told = info_of(*got, "udp:1");
+    const DeviceInfo told = info_of({*got}, false, "udp:1");
     EXPECT_EQ(told.name, "udp:1");
     EXPECT_EQ(told.max_force, info.max_force);
     EXPECT_EQ(told.max_stiffness, info.max_stiffness);
@@ -64,14 +64,14 @@ TEST(UdpProtocol, carries_a_state_and_the_limits) {
 }
 
 TEST(UdpProtocol, carries_that_nothing_is_known) {
-  const auto got = decode<StateDatagram>(encode(datagram_of({}, some_state(), 42)));
+  const auto got = decode<StateDatagram>(encode(datagram_of({}, some_state(), 42).state));
   ASSERT_TRUE(got);
-  const DeviceInfo told = info_of(*got, "");
+  const DeviceInfo told = info_of({*got}, false, "");
   EXPECT_EQ(told.max_force, kInfinity);
   EXPECT_EQ(told.max_stiffness, kInfinity);
   EXPECT_TRUE(told.workspace.isEmpty());
   EXPECT_FALSE(told.has_velocity);
-  EXPECT_EQ(state_of(*got).velocity, Vec3::Zero());
+  EXPECT_EQ(state_of({*got}).velocity, Vec3::Zero());
 }
 
 TEST(UdpProtocol, lays_bytes_where_other_programs_look_for_them) {
@@ -138,6 +138,36 @@ TEST(UdpProtocol, refuses_any_other_size) {
     EXPECT_EQ(decode<StateDatagram>(bytes).has_value(), size == state.size()) << size;
     EXPECT_FALSE(decode<ForceDatagram>(bytes)) << size;
   }
+}
+
+TEST(UdpProtocol, carries_an_orientation_and_a_torque) {
+  test::FakeDevice device;
+  device.turn();
+  DeviceState state = some_state();
+  state.orientation = Turn(0.5, -0.5, 0.5, 0.5);
+  const TurningStateDatagram sent = datagram_of(device.info(), state, 42);
+  const auto got = decode<TurningStateDatagram>(encode(sent));
+  ASSERT_TRUE(got);
+  EXPECT_EQ(state_of(*got).orientation.coeffs(), state.orientation.coeffs());
+  const DeviceInfo told = info_of(*got, true, "");
+  EXPECT_TRUE(told.has_orientation);
+  EXPECT_EQ(told.max_torque, 0.2);
+  EXPECT_FALSE(decode<StateDatagram>(encode(sent)));
+  const auto spoilt = [&](double w, double most) {
+    TurningStateDatagram d = sent;
+    d.orientation[0] = w;
+    d.max_torque = most;
+    return !decode<TurningStateDatagram>(encode(d));
+  };
+  EXPECT_FALSE(spoilt(0.5, 0));
+  for (const double w : {0.0, 0.6, 2.0, kNaN, kInfinity}) EXPECT_TRUE(spoilt(w, 0)) << w;
+  for (const double most : {-1.0, kNaN, kInfinity}) EXPECT_TRUE(spoilt(0.5, most)) << most;
+  WrenchDatagram wrench{some_force_datagram(), {1, 2, 3}};
+  EXPECT_TRUE(decode<WrenchDatagram>(encode(wrench)));
+  EXPECT_EQ(encode(wrench).size(), 80u);
+  EXPECT_EQ(encode(sent).size(), 184u);
+  wrench.torque[1] = kNaN;
+  EXPECT_FALSE(decode<WrenchDatagram>(encode(wrench)));
 }
 
 // A position that is NaN, a device that has not measured yet.
