@@ -67,6 +67,14 @@ TEST_F(Slips, a_command_that_there_is_not_comes_before_its_options) {
   EXPECT_EQ(refusal("generate"), "gliss: a command is wanted; gliss generate --help lists them\n");
 }
 
+TEST_F(Slips, the_list_of_commands_has_a_line_for_each) {
+  const std::string help = run("--help").out;
+  EXPECT_THAT(help, AllOf(HasSubstr("Measure what each level costs and gives, on this mesh and "
+                                    "machine.\n"),
+                          Not(HasSubstr("per 100,000 ticks"))));
+  EXPECT_THAT(run("compare --help").out, HasSubstr("per 100,000 ticks"));
+}
+
 TEST_F(Slips, a_word_too_many_is_told_how_units_and_lists_are_written) {
   for (const char* words : {"trace torus.obj --depth 2 mm", "sweep torus.obj --depth 1mm 2mm",
                             "trace torus.obj --depth 2mm --stiffness 0.5 N/mm"})

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cctype>
 #include <deque>
+#include <sstream>
 #include <utility>
 
 #include "gliss/base/units.h"
@@ -104,6 +105,17 @@ std::string unknown_option(const CLI::App& program) {
   return "";
 }
 
+// Lists commands by the first line of what they do; their own help has the rest.
+class BriefFormatter : public CLI::Formatter {
+ public:
+  std::string make_subcommand(const CLI::App* command) const override {
+    std::ostringstream out;
+    CLI::detail::format_help(out, command->get_name(), split(command->get_description(), '\n')[0],
+                             get_column_width());
+    return out.str();
+  }
+};
+
 }  // namespace
 
 struct Command::Implementation {
@@ -116,6 +128,7 @@ Command::Command(const std::string& description, const std::string& name)
     : implementation_(std::make_unique<Implementation>()) {
   implementation_->own = std::make_unique<CLI::App>(description, name);
   implementation_->app = implementation_->own.get();
+  implementation_->app->formatter(std::make_shared<BriefFormatter>());
 }
 
 Command::Command(std::unique_ptr<Implementation> implementation)
