@@ -318,6 +318,7 @@ async function checkFacts(page) {
   const about = Object.fromEntries(found);
   assert.deepEqual(found.map(([file]) => file), ['knot_forces.csv', 'knot.h5', 'compare.json', 'run.json, run.h5', 'growth.json', 'path.h5']);
   for (const file of ['knot.h5', 'run.json, run.h5', 'path.h5']) assert.match(about[file], /Mesh\s+knot.obj[^]*Stiffness\s+0\.500 N\/mm/);
+  assert.match(about['knot_forces.csv'], /Depth\s+at most [\d.]+ units of the file/);
   assert.match(about['path.h5'], /Depth\s+at most 2\.\d\d mm/);
   assert.match(about['knot.h5'], /Depth\s+2 mm, 4 mm/);
 }
@@ -326,6 +327,7 @@ async function checkFacts(page) {
 async function checkSurfaces(page) {
   const views = await page.$$eval('canvas[data-view]', all => all.map(canvas => canvas.dataset.view));
   assert.deepEqual(views, ['surface/fair', 'surface/paper']);
+  assert(await page.$$eval('.scale .mark', all => all.length) > 2, 'the scale of curvature has numbers');
   const about = () => page.$$eval('.view h4', all => all.map(h => h.innerText));
   const [fair, paper] = await about();
   assert.match(fair, /Fair patches[^]*0\.100 \/mm in the median[^]*0 jumps marked \(level fair/);

@@ -10,6 +10,15 @@ case $#${1-} in
   *) sed -n '2,6s/^# \{0,1\}//p' "$0"; exit 2 ;;
 esac
 [[ $# == 0 || -f $1 ]] || { echo "There is no file '$1'." >&2; exit 2; }
+# What would stop it after the build.
+case ${1+${1,,}} in
+  '' | *.obj | *.off | *.ply | *.stl) ;;
+  *) echo "'$1' must end in one of .obj, .off, .ply, .stl, which Blender and MeshLab export." >&2; exit 2 ;;
+esac
+case ${2-mm} in
+  m | cm | mm | um | nm | in | inch | *metre | *meter) ;;
+  *) echo "'$2' is no unit: m, cm, mm, um, nm or in is one." >&2; exit 2 ;;
+esac
 mesh=${1:+$(realpath -- "$1")} unit=${2:-mm}
 
 cd "$(dirname -- "${BASH_SOURCE[0]}")/.."
@@ -20,7 +29,11 @@ build=build-quickstart
 configure() { cmake --preset release -B $build -DGLISS_TESTS=OFF -DGLISS_BENCH=OFF -DGLISS_WERROR=OFF "$@"; }
 configure -UGLISS_REPORT
 # The page of gliss report comes from npm's registry at its first build, which some networks keep off.
-if grep -q '^GLISS_REPORT:BOOL=ON' $build/CMakeCache.txt && ! cmake --build $build --target report_html; then
+fetch_page() {
+  echo "npm fetches what the page of gliss report is made of"
+  cmake --build $build --target report_html
+}
+if grep -q '^GLISS_REPORT:BOOL=ON' $build/CMakeCache.txt && ! fetch_page; then
   echo "The page of gliss report is left out, for npm cannot fetch what it needs. Behind a proxy, set HTTPS_PROXY, or" >&2
   echo "NODE_EXTRA_CA_CERTS to the file of its certificates, and run this again. All else goes on." >&2
   configure -DGLISS_REPORT=OFF
@@ -28,7 +41,16 @@ fi
 cmake --build $build --target gliss --parallel "$(nproc)"
 
 say() { printf '\n== %s\n' "$*"; }
-gliss() { echo "\$ gliss $*"; $build/gliss "$@"; }
+# As it could be typed.
+show() {
+  printf '$ gliss'
+  local word
+  for word in "$@"; do
+    if [[ $word == *[!a-zA-Z0-9_./,:=-]* ]]; then printf ' %q' "$word"; else printf ' %s' "$word"; fi
+  done
+  printf '\n'
+}
+gliss() { show "$@"; $build/gliss "$@"; }
 
 mkdir -p results
 if [[ -z $mesh ]]; then

@@ -525,12 +525,12 @@ PatchCache build_cache(const Mesh& mesh, const Topology& topology, const BuildOp
   return CacheBuilder(mesh, topology, options, backend).build(report);
 }
 
-PatchCache build_base(const Mesh& mesh, const Topology& topology, Precision precision) {
+PatchCache build_base(const Mesh& mesh, const Topology& topology, Precision precision,
+                      const BuildBackend& backend) {
   BuildOptions options;
   options.precision = precision;
-  const BuildBackend serial;
   const PlainArithmetic plain;
-  return CacheBuilder(mesh, topology, options, serial, true).build(nullptr);
+  return CacheBuilder(mesh, topology, options, backend, true).build(nullptr);
 }
 
 PatchCache build_cache(const Mesh& mesh, const BuildOptions& options, BuildReport* report,

@@ -49,6 +49,7 @@ GLISS_EXPORT PatchCache build_cache(const Mesh& mesh, const Topology& topology,
 
 // Base polygons alone, for searches with the flat and shaded methods: no patch is built and none
 // may be evaluated.
-GLISS_EXPORT PatchCache build_base(const Mesh& mesh, const Topology& topology, Precision precision);
+GLISS_EXPORT PatchCache build_base(const Mesh& mesh, const Topology& topology, Precision precision,
+                                   const BuildBackend& backend = {});
 
 }  // namespace gliss

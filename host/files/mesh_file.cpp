@@ -43,7 +43,8 @@ const Format* find_format(const std::string& path) {
 
 const Format& format_of(const std::string& path, Report& report) {
   if (const Format* const format = find_format(path)) return *format;
-  report.fail("unsupported", {}, "the file must end in one of {}", fmt::join(kEndings, ", "));
+  report.fail("unsupported", {}, "the file must end in one of {}, which Blender and MeshLab export",
+              fmt::join(kEndings, ", "));
 }
 
 // Asked block by block, so that a file without lines, such as a large hole, is not read to its end.
@@ -67,6 +68,18 @@ std::string read_file(OpenFile& file, const Format& format, const std::function<
   }
 }
 
+// What downloads leave in place of a mesh.
+void refuse_stand_ins(std::string_view text, Report& report) {
+  const auto begins = [&](std::string_view with) { return text.starts_with(with); };
+  if (begins("\x1f\x8b")) report.fail("unsupported", {}, "is compressed by gzip; unpack it first");
+  if (begins("PK\x03\x04")) report.fail("unsupported", {}, "is a zip archive; unpack it first");
+  if (begins("version https://git-lfs"))
+    report.fail("unsupported", {},
+                "names a file of Git LFS, and is not it; 'git lfs pull' fetches it");
+  if (begins("<!DOCTYPE") || begins("<!doctype") || begins("<html"))
+    report.fail("unsupported", {}, "is a web page; download the file that it leads to");
+}
+
 }  // namespace
 
 Mesh load_mesh(const std::string& path, const LoadOptions& options,
@@ -79,9 +92,7 @@ Mesh load_mesh(const std::string& path, const LoadOptions& options,
   if (file.descriptor() < 0) report.fail("unreadable", {}, "cannot be read: {}", file.why());
   const Format& format = format_of(path, report);
   const std::string text = read_file(file, format, options.poll, report);
-  if (text.starts_with("\x1f\x8b")) {
-    report.fail("unsupported", {}, "is compressed by gzip; unpack it first");
-  }
+  refuse_stand_ins(text, report);
   format.read(text, mesh, report);
   validate(mesh, options, report);
   if (options.creases.any()) {

@@ -229,7 +229,8 @@ CreaseRules parse_creases(std::string_view text) {
                                         "auto, normals, groups and edges:FILE"));
       const double angle = parse_angle(word);
       if (!(angle >= 0 && angle < std::numbers::pi))
-        throw UnitError(detail::message("creases: '", word, "' is not from 0 to below 180deg"));
+        throw UnitError(detail::message(
+            "creases: '", word, "' is not from 0 to below 180deg; a bare number is radians"));
       rules.angle = angle;
     }
     if (comma == std::string_view::npos) return rules;

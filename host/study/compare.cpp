@@ -310,6 +310,9 @@ double Comparison::tracking_rate(const ResidentSurface& resident, const QueryOpt
 
 DenseRow Comparison::match(Method method, const CompareRow& target, std::uint64_t limit) const {
   const Exact& exact = exact_of(target.candidate);
+  const auto engine = engine_of(options_.backends.front());
+  BuildBackend backend;
+  backend.parallel = polled(*engine);
   DenseRow row;
   row.method = method;
   row.target = target.candidate.name();
@@ -319,11 +322,11 @@ DenseRow Comparison::match(Method method, const CompareRow& target, std::uint64_
   for (std::uint32_t cells = 1; tessellated_count(mesh_, cells) <= limit || cells == 1;
        cells = cells < 2 ? cells + 1 : cells + cells / 2) {
     poll();
-    const Mesh dense = tessellate(mesh_, exact.cache, cells);
+    const Mesh dense = tessellate(mesh_, exact.cache, cells, backend.parallel);
     poll();
     const Topology topology = build_topology(dense);
     poll();
-    const PatchCache cache = build_base(dense, topology, Precision::kDouble);
+    const PatchCache cache = build_base(dense, topology, Precision::kDouble, backend);
     CompareRow felt{};
     measure_feel(cache, query_of({method, {}}, Solver::kNewton), exact, felt);
     last_step = row.max_force_step;

@@ -1,5 +1,7 @@
 #include "gliss/study/tessellate.h"
 
+#include <span>
+
 #include "gliss/query/query.h"
 
 namespace gliss {
@@ -66,7 +68,9 @@ std::uint64_t tessellated_count(const Mesh& mesh, std::uint32_t cells) {
   return 2 * std::uint64_t{cells} * cells * mesh.corner_vertex.size();
 }
 
-Mesh tessellate(const Mesh& mesh, const PatchCache& cache, std::uint32_t cells) {
+Mesh tessellate(const Mesh& mesh, const PatchCache& cache, std::uint32_t cells,
+                const ParallelFor& parallel) {
+  constexpr std::size_t kGrain = 4096;
   const Topology topology = build_topology(mesh);
   const Nodes nodes(mesh, topology, cells);
   std::vector<DomainPoint> at(nodes.count(), DomainPoint{kNone, 0, 0});
@@ -97,7 +101,10 @@ Mesh tessellate(const Mesh& mesh, const PatchCache& cache, std::uint32_t cells) 
     if (node.face == kNone) node.face = 0;  // a vertex that no face uses
   }
   std::vector<SurfacePoint> points(at.size());
-  evaluate(cache, at, points);
+  parallel(at.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    evaluate(cache, std::span(at).subspan(begin, end - begin),
+             std::span(points).subspan(begin, end - begin));
+  });
   for (const SurfacePoint& p : points) {
     dense.positions.push_back(p.position);
     dense.normals.push_back(p.normal);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "gliss/base/export.h"
+#include "gliss/base/parallel.h"
 #include "gliss/mesh/topology.h"
 #include "gliss/surface/patch_cache.h"
 
@@ -12,7 +13,8 @@ namespace gliss {
 // quads of two triangles; vertices on edges are shared. Positions and normals are the surface's:
 // one normal a vertex, so that creases are not kept. `mesh`: the one that the cache was built from,
 // all of it.
-GLISS_EXPORT Mesh tessellate(const Mesh& mesh, const PatchCache& cache, std::uint32_t cells);
+GLISS_EXPORT Mesh tessellate(const Mesh& mesh, const PatchCache& cache, std::uint32_t cells,
+                             const ParallelFor& parallel = serial_for);
 
 // Triangles that tessellate makes.
 GLISS_EXPORT std::uint64_t tessellated_count(const Mesh& mesh, std::uint32_t cells);

@@ -87,7 +87,10 @@ void check_arrays(const Mesh& mesh, double unit, Report& report) {
   if (std::max({corners, mesh.positions.size(), mesh.normals.size()}) >= kNone) {
     report.fail("too-large", {}, "more than {} corners, vertices or normals", kNone - 1);
   }
-  if (mesh.face_count() == 0) report.fail("no-faces", {}, "there are no faces");
+  if (mesh.face_count() > 0) return;
+  if (mesh.positions.empty()) report.fail("no-faces", {}, "there are no faces");
+  report.fail("no-faces", {}, "there are {} vertices and no faces: points alone have no surface",
+              mesh.positions.size());
 }
 
 // Vertices without a place that no face uses, as scanners write them, are moved to one that is

@@ -59,6 +59,72 @@ TEST_F(Slips, an_option_that_there_is_not_comes_before_one_that_is_missing) {
   EXPECT_EQ(refusal("sweep torus.obj -o a.h5"), "gliss: --depth is required\n");
 }
 
+TEST_F(Slips, a_command_that_there_is_not_comes_before_its_options) {
+  EXPECT_EQ(refusal("generate bunny -o b.obj"),
+            "gliss: there is no command 'bunny'; gliss generate --help lists them\n");
+  EXPECT_EQ(refusal("chek --unit mm"),
+            "gliss: there is no command 'chek'; gliss --help lists them\n");
+  EXPECT_EQ(refusal("generate"), "gliss: a command is wanted; gliss generate --help lists them\n");
+}
+
+TEST_F(Slips, the_list_of_commands_has_a_line_for_each) {
+  const std::string help = run("--help").out;
+  EXPECT_THAT(help, AllOf(HasSubstr("Measure what each level costs and gives, on this mesh and "
+                                    "machine.\n"),
+                          Not(HasSubstr("per 100,000 ticks"))));
+  EXPECT_THAT(run("compare --help").out, HasSubstr("per 100,000 ticks"));
+}
+
+TEST_F(Slips, a_word_too_many_is_told_how_units_and_lists_are_written) {
+  for (const char* words : {"trace torus.obj --depth 2 mm", "sweep torus.obj --depth 1mm 2mm",
+                            "trace torus.obj --depth 2mm --stiffness 0.5 N/mm"})
+    EXPECT_THAT(refusal(words), HasSubstr("mm' is a word too many; a number and its unit are one "
+                                          "word, as 2mm, and a list has commas"));
+  EXPECT_EQ(refusal("check torus.obj far.csv"),
+            "gliss: 'far.csv' is a word too many; gliss check --help says which words it takes\n");
+}
+
+TEST_F(Slips, an_option_without_its_value_and_one_that_is_there_twice_are_named) {
+  EXPECT_EQ(refusal("sweep torus.obj --depth"), "gliss: --depth wants a value behind it\n");
+  EXPECT_EQ(refusal("info torus.obj --unit mm --unit cm"),
+            "gliss: --unit is there more than once\n");
+  EXPECT_THAT(refusal("bake torus.obj --unit mm -o b.gliss --region 0,0,0:1mm,1,1"),
+              HasSubstr("--region, in the unit of --unit: '1mm' is not a number"));
+  EXPECT_THAT(refusal("info torus.obj --crease 40"), HasSubstr("a bare number is radians"));
+}
+
+TEST_F(Slips, an_output_that_cannot_be_created_is_told_before_the_work) {
+  // A mesh that is not there would be told of first.
+  EXPECT_EQ(refusal("bake none.obj -o no/b.gliss", 1),
+            "gliss: cannot create 'no/b.gliss': No such file or directory\n");
+  EXPECT_EQ(refusal("generate knot -o knot.stl"), "gliss: 'knot.stl' must end in .obj\n");
+}
+
+TEST_F(Slips, a_mesh_a_cache_and_a_scene_are_not_taken_for_each_other) {
+  told("bake torus.obj --unit mm -o torus.gliss");
+  for (const std::string command : {"run ", "serve "}) {
+    EXPECT_THAT(refusal(command + "torus.obj"),
+                HasSubstr("torus.obj is a mesh: a scene is a text file, such as scene.toml, that "
+                          "names it by mesh = \"torus.obj\"\n"));
+    EXPECT_THAT(refusal(command + "torus.gliss"), HasSubstr("names it by cache = \"torus.gliss\""));
+  }
+  EXPECT_THAT(refusal("check torus.gliss"), HasSubstr("torus.gliss is a cache: name the mesh"));
+  EXPECT_THAT(refusal("bake torus.gliss -o b.gliss"), HasSubstr("torus.gliss is a cache"));
+}
+
+TEST_F(Slips, what_a_download_left_in_place_of_a_mesh_is_told) {
+  const auto refused = [&](const std::string& text) {
+    folder_.write("down.obj", text);
+    return refusal("info down.obj");
+  };
+  EXPECT_THAT(refused("version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n"),
+              HasSubstr("'git lfs pull' fetches it"));
+  EXPECT_THAT(refused("<!DOCTYPE html>\n<html></html>\n"), HasSubstr("is a web page"));
+  EXPECT_THAT(refused("PK\x03\x04zip"), HasSubstr("is a zip archive; unpack it first"));
+  EXPECT_THAT(refused("v 0 0 0\nv 1 0 0\n"),
+              HasSubstr("there are 2 vertices and no faces: points alone have no surface"));
+}
+
 TEST_F(Slips, units_have_names_as_people_write_them) {
   for (const char* unit : {"mm", "millimetre", "millimeter"})
     EXPECT_THAT(told(fmt::format("check torus.obj --unit {}", unit)), Not(HasSubstr("across")));
@@ -69,6 +135,10 @@ TEST_F(Slips, units_have_names_as_people_write_them) {
   EXPECT_THAT(told("info torus.obj --unit nm"),
               HasSubstr("torus.obj is 0.115 um across: is '--unit nm' right?"));
   EXPECT_THAT(told("info torus.obj --quiet"), IsEmpty());
+  folder_.write("metres.obj", "v 0 0 0\nv 0.08 0 0\nv 0 0.08 0\nf 1 2 3\n");
+  EXPECT_THAT(told("info metres.obj --unit um"),
+              HasSubstr("metres.obj is 0.113 um across: '--unit m' if its coordinates are metres"));
+  EXPECT_THAT(run("info torus.obj --unit mm").out, HasSubstr(" mm, 114.9 mm across\n"));
 }
 
 TEST_F(Slips, a_scene_that_does_not_name_a_unit_hears_of_an_odd_size) {
@@ -113,6 +183,27 @@ TEST_F(Slips, paths_that_never_touch_say_how_far_off_they_are) {
                               "x_mm,y_mm,z_mm")));
   EXPECT_THAT(told("run scene.toml --device replay:touching.csv --no-wait"),
               Not(HasSubstr("no HIP touches")));
+}
+
+TEST_F(Slips, hips_that_are_farther_off_than_the_mesh_is_across_are_told) {
+  folder_.write("hips.csv", "x,y,z\n90,0,0\n");
+  const std::string project = "project torus.obj --hip hips.csv -o near.csv --unit ";
+  EXPECT_THAT(told(project + "mm"), IsEmpty());
+  folder_.write("hips.csv", "x_mm,y_mm,z_mm\n0.09,0,300\n");
+  EXPECT_THAT(told(project + "mm"), HasSubstr("none comes nearer to its box than 29"));
+}
+
+TEST_F(Slips, a_simulated_hand_says_how_far_off_it_was_and_that_it_began_inside) {
+  const std::string object = "[[object]]\nmesh = \"torus.obj\"\nunit = \"mm\"\n[sim]\nwaypoints = ";
+  folder_.write("far.toml", object + "[[45, 0, 0], [38, 0, 0]]\nspeed = 1e3\n");
+  EXPECT_THAT(told("run far.toml --no-wait"),
+              AllOf(HasSubstr("far.toml: no HIP touches the surface, and none comes nearer to its "
+                              "box than 38 m"),
+                    HasSubstr("if its numbers are millimetres, write \"40mm\" for 40\n")));
+  folder_.write("inside.toml", object + "[[\"38mm\", 0, 0], [\"37mm\", 0, 0]]\n");
+  EXPECT_THAT(told("run inside.toml --no-wait"),
+              HasSubstr("the hand begins inside an object: until it has been outside, the force is "
+                        "at most 0.2 N\n"));
 }
 
 TEST_F(Slips, a_file_that_is_named_as_a_cache_and_is_none_ends_with_code_3) {

@@ -122,7 +122,7 @@ TEST_F(MeshTest, obj_refusals_name_the_line) {
   EXPECT_EQ(refused("v 1 nan 3\nf 1 2 9"), "a.obj:9: vertex 8: (1, nan, 3) is not finite");
   EXPECT_EQ(refused("v 1 1e999 3\nf 1 2 9"), "a.obj:9: vertex 8: (1, inf, 3) is not finite");
   EXPECT_EQ(refused("vn 1 -inf 3"), "a.obj:9: normal is not finite (-inf)");
-  EXPECT_EQ(refused(""), "a.obj: there are no faces");
+  EXPECT_EQ(refused(""), "a.obj: there are 8 vertices and no faces: points alone have no surface");
 }
 
 TEST_F(MeshTest, numbers_are_those_of_c) {
@@ -261,7 +261,9 @@ TEST_F(MeshTest, a_locale_with_a_comma_does_not_matter) {
 }
 
 TEST_F(MeshTest, files_that_cannot_be_read_are_named) {
-  EXPECT_EQ(refusal("a.glb", ""), "a.glb: the file must end in one of .obj, .off, .ply, .stl");
+  EXPECT_EQ(refusal("a.glb", ""),
+            "a.glb: the file must end in one of .obj, .off, .ply, .stl, which Blender and MeshLab "
+            "export");
   EXPECT_THROW(load_mesh(path("missing.obj")), MeshError);
   EXPECT_THROW(load_mesh(path("obj")), MeshError);
   std::filesystem::create_directory(path("folder.obj"));

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "gliss/engine/engine.h"
 #include "gliss/files/mesh_file.h"
 #include "gliss/generate/generate.h"
 #include "gliss/study/fidelity.h"
@@ -313,6 +314,9 @@ TEST(Fidelity, a_tessellation_lies_on_the_surface_and_is_closed) {
     const PatchCache cache = test::cache_of(made.mesh);
     for (const std::uint32_t cells : {1, 2, 5}) {
       const Mesh dense = tessellate(made.mesh, cache, cells);
+      EXPECT_EQ(dense.positions,
+                tessellate(made.mesh, cache, cells, make_tbb_engine()->build_backend().parallel)
+                    .positions);
       EXPECT_EQ(dense.face_count(), tessellated_count(made.mesh, cells));
       const Topology topology = build_topology(dense);
       EXPECT_EQ(topology.border_side_count, 0);

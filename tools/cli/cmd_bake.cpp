@@ -9,6 +9,7 @@
 #include "gliss/mesh/regions.h"
 #include "tools/cli/curvature.h"
 #include "tools/cli/outputs.h"
+#include "tools/cli/slips.h"
 #include "tools/cli/surface_input.h"
 
 namespace gliss::tools {
@@ -36,7 +37,8 @@ Vec3 parse_corner(const std::string& text) {
   if (numbers.size() != 3) throw InputError(fmt::format("--region: '{}' is not x,y,z", text));
   Vec3 corner;
   for (std::size_t i = 0; i < 3; ++i) {
-    corner[static_cast<int>(i)] = parse_number<double>("--region", numbers[i]);
+    corner[static_cast<int>(i)] =
+        parse_number<double>("--region, in the unit of --unit", numbers[i]);
   }
   return corner;
 }
@@ -70,6 +72,7 @@ std::vector<std::uint32_t> parse_faces(const Mesh& mesh, const std::string& text
 }
 
 void run(const BakeOptions& options) {
+  refuse_cache(options);
   check_outputs({options.output}, {options.surface});
   if (has_mesh_ending(options.output)) {
     throw InputError(

@@ -75,6 +75,7 @@ void describe(Command& command, SurfaceOptions& options) {
 }
 
 void run(const SurfaceOptions& options) {
+  refuse_cache(options);
   std::vector<Finding> findings;
   CheckedSurface surface;
   Mesh mesh;

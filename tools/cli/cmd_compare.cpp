@@ -159,7 +159,7 @@ void describe(Command& command, ComparingOptions& options) {
   command.flag("--picture", options.with_picture,
                "with --json: the surface of each construction with its curvature, and the places "
                "where walks jump, for gliss report");
-  add_output_option(command, options.output, "rows as a table: .h5 or .csv");
+  add_output_option(command, options.output, "rows as a table: .h5, .csv or .npy");
 }
 
 std::vector<ComparePath> make_paths(const ComparingOptions& options, const Mesh& mesh,

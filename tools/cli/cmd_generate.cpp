@@ -142,7 +142,12 @@ void add_generate(Command& program) {
         generate, shape.name, shape.description,
         fmt::format("gliss generate {0} {1} -o {0}.obj", shape.name, shape.example),
         [&shape](Command& command, GenerateOptions& options) {
-          command.option({"-o,--output", "FILE", "OBJ file to write", true}, options.output);
+          command.option({"-o,--output", "FILE", "OBJ file to write", true},
+                         [&options](const std::string& path) {
+                           if (!path.ends_with(".obj"))
+                             throw InputError(fmt::format("'{}' must end in .obj", path));
+                           options.output = path;
+                         });
           if (shape.has_surface) {
             command.option(
                 {"--irregular", "SEED",

@@ -116,13 +116,18 @@ void run(const SurfaceOptions& options) {
     forms[name] = count;
     form_text += fmt::format("{}{} {}", form_text.empty() ? "" : ", ", count, name);
   }
+  const auto with_unit = [&](double radius) {
+    const std::string text = radius_text(radius);
+    return text == "none" ? text : text + " " + unit;
+  };
   report(options,
          fmt::format("faces         {} of {}: {}\n"
                      "vertices      {}, edges {}, border sides {}, parts {}\n"
                      "patches       {}: exact {}, eased {}, split {}, bent {}\n"
                      "folded faces  {}{}\n"
                      "unit          {} (coordinates here in {})\n"
-                     "bounds        {:.6g} {:.6g} {:.6g} to {:.6g} {:.6g} {:.6g}\n"
+                     "bounds        {:.6g} {:.6g} {:.6g} to {:.6g} {:.6g} {:.6g} {}, "
+                     "{:.4g} {} across\n"
                      "curvature     least radius of curvature {}, median of the patches {}\n"
                      "level         {}, {} construction: {}\n"
                      "precision     {}, {:.2f} MiB\n"
@@ -131,8 +136,8 @@ void run(const SurfaceOptions& options) {
                      shape.border_sides, shape.parts, cache.patch_count(), kinds.at("exact"),
                      kinds.at("eased"), kinds.at("split"), kinds.at("bent"), folded,
                      creases_text(cache.crease_count), unit_name(cache.unit), unit, low.x(),
-                     low.y(), low.z(), high.x(), high.y(), high.z(), radius_text(rho_min),
-                     radius_text(rho_median), level_name(cache.level),
+                     low.y(), low.z(), high.x(), high.y(), high.z(), unit, (high - low).norm(),
+                     unit, with_unit(rho_min), with_unit(rho_median), level_name(cache.level),
                      construction_name(cache.level.construction), form_text,
                      precision_name(cache.precision()),
                      static_cast<double>(cache.bytes()) / (1 << 20), hash_name(cache.mesh_hash)),

@@ -20,10 +20,14 @@ namespace gliss::tools {
 namespace {
 
 constexpr Nanoseconds kPeriod = std::chrono::milliseconds(1);
-constexpr std::uint64_t kTurn = 1000;                 // periods
-constexpr int kAlong = 500, kAround = 20;             // 10,000 patches
-constexpr double kDepth = 2, kStep = 0.15;            // mm; the step is that of a tick
-constexpr double kStiffness = 500;                    // N/m
+constexpr std::uint64_t kTurn = 1000;       // periods
+constexpr int kAlong = 500, kAround = 20;   // 10,000 patches
+constexpr double kDepth = 2, kStep = 0.15;  // mm; the step is that of a tick
+constexpr double kStiffness = 500;          // N/m
+constexpr char kGoodText[] =
+    "wake p99.9 within 50 us of the floor's, compute p99 within 50 us, 99.9 % of the periods "
+    "succeed";
+constexpr char kUsableText[] = "2 ms, 500 us, 99 %";
 enum TickError { kFine, kNoContact, kNotConverged };  // of a tick
 
 struct JudgeOptions : ReportOptions {
@@ -124,7 +128,7 @@ void run(const JudgeOptions& options) {
   if (!options.quiet) {
     for (const std::string& line : found->refusals) tell(fmt::format("gliss: {}\n", line));
   }
-  const char* verdict = verdict_name(judge(floor, loop));
+  const std::string verdict = verdict_name(judge(floor, loop));
   const Json json = {{"floor", json_of(floor.lateness())},
                      {"wake", json_of(loop.lateness())},
                      {"compute", json_of(loop.compute())},
@@ -140,16 +144,17 @@ void run(const JudgeOptions& options) {
                      {"longest_missed", loop.longest_missed()},
                      {"errors", loop.errors()},
                      {"floor_success_rate", floor.success()}};
-  report(
-      options,
-      timing_header() + timing_row("floor", floor.lateness()) +
-          timing_row("wake", loop.lateness()) + timing_row("compute", loop.compute()) +
-          fmt::format("{} ticks on {} patches, {} missed, at most {} in a row; success {:.3f} %, "
-                      "of the empty loop {:.3f} %; {}, memory {}\n{}\n",
-                      loop.ticks(), tick.patches(), loop.missed(), loop.longest_missed(),
-                      100 * loop.success(), 100 * floor.success(), found->scheduling,
-                      found->memory_locked ? "locked" : "not locked", verdict),
-      json);
+  report(options,
+         timing_header() + timing_row("floor", floor.lateness()) +
+             timing_row("wake", loop.lateness()) + timing_row("compute", loop.compute()) +
+             fmt::format(
+                 "{} ticks on {} patches, {} missed, at most {} in a row; success {:.3f} %, "
+                 "of the empty loop {:.3f} %; {}, memory {}\n"
+                 "good: {}; usable: {}\n{}\n",
+                 loop.ticks(), tick.patches(), loop.missed(), loop.longest_missed(),
+                 100 * loop.success(), 100 * floor.success(), found->scheduling,
+                 found->memory_locked ? "locked" : "not locked", kGoodText, kUsableText, verdict),
+         json);
 }
 
 }  // namespace
@@ -161,9 +166,8 @@ void add_judge(Command& program) {
       "floor: lateness of the wakes of an empty loop. wake, compute: of a loop that follows a "
       "contact on 10,000 patches. They take turns of a second.\n"
       "success: the share of the periods that had a tick without an error; missed periods and "
-      "ticks that lost the contact have none.\n"
-      "good: wake p99.9 within 50 us of the floor's, compute p99 within 50 us, 99.9 % of the "
-      "periods succeed. usable: 2 ms, 500 us, 99 %. unfit: less.",
+      "ticks that lost the contact have none.\n" +
+          fmt::format("good: {}. usable: {}. unfit: less.", kGoodText, kUsableText),
       "gliss judge --seconds 30 --json", describe, run);
 }
 

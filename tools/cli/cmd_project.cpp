@@ -97,6 +97,12 @@ void run(const ProjectOptions& options) {
              });
   file->close();
   const double seconds = clock.seconds();
+  if (inside == 0 && !hips.points.empty()) {
+    for (Vec3& hip : hips.points) hip *= cache.unit;
+    const Box box = cache.bounds();
+    tell_far(options, options.hips, hips.points, {box.low * cache.unit, box.high * cache.unit},
+             "say so by --unit, or by columns x_mm,y_mm,z_mm");
+  }
   report(options,
          fmt::format("{} HIPs, {} inside, {} not converged, {:.2f} s\n", hips.points.size(), inside,
                      unconverged, seconds),

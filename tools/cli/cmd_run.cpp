@@ -36,7 +36,7 @@ struct RunOptions : ReportOptions {
 };
 
 void describe(Command& command, RunOptions& options) {
-  add_input_option(command, "SCENE", options.scene, "scene file (.toml)");
+  add_scene_option(command, options.scene, "scene file (.toml)");
   command.option({"--device", "DEVICE", std::string(kDeviceWords) + "; default sim"},
                  options.device);
   command.flag("--no-wait", options.no_wait,
@@ -279,17 +279,32 @@ std::vector<Box> boxes_of(const std::vector<SceneObject>& objects) {
   return boxes;
 }
 
-// Says that a hand has felt nothing, and of a replay how far off it was.
-void tell_untouched_objects(const RunOptions& options, const std::vector<SceneObject>& objects) {
+// Points of the path that the simulated hand follows, m.
+std::vector<Vec3> points_of(HandPath path) {
+  constexpr int kPoints = 1000;
+  std::vector<Vec3> points;
+  for (int i = 0; i <= kPoints; ++i) points.push_back(path.at(path.duration() * i / kPoints));
+  return points;
+}
+
+// Says that a hand has felt nothing, and of a replay and a simulated hand how far off it was.
+void tell_untouched_objects(const RunOptions& options, const Scene& scene,
+                            const std::vector<SceneObject>& objects) {
   constexpr std::string_view kReplay = "replay:";
   if (options.quiet) return;
+  const std::vector<Box> boxes = boxes_of(objects);
+  if (options.device == "sim" && !boxes.empty()) {
+    tell_untouched(options, options.scene, points_of(scene.sim_path), boxes,
+                   "write \"40mm\" for 40");
+    return;
+  }
   if (!options.device.starts_with(kReplay)) {
     tell("gliss: the hand touched nothing: do its ways lead into an object?\n");
     return;
   }
   const std::string path = options.device.substr(kReplay.size());
   tell_untouched(options, path, points_in_metres(read_points(path, 1, {}, stop_if_interrupted)),
-                 boxes_of(objects), "name the columns x_mm,y_mm,z_mm");
+                 boxes, "name the columns x_mm,y_mm,z_mm");
 }
 
 std::vector<Attribute> provenance(const RunOptions& options, const Scene& scene,
@@ -345,7 +360,12 @@ void run(const RunOptions& options) {
   }
   tell_tight_objects(options, scene, objects, session.report);
   if (session.report.rendered().touching == 0 && loop.record().ticks() > 0)
-    tell_untouched_objects(options, objects);
+    tell_untouched_objects(options, scene, objects);
+  if (session.report.begins_inside() && !options.quiet)
+    tell(
+        fmt::format("gliss: the hand begins inside an object: until it has been outside, the "
+                    "force is at most {:g} N\n",
+                    rules.guard.engage_below));
   report(options, text_of(loop, session, json), json);
   if (session.not_recorded) std::rethrow_exception(session.not_recorded);
   stop_if_interrupted();

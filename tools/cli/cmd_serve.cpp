@@ -22,7 +22,7 @@ struct ServeOptions : ReportOptions {
 };
 
 void describe(Command& command, ServeOptions& options) {
-  add_input_option(command, "SCENE", options.scene, "scene file (.toml): its [sim] and [device]");
+  add_scene_option(command, options.scene, "scene file (.toml): its [sim] and [device]");
   command.option({"--device", "DEVICE", std::string(kDeviceWords) + "; default sim"},
                  options.device);
   command.option({"--port", "PORT", "of UDP on 127.0.0.1, 0: any that is free; default 10002"},
@@ -43,7 +43,8 @@ void run(const ServeOptions& options) {
   limits.waits = has_path && !options.at_once;
   UdpServer server(*device, static_cast<std::uint16_t>(options.port), limits);
   if (!options.quiet)
-    tell(fmt::format("serving {} as udp:{}\n", device->info().name, server.port()));
+    tell(fmt::format("serving {0} as udp:{1}\ngliss run SCENE --device udp:{1} attaches a loop\n",
+                     device->info().name, server.port()));
   {
     const Realtime realtime;
     for (const std::string& line : realtime.refusals()) {

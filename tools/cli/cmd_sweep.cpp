@@ -39,7 +39,7 @@ void describe(Command& command, SweepingOptions& options) {
                  options.samples, 1, 1e12);
   command.option({"--rings", "N", "of the grid on each patch; default 8"}, options.rings, 1, 10000);
   command.exclude("--rings", "--samples");
-  add_output_option(command, options.output, "samples: .h5 with statistics, or .csv");
+  add_output_option(command, options.output, "samples: .h5 with statistics, .csv or .npy");
   command.option({"--vtp", "FILE", "HIPs and forces of the first depth, for ParaView"},
                  [&options](const std::string& path) {
                    if (!path.ends_with(SweepPicture::kEnding)) {

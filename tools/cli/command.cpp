@@ -60,7 +60,7 @@ void add_common_options(Command& command, CommonOptions& options) {
   command.option({"--opencl-device", "NAME",
                   "OpenCL device: part of its name, or its number in gliss devices"},
                  options.device);
-  command.option({"--device", "NAME", "of version 0.1: --opencl-device"},
+  command.option({"--device", "NAME", "the old name of --opencl-device, which will go"},
                  [&options](const std::string& text) {
                    options.device = text;
                    options.has_old_device = true;
@@ -86,7 +86,7 @@ void add_mesh_options(Command& command, SurfaceOptions& options, const std::stri
   command.flag("--keep-non-manifold", options.keep_non_manifold,
                "refuse non-manifold edges and vertices instead of cutting them open");
   command.flag("--split-non-manifold", options.split_non_manifold,
-               "of version 0.1: what happens without it now");
+               "does nothing any more, and will go with 0.2");
   command.option({"--weld", "LENGTH",
                   "weld borders whose vertices are no farther apart, as 0.01mm; default: those at "
                   "the very same places; none: never"},
@@ -292,7 +292,7 @@ Level parse_level(const std::string& option, const std::string& name) {
 
 Level parse_surface(const std::string& option, const std::string& name) {
   if (const auto level = find_surface(name)) return *level;
-  throw InputError(option + ": " + no_level(name) + ", or fair");
+  throw InputError(option + ": " + no_level(name) + ", fair, shaded, flat");
 }
 
 std::unique_ptr<Engine> make_engine(const CommonOptions& options) {

@@ -4,8 +4,12 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cctype>
 #include <deque>
+#include <sstream>
 #include <utility>
+
+#include "gliss/base/units.h"
 
 namespace gliss::tools {
 namespace {
@@ -36,12 +40,55 @@ std::size_t edits_between(const std::string& a, const std::string& b) {
   return row.back();
 }
 
+// The command that the words have come to.
+const CLI::App& innermost(const CLI::App& program) {
+  const CLI::App* app = &program;
+  while (!app->get_subcommands().empty()) app = app->get_subcommands().back();
+  return *app;
+}
+
+// "gliss generate"
+std::string whole_name(const CLI::App& app) {
+  const CLI::App* const parent = app.get_parent();
+  return parent == nullptr ? app.get_name() : whole_name(*parent) + " " + app.get_name();
+}
+
+// "mm", "2mm", "N/mm"
+bool ends_in_unit(const std::string& word) {
+  if (word.empty() || std::isalpha(static_cast<unsigned char>(word.back())) == 0) return false;
+  for (const auto parse : {parse_length, parse_stiffness, parse_time, parse_angle}) {
+    try {
+      parse("1" + word);
+      return true;
+    } catch (const UnitError&) {
+    }
+  }
+  return false;
+}
+
+// What CLI11 says of words that are missing behind an option, or of an option that is there twice.
+std::string mismatch_text(const std::string& text) {
+  const std::string name = text.substr(0, text.find(':'));
+  if (text.ends_with(" missing")) return name + " wants a value behind it";
+  if (text.find(": At Most ") != text.npos) return name + " is there more than once";
+  return text;
+}
+
+// Of the first word that no option and no argument takes.
+std::string superfluous_word(const CLI::App& program) {
+  const std::string word = program.remaining(true).front();
+  const std::string cure =
+      ends_in_unit(word) ? "a number and its unit are one word, as 2mm, and a list has commas and "
+                           "no spaces, as 2mm,4mm"
+                         : whole_name(innermost(program)) + " --help says which words it takes";
+  return fmt::format("'{}' is a word too many; {}", word, cure);
+}
+
 // "there is no option '--deph'; did you mean --depth?" for the first word that looks like an option
 // and is none; "" where there is no such word.
 std::string unknown_option(const CLI::App& program) {
   constexpr std::size_t kNear = 3;
-  const CLI::App* app = &program;
-  while (!app->get_subcommands().empty()) app = app->get_subcommands().back();
+  const CLI::App* app = &innermost(program);
   for (const std::string& word : program.remaining(true)) {
     if (!word.starts_with("-") || word == "-" || word == "--") continue;
     const std::string name = word.substr(0, word.find('='));
@@ -58,6 +105,17 @@ std::string unknown_option(const CLI::App& program) {
   return "";
 }
 
+// Lists commands by the first line of what they do; their own help has the rest.
+class BriefFormatter : public CLI::Formatter {
+ public:
+  std::string make_subcommand(const CLI::App* command) const override {
+    std::ostringstream out;
+    CLI::detail::format_help(out, command->get_name(), split(command->get_description(), '\n')[0],
+                             get_column_width());
+    return out.str();
+  }
+};
+
 }  // namespace
 
 struct Command::Implementation {
@@ -70,6 +128,7 @@ Command::Command(const std::string& description, const std::string& name)
     : implementation_(std::make_unique<Implementation>()) {
   implementation_->own = std::make_unique<CLI::App>(description, name);
   implementation_->app = implementation_->own.get();
+  implementation_->app->formatter(std::make_shared<BriefFormatter>());
 }
 
 Command::Command(std::unique_ptr<Implementation> implementation)
@@ -137,17 +196,23 @@ void Command::run(int count, const char* const* words) {
   try {
     app->parse(count, words);
   } catch (const CLI::RequiredError& error) {
-    if (const std::string text = unknown_option(*app); !text.empty()) throw InputError(text);
     const bool command = error.what() == std::string("A subcommand is required");
-    if (!command) throw InputError(error.what());
     const auto unknown = app->remaining(true);
-    throw InputError(
-        unknown.empty()
-            ? "a command is wanted; gliss --help lists them"
-            : fmt::format("there is no command '{}'; gliss --help lists them", unknown.front()));
+    const bool misnamed = command && !unknown.empty() && !unknown.front().starts_with("-");
+    const std::string text = misnamed ? "" : unknown_option(*app);
+    if (!text.empty()) throw InputError(text);
+    if (!command) throw InputError(error.what());
+    throw InputError(fmt::format(
+        "{}; {} --help lists them",
+        misnamed ? fmt::format("there is no command '{}'", unknown.front()) : "a command is wanted",
+        whole_name(innermost(*app))));
+  } catch (const CLI::ExtrasError&) {
+    const std::string text = unknown_option(*app);
+    throw InputError(text.empty() ? superfluous_word(*app) : text);
   } catch (const CLI::ParseError& error) {
     const std::string text = unknown_option(*app);
-    if (error.get_exit_code() != 0) throw InputError(text.empty() ? error.what() : text);
+    if (error.get_exit_code() != 0)
+      throw InputError(text.empty() ? mismatch_text(error.what()) : text);
     app->exit(error);  // prints help or version
   }
 }

@@ -36,7 +36,7 @@ int run(int count, char** words) {
   program.set_footer(
       "gliss <command> --help tells more.\n"
       "Exit codes: 0 done, 1 internal error, 2 bad input, 3 stale or foreign cache,\n"
-      "4 backend, real-time scheduling or report not available, 130 interrupted.");
+      "4 backend, device, real-time scheduling or report not available, 130 interrupted.");
   for (const auto add :
        {add_bake, add_compare, add_info, add_check, add_eval, add_project, add_sweep, add_trace,
         add_generate, add_devices, add_judge, add_run, add_serve, add_report}) {

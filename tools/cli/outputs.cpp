@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "gliss/files/atomic_file.h"
 #include "tools/cli/command_line.h"
 
 namespace gliss::tools {
@@ -37,6 +38,9 @@ void check_outputs(const std::vector<std::string>& outputs,
       if (!are_same(*output, *other)) continue;
       throw InputError(fmt::format("'{}' would be written twice: name another output", *output));
     }
+  }
+  for (const std::string& output : outputs) {
+    if (is_file(output)) const AtomicFile created(output);
   }
 }
 

@@ -4,6 +4,8 @@
 
 #include "gliss/device/replay_device.h"
 #include "gliss/device/udp_device.h"
+#include "gliss/files/cache_file.h"
+#include "gliss/files/mesh_file.h"
 #include "gliss/haply/haply_device.h"
 #include "gliss/tables/point_table.h"
 #include "tools/cli/watch.h"
@@ -12,7 +14,8 @@ namespace gliss::tools {
 namespace {
 
 std::unique_ptr<HapticDevice> open_sim(const Scene& scene) {
-  if (!scene.sim) throw InputError("--device sim: the scene has no [sim]");
+  if (!scene.sim)
+    throw InputError("--device sim: the scene has no [sim] with waypoints, the way of the hand");
   return std::make_unique<SimDevice>(scene.sim_path, *scene.sim);
 }
 
@@ -37,6 +40,19 @@ std::unique_ptr<HapticDevice> open_haply(const std::string& where) {
 }
 
 }  // namespace
+
+void add_scene_option(Command& command, std::string& scene, const std::string& description) {
+  command.option({"SCENE", "FILE", description, true}, [&scene](const std::string& path) {
+    check_input("SCENE", path);
+    const bool is_cache = is_meant_as_cache(path);
+    if (is_cache || has_mesh_ending(path))
+      throw InputError(fmt::format(
+          "{0} is a {1}: a scene is a text file, such as scene.toml, that names it by {1} = "
+          "\"{0}\"",
+          path, is_cache ? "cache" : "mesh"));
+    scene = path;
+  });
+}
 
 std::unique_ptr<HapticDevice> open_device(const std::string& words, const Scene& scene) {
   const auto colon = words.find(':');

@@ -6,11 +6,15 @@
 
 #include "gliss/device/device.h"
 #include "gliss/scene/scene.h"
+#include "tools/cli/command.h"
 
 namespace gliss::tools {
 
 inline constexpr char kDeviceWords[] =
     "sim, replay:FILE, udp:PORT, haply, haply:HOST or haply:HOST:PORT";
+
+// The SCENE of a command; a mesh or a cache in its place is refused.
+void add_scene_option(Command& command, std::string& scene, const std::string& description);
 
 // Throws InputError where the words or the scene make no sense, LoopError where the device does not
 // answer.

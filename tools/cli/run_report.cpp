@@ -31,6 +31,7 @@ Json json_of(const LoopTick& tick) {
 }  // namespace
 
 void RunReport::add(const LoopTick& tick) {
+  if (tick.number == 0) begins_inside_ = tick.touching;
   if (tick.rendered.allFinite())
     rendered_.add(tick.touching, tick.rendered, is_settling(tick.flags));
   sent_.add(tick.sent != Vec3::Zero(), tick.sent);

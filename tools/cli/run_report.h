@@ -23,6 +23,7 @@ class RunReport {
 
   const ForceStatistics& rendered() const { return rendered_; }
   const ForceStatistics& sent() const { return sent_; }
+  bool begins_inside() const { return begins_inside_; }      // the first tick was in contact
   double largest_torque() const { return largest_torque_; }  // N m, as sent
   // The largest depth in each object of Tracker::objects(), m, over ticks in which that object
   // pushed most. Ends with the last object that was touched.
@@ -35,6 +36,7 @@ class RunReport {
     std::deque<LoopTick> ticks;  // up to it
   };
   ForceStatistics rendered_, sent_;  // sent: in contact while it is not zero
+  bool begins_inside_ = false;
   double largest_torque_ = 0;
   std::vector<double> deepest_;
   std::deque<LoopTick> last_;  // TickRecord::kLast

@@ -17,8 +17,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kHouse = 10, kUnseen = 1e-4;  // m
-constexpr double kSoft = 5;                    // N/m
+constexpr double kHouse = 10, kTiny = 1e-3, kUnseen = 1e-4;  // m
+constexpr double kSoft = 5;                                  // N/m
 
 Box box_of(std::span<const Vec3> points) {
   Box box{points.front(), points.front()};
@@ -68,8 +68,12 @@ void tell_odd_size(const SurfaceOptions& options, const Mesh& mesh) {
     tell(fmt::format("gliss: {} is {} across: '{}' if its coordinates are millimetres\n",
                      options.surface, length_text(across), unit_words(options, "mm")));
   } else if (across < kUnseen) {
-    tell(fmt::format("gliss: {} is {} across: is '{}' right?\n", options.surface,
-                     length_text(across), unit_words(options, unit_name(options.unit))));
+    const double metres = across / mesh.unit;
+    const bool plain = metres >= kTiny && metres <= kHouse;
+    tell(fmt::format(
+        "gliss: {} is {} across: {}\n", options.surface, length_text(across),
+        plain ? fmt::format("'{}' if its coordinates are metres", unit_words(options, "m"))
+              : fmt::format("is '{}' right?", unit_words(options, unit_name(options.unit)))));
   }
 }
 
@@ -145,15 +149,31 @@ void tell_untouched(const ReportOptions& options, const std::string& path,
   const double apart = least_distance(hips, boxes);
   if (apart > 0)
     text += fmt::format(", and none comes nearer to its box than {}", length_text(apart));
+  constexpr double kFar = 10;  // sizes of a box: nearer HIPs have the right unit
+  const bool far = apart > kFar * diagonal_of(boxes.front());
   for (const auto& [name, factor] : {std::pair{"millimetres", 1e-3}, std::pair{"metres", 1e3}}) {
     std::vector<Vec3> other(hips.begin(), hips.end());
     for (Vec3& p : other) p *= factor;
-    if (apart > 0 && least_distance(other, boxes) == 0) {
+    if (far && least_distance(other, boxes) == 0) {
       text += fmt::format("; if its numbers are {}, {}", name, columns);
       break;
     }
   }
   tell(text + "\n");
+}
+
+void tell_far(const ReportOptions& options, const std::string& path, std::span<const Vec3> hips,
+              const Box& box, const std::string& columns) {
+  if (least_distance(hips, {&box, 1}) > diagonal_of(box))
+    tell_untouched(options, path, hips, {&box, 1}, columns);
+}
+
+void refuse_cache(const SurfaceOptions& options) {
+  if (is_cache(options))
+    throw InputError(
+        fmt::format("{} is a cache: name the mesh that it was baked from, or 'gliss "
+                    "info' to see what it holds",
+                    options.surface));
 }
 
 }  // namespace gliss::tools

@@ -34,4 +34,11 @@ void tell_untouched(const ReportOptions& options, const std::string& path,
                     std::span<const Vec3> hips, std::span<const Box> boxes,
                     const std::string& columns);
 
+// The same where the HIPs are not even as near as the surface is across.
+void tell_far(const ReportOptions& options, const std::string& path, std::span<const Vec3> hips,
+              const Box& box, const std::string& columns);
+
+// A cache that is given where a mesh is wanted.
+void refuse_cache(const SurfaceOptions& options);
+
 }  // namespace gliss::tools

@@ -27,7 +27,13 @@ function legend(scale, depth) {
     return made;
   };
   const marks = [];
-  for (let e = Math.ceil(Math.log10(scale.low) - 1e-6); e <= Math.log10(scale.high) + 1e-6; e++) marks.push(at(10 ** e, power(10 ** (e - 3)), 'mark'));
+  // Powers of ten, and twice and five times those where they are few.
+  const times = scale.high < 100 * scale.low ? [1, 2, 5] : [1];
+  for (let e = Math.floor(Math.log10(scale.low)); e <= Math.log10(scale.high); e++) {
+    for (const curvature of times.map(factor => factor * 10 ** e)) {
+      if (curvature > 0.999 * scale.low && curvature < 1.001 * scale.high) marks.push(at(curvature, power(1e-3 * curvature), 'mark'));
+    }
+  }
   const deep = depth && 1 / depth >= scale.low && 1 / depth <= scale.high;
   if (deep) marks.push(at(1 / depth, '1 / depth', 'depth'));
   const bar = el('.bar', {});

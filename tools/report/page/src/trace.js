@@ -19,7 +19,7 @@ class PathCharts {
   constructor(result) {
     this.methods = inOrder(result.methods);
     this.range = [result.first_step - 0.5, result.last_step + 0.5];
-    this.unit = result.origin.unit || '';
+    this.unit = result.origin.unit || 'units of the file';
     this.element = el('.charts');
     this.log = false;
     this.build();
@@ -129,7 +129,7 @@ function figures(methods, charts, unit) {
   const header = [{text: 'Method'}, {text: 'Mean step, N', number: true},
     ...[1, 2, 3].map(i => ({text: `${['Largest', '2nd', '3rd'][i - 1]} step`, number: true})),
     {text: 'Jumps /100k', number: true}, {text: 'Lost /100k', number: true}, {text: 'Unsound', number: true},
-    {text: 'Largest force, N', number: true}, {text: `Deepest${unit && `, ${unit}`}`, number: true}, {text: 'Ticks', number: true}, {text: 'In contact', number: true}];
+    {text: 'Largest force, N', number: true}, {text: `Deepest, ${unit}`, number: true}, {text: 'Ticks', number: true}, {text: 'In contact', number: true}];
   return table(header, methods.map(m => [
     swatch(methodColor(m.method), methodTitle(m.method)), number(m.mean_change),
     ...[0, 1, 2].map(i => m.largest[i] ? peak(m.largest[i]) : '–'), number(m.jumps_per_100k), number(m.lost_per_100k),
