@@ -18,9 +18,6 @@ namespace {
 // Patches without curvature have the largest double as radius, in the unit of their mesh.
 constexpr double kFlat = 1e290;
 
-constexpr Named<NormalSource> kNormalNames[] = {
-    {"auto", NormalSource::kAuto}, {"file", NormalSource::kFile}, {"made", NormalSource::kMade}};
-
 double parse_weld(const std::string& text) {
   if (text == "none") return -1;
   const double length = parse_length(text);
@@ -296,23 +293,11 @@ Level parse_surface(const std::string& option, const std::string& name) {
 }
 
 std::unique_ptr<Engine> make_engine(const CommonOptions& options) {
-  const bool device = options.backend == "opencl" || options.backend == "auto";
-  if (!device && (!options.device.empty() || options.device_memory > 0))
-    throw InputError("--opencl-device and --device-memory ask for --backend opencl or auto");
   if (options.has_old_device && !options.quiet)
     tell("gliss: --device: the OpenCL device is --opencl-device now; the old name will go\n");
-  if (options.backend == "serial") return make_serial_engine(stop_if_interrupted);
-  if (options.backend == "tbb") return make_tbb_engine(options.threads, stop_if_interrupted);
-  OpenClOptions opencl;
-  opencl.device = options.device;
-  opencl.memory = static_cast<std::uint64_t>(options.device_memory) << 20;
-  opencl.threads = options.threads;
-  opencl.poll = stop_if_interrupted;
-  opencl.fall_back = options.backend == "auto";
-  if (!options.quiet) {
-    opencl.notice = [](const std::string& line) { tell(fmt::format("gliss: {}\n", line)); };
-  }
-  return make_opencl_engine(opencl);
+  return make_engine(options, stop_if_interrupted, [&options](const std::string& line) {
+    if (!options.quiet) tell(fmt::format("gliss: {}\n", line));
+  });
 }
 
 void keep_command_line(int count, const char* const* words) {
@@ -363,14 +348,5 @@ std::string radius_text(double radius) {
 }
 
 Json radius_json(double radius) { return radius < kFlat ? Json(radius) : Json(); }
-
-std::string unit_name(double unit) {
-  for (const char* name : {"m", "cm", "mm", "um", "nm", "in"}) {
-    if (unit == parse_unit(name)) return name;
-  }
-  return fmt::format("{} m", unit);
-}
-
-std::string hash_name(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
 
 }  // namespace gliss::tools

@@ -6,7 +6,7 @@
 #include "gliss/device/udp_device.h"
 #include "gliss/haply/haply_device.h"
 #include "gliss/tables/point_table.h"
-#include "tools/cli/watch.h"
+#include "tools/cli/command_line.h"
 
 namespace gliss::tools {
 namespace {
@@ -16,9 +16,10 @@ std::unique_ptr<HapticDevice> open_sim(const Scene& scene) {
   return std::make_unique<SimDevice>(scene.sim_path, *scene.sim);
 }
 
-std::unique_ptr<HapticDevice> open_replay(const std::string& file) {
+std::unique_ptr<HapticDevice> open_replay(const std::string& file,
+                                          const std::function<void()>& poll) {
   try {
-    PointTable path = read_points(file, 1, kTurnColumns, stop_if_interrupted);
+    PointTable path = read_points(file, 1, kTurnColumns, poll);
     std::vector<Turn> turns = std::move(path.turns);
     return std::make_unique<ReplayDevice>(points_in_metres(std::move(path)), "replay:" + file,
                                           std::move(turns));
@@ -38,12 +39,13 @@ std::unique_ptr<HapticDevice> open_haply(const std::string& where) {
 
 }  // namespace
 
-std::unique_ptr<HapticDevice> open_device(const std::string& words, const Scene& scene) {
+std::unique_ptr<HapticDevice> open_device(const std::string& words, const Scene& scene,
+                                          const std::function<void()>& poll) {
   const auto colon = words.find(':');
   const std::string kind = words.substr(0, colon);
   const std::string rest = colon == std::string::npos ? "" : words.substr(colon + 1);
   if (words == "sim") return open_sim(scene);
-  if (kind == "replay" && !rest.empty()) return open_replay(rest);
+  if (kind == "replay" && !rest.empty()) return open_replay(rest, poll);
   if (kind == "udp" && !rest.empty())
     return std::make_unique<UdpDevice>(parse_number<std::uint16_t>("--device udp", rest));
   if (kind == "haply" && (words == kind || !rest.empty())) return open_haply(rest);
