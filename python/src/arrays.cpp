@@ -39,12 +39,12 @@ Vec3 point_of(py::handle object, const char* name) {
     PyErr_Clear();
     throw py::type_error(fmt::format("{}: expected three numbers", name));
   }
-  if (array.ndim() != 1 || array.shape(0) != 3)
-    throw py::value_error(
-        fmt::format("{}: expected shape (3,), found {}", name, shape_text(array)));
   if (!is_real(array.dtype().kind()))
     throw py::type_error(fmt::format("{}: expected real numbers, found dtype {}", name,
                                      py::str(array.dtype()).cast<std::string>()));
+  if (array.ndim() != 1 || array.shape(0) != 3)
+    throw py::value_error(
+        fmt::format("{}: expected shape (3,), found {}", name, shape_text(array)));
   const auto numbers = py::array_t<double, py::array::c_style | py::array::forcecast>(array);
   const Vec3 point(numbers.at(0), numbers.at(1), numbers.at(2));
   if (!point.allFinite())

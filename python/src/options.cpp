@@ -10,6 +10,11 @@
 namespace gliss::python {
 namespace {
 
+[[noreturn]] void refuse(const py::object& value, const char* name, const char* what) {
+  throw py::type_error(
+      fmt::format("{}: expected {}, found {}", name, what, py::repr(value).cast<std::string>()));
+}
+
 double positive(double value, const char* name) {
   if (!(value > 0)) throw py::value_error(fmt::format("{}: {} is not above 0", name, value));
   return value;
@@ -47,6 +52,24 @@ TextureOptions texture_of(py::handle value) {
 }
 
 }  // namespace
+
+std::string text(const py::dict& options, const char* name) {
+  const py::object value = options[name];
+  if (!py::isinstance<py::str>(value)) refuse(value, name, "text");
+  return value.cast<std::string>();
+}
+
+bool yes_or_no(const py::dict& options, const char* name) {
+  const py::object value = options[name];
+  if (!py::isinstance<py::bool_>(value)) refuse(value, name, "True or False");
+  return value.cast<bool>();
+}
+
+std::int64_t whole_number(const py::dict& options, const char* name) {
+  const py::object value = options[name];
+  if (!PyIndex_Check(value.ptr())) refuse(value, name, "a whole number");
+  return value.cast<std::int64_t>();
+}
 
 double quantity(py::handle value, const char* name, double (*parse)(std::string_view),
                 const char* what) {
@@ -123,7 +146,7 @@ EffectOptions effects(py::handle damping, py::handle viscosity, py::handle magne
 TouchOptions touch_options(const py::dict& options) {
   TouchOptions touch;
   touch.stiffness = stiffness(options["stiffness"]);
-  touch.query.method = choice("method", options["method"].cast<std::string>(), kMethodNames);
+  touch.query.method = choice("method", text(options, "method"), kMethodNames);
   touch.query.settle = ticks(options["settle"], "settle");
   touch.query.friction = friction(options["friction"], options["friction_settle"]);
   touch.effects =

@@ -3,6 +3,7 @@
 
 #include <pybind11/pybind11.h>
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -29,6 +30,11 @@ FrictionOptions friction(py::handle value, py::handle settle);  // a number, or 
 // magnet: (force, range); texture: (relief, height, period) or with a vector behind.
 EffectOptions effects(py::handle damping, py::handle viscosity, py::handle magnet,
                       py::handle texture);
+
+// A member of a dict of options. Throws TypeError: "threads: expected a whole number".
+std::string text(const py::dict& options, const char* name);
+bool yes_or_no(const py::dict& options, const char* name);
+std::int64_t whole_number(const py::dict& options, const char* name);
 
 template <class Value, std::size_t count>
 Value choice(const char* name, const std::string& wanted, const Named<Value> (&names)[count]) {

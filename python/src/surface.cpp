@@ -50,22 +50,21 @@ double weld_of(py::handle value, double unit) {
 }
 
 template <class Value, std::size_t count>
-std::optional<Value> perhaps(const char* name, py::handle value,
+std::optional<Value> perhaps(const py::dict& options, const char* name,
                              const Named<Value> (&names)[count]) {
-  if (value.is_none()) return std::nullopt;
-  return choice(name, value.cast<std::string>(), names);
+  if (options[name].is_none()) return std::nullopt;
+  return choice(name, text(options, name), names);
 }
 
 Opening opening_of(const py::dict& options) {
   Opening opening;
   opening.has_unit = !options["unit"].is_none();
   if (opening.has_unit) opening.load.unit = unit_of(options["unit"]);
-  opening.load.strict = options["strict"].cast<bool>();
-  opening.load.keep_non_manifold = options["keep_non_manifold"].cast<bool>();
+  opening.load.strict = yes_or_no(options, "strict");
+  opening.load.keep_non_manifold = yes_or_no(options, "keep_non_manifold");
   opening.load.weld = weld_of(options["weld"], opening.load.unit);
-  opening.load.normals = choice("normals", options["normals"].cast<std::string>(), kNormalNames);
-  if (!options["crease"].is_none())
-    opening.load.creases = parse_creases(options["crease"].cast<std::string>());
+  opening.load.normals = choice("normals", text(options, "normals"), kNormalNames);
+  if (!options["crease"].is_none()) opening.load.creases = parse_creases(text(options, "crease"));
   if (!options["crease_radius"].is_none()) {
     opening.crease_radius = length(options["crease_radius"], "crease_radius");
     if (!opening.load.creases.any())
@@ -73,19 +72,19 @@ Opening opening_of(const py::dict& options) {
           "crease_radius: add which edges it rounds, as crease='auto' or crease='40deg'");
   }
   opening.load.poll = poll;
-  opening.precision = perhaps("precision", options["precision"], kPrecisionNames);
-  opening.construction = perhaps("construction", options["construction"], kConstructionNames);
+  opening.precision = perhaps(options, "precision", kPrecisionNames);
+  opening.construction = perhaps(options, "construction", kConstructionNames);
   if (!options["level"].is_none()) {
-    const auto name = options["level"].cast<std::string>();
+    const auto name = text(options, "level");
     opening.level = find_level(name);
     if (!opening.level) throw py::value_error("level: " + no_level(name));
   }
-  opening.engine.threads = options["threads"].cast<int>();
-  if (opening.engine.threads < 0 || opening.engine.threads > 4096)
-    throw py::value_error(fmt::format("threads: {} is not from 0 to 4096", opening.engine.threads));
-  opening.engine.backend =
-      choice("backend", options["backend"].cast<std::string>(), tools::kBackendNames);
-  opening.engine.device = options["opencl_device"].cast<std::string>();
+  const std::int64_t threads = whole_number(options, "threads");
+  if (threads < 0 || threads > 4096)
+    throw py::value_error(fmt::format("threads: {} is not from 0 to 4096", threads));
+  opening.engine.threads = static_cast<int>(threads);
+  opening.engine.backend = choice("backend", text(options, "backend"), tools::kBackendNames);
+  opening.engine.device = text(options, "opencl_device");
   return opening;
 }
 

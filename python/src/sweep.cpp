@@ -24,15 +24,15 @@ SweepOptions grid_of(const OpenSurface& surface, py::handle depth, const py::dic
   tools::check_depths("depth", grid.depths, *surface.cache);
   grid.methods.clear();
   for (const py::handle name : options["methods"])
-    grid.methods.push_back(choice("methods", name.cast<std::string>(), kMethodNames));
+    grid.methods.push_back(choice("methods", py::str(name).cast<std::string>(), kMethodNames));
   if (grid.methods.empty()) throw py::value_error("methods: expected one at least");
   grid.stiffness = stiffness(options["stiffness"]);
-  const auto rings = options["rings"].cast<std::int64_t>();
+  const auto rings = whole_number(options, "rings");
   if (rings < 1 || rings > 10000)
     throw py::value_error(fmt::format("rings: {} is not from 1 to 10000", rings));
   grid.rings = static_cast<std::uint32_t>(rings);
   if (!options["samples"].is_none()) {
-    const auto samples = options["samples"].cast<double>();
+    const double samples = quantity(options["samples"], "samples", nullptr, "a number");
     if (!(samples >= 1 && samples <= 1e12))
       throw py::value_error(fmt::format("samples: {} is not from 1 to 1e12", samples));
     grid.rings = rings_for(*surface.cache, static_cast<std::uint64_t>(std::ceil(samples)));
@@ -51,9 +51,8 @@ py::dict histograms_of(const SweepStatistics& statistics) {
 
 py::dict sweep(const OpenSurface& surface, py::handle depth, const py::dict& options) {
   const SweepOptions grid = grid_of(surface, depth, options);
-  const auto output = options["output"].cast<std::string>(),
-             folder = options["parts"].cast<std::string>();
-  const tools::Provenance provenance{options["command_line"].cast<std::string>(), surface.path,
+  const auto output = text(options, "output"), folder = text(options, "parts");
+  const tools::Provenance provenance{text(options, "command_line"), surface.path,
                                      surface.cache->unit, surface.crease_radius};
   const SweepResult result = released([&] {
     std::optional<tools::SampleFile> file;
