@@ -11,7 +11,7 @@ BUDGET = {"error": 0.01, "bytes": 4e6}  # of the full force; of the patches
 vertices, quads = torus(24, 12)
 exact = gliss.Surface(vertices, quads, unit="mm", construction="paper")
 on = exact.evaluate(np.repeat(np.arange(exact.faces), 8), np.tile(np.random.default_rng(1).uniform(
-    -0.6, 0.6, (8, 2)), (exact.faces, 1)))
+    -0.5, 0.5, (8, 2)), (exact.faces, 1)))
 hips = on.point - 1.0 * on.normal  # 1 mm deep
 wanted = exact.force(hips)
 full = np.linalg.norm(wanted, axis=1).max()

@@ -397,8 +397,8 @@ class Loop:
 
     device: "sim", "replay:FILE", "udp:PORT", "haply", as ``gliss run`` has it. seconds: 0 is until the device ends.
     wait=False: tick after tick as fast as it goes, in a time of its own, for sim and replay; no tick is lost then.
-    realtime: the loop's thread gets real-time scheduling and the process locked memory, where the system permits;
-    `refusals` says what it did not.
+    realtime: the loop's thread gets real-time scheduling and the process locked memory, where the system permits and no
+    other loop of the process has them; `refusals` says what was not to be had.
 
     The loop begins at once. SceneError, MeshError, CacheError, DeviceError, OSError. One thread at a time may read.
     """

@@ -151,7 +151,11 @@ class Loop {
   }
   void run(bool wait, bool realtime) {
     std::optional<Realtime> ready;
-    if (wait && realtime) {
+    static std::atomic_flag taken = ATOMIC_FLAG_INIT;  // one a process
+    const bool is_first = wait && realtime && !taken.test_and_set();
+    if (wait && realtime && !is_first) {
+      refusals_ = {"real-time scheduling: another loop of this process has it"};
+    } else if (is_first) {
       ready.emplace(RealtimeOptions{priority_, false});
       refusals_ = ready->refusals();
     }
@@ -162,6 +166,8 @@ class Loop {
       queue_.add(tick);
       return !stopping_ && !(seconds_ > 0 && in_seconds(tick.time) >= seconds_);
     });
+    ready.reset();
+    if (is_first) taken.clear();
   }
   void stop() {
     stopping_ = true;

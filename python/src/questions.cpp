@@ -4,6 +4,7 @@
 
 #include "arrays.h"
 #include "calls.h"
+#include "gliss/base/stopwatch.h"
 #include "gliss/build/cache_mesh.h"
 #include "gliss/study/tessellate.h"
 #include "options.h"
@@ -22,33 +23,67 @@ void find(const OpenSurface& surface, const HipArrays<double>& hips, Method meth
   released([&] { surface.resident->nearest(hips, {&method, 1}, {}, {&out, 1}); });
 }
 
+// What Surface.nearest gives.
+class NearestArrays {
+ public:
+  explicit NearestArrays(std::size_t n)
+      : point_(n, 3),
+        normal_(n, 3),
+        distance_(n),
+        domain_(n, 2),
+        face_(n),
+        flags_(n),
+        iterations_(n),
+        touching_(n) {}
+
+  ContactArrays<double> columns() {
+    return {.touching = touching_.column(),
+            .face = face_.column(),
+            .xi = domain_.column(0),
+            .eta = domain_.column(1),
+            .scp = point_.vectors(),
+            .normal = normal_.vectors(),
+            .distance = distance_.column(),
+            .iterations = iterations_.column(),
+            .flags = flags_.column()};
+  }
+  py::dict dict() const {
+    py::dict out;
+    out["point"] = point_.array();
+    out["normal"] = normal_.array();
+    out["distance"] = distance_.array();
+    out["face"] = face_.array();
+    out["domain"] = domain_.array();
+    out["touching"] = touching_.array();
+    out["flags"] = flags_.array();
+    out["iterations"] = iterations_.array();
+    return out;
+  }
+
+ private:
+  NewArray<double> point_, normal_, distance_, domain_;
+  NewArray<std::uint32_t> face_, flags_;
+  NewArray<int> iterations_;
+  NewArray<bool> touching_;
+};
+
 py::dict nearest(const OpenSurface& surface, const Reals& points, const std::string& method) {
   const HipArrays<double> hips = hips_of(points);
-  const std::size_t n = hips.count;
-  NewArray<double> point(n, 3), normal(n, 3), distance(n), domain(n, 2);
-  NewArray<std::uint32_t> face(n), flags(n);
-  NewArray<int> iterations(n);
-  NewArray<bool> touching(n);
-  find(surface, hips, choice("method", method, kMethodNames),
-       {.touching = touching.column(),
-        .face = face.column(),
-        .xi = domain.column(0),
-        .eta = domain.column(1),
-        .scp = point.vectors(),
-        .normal = normal.vectors(),
-        .distance = distance.column(),
-        .iterations = iterations.column(),
-        .flags = flags.column()});
-  py::dict out;
-  out["point"] = point.array();
-  out["normal"] = normal.array();
-  out["distance"] = distance.array();
-  out["face"] = face.array();
-  out["domain"] = domain.array();
-  out["touching"] = touching.array();
-  out["flags"] = flags.array();
-  out["iterations"] = iterations.array();
-  return out;
+  NearestArrays out(hips.count);
+  find(surface, hips, choice("method", method, kMethodNames), out.columns());
+  return out.dict();
+}
+
+// Seconds that the engine takes for nearest by itself, into memory that is there: for
+// bench/python.py.
+double engine_seconds(const OpenSurface& surface, const Reals& points) {
+  const HipArrays<double> hips = hips_of(points);
+  NearestArrays out(hips.count);
+  const ContactArrays<double> columns = out.columns();
+  find(surface, hips, Method::kGregory, columns);
+  const Stopwatch clock;
+  find(surface, hips, Method::kGregory, columns);
+  return clock.seconds();
 }
 
 py::array_t<double> force(const OpenSurface& surface, const Reals& points, py::handle spring,
@@ -122,6 +157,7 @@ py::dict tessellate(const OpenSurface& surface, std::int64_t cells) {
 
 void bind_questions(py::module_& module) {
   module.def("nearest", nearest);
+  module.def("engine_seconds", engine_seconds);
   module.def("force", force);
   module.def("evaluate", evaluate);
   module.def("tessellate", tessellate);

@@ -49,6 +49,13 @@ def test_a_loop_keeps_its_pace_while_python_works(scene):
     assert loop.refusals == []
 
 
+def test_one_loop_of_a_process_has_real_time(scene):
+    with gliss.Loop(scene) as one, gliss.Loop(scene) as other:
+        while not (len(one.read()) and len(other.read())):
+            time.sleep(0.01)
+        assert sum(any("another loop" in line for line in loop.refusals) for loop in (one, other)) == 1
+
+
 def test_a_closed_loop_is_refused(scene):
     loop = gliss.Loop(scene, realtime=False)
     loop.close()
