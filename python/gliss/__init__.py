@@ -16,6 +16,7 @@ their memory. Calls that compute let other Python threads run, and end by Ctrl-C
 
 import os as _os
 import shlex as _shlex
+import weakref as _weakref
 
 import numpy as _np
 
@@ -24,6 +25,27 @@ from ._gliss import CacheError, Contact, DeviceError, MeshError, SceneError, __v
 
 __all__ = ["CacheError", "Contact", "Contacts", "DeviceError", "Hand", "Loop", "MeshError", "Results", "SceneError",
            "Surface", "SurfacePoints", "Sweep", "Trace", "Triangles", "__version__", "load"]
+
+
+def _text(quantity):
+    """As a command line has it."""
+    return format(quantity, ".17g") if isinstance(quantity, (int, float)) else str(quantity)
+
+
+def _words(options):
+    """The options of the program that read and build the same."""
+    words = []
+    for name, value in options.items():
+        option = "--" + name.replace("_", "-")
+        if name in ("threads", "backend", "opencl_device") or value is None or (name, value) == ("normals", "auto"):
+            continue
+        if name == "weld" and isinstance(value, bool):
+            words += [] if value else [option, "none"]
+        elif isinstance(value, bool):
+            words += [option] if value else []
+        else:
+            words += [option, _text(value)]
+    return words
 
 
 def _touch(stiffness, method, *, settle="5ms", friction=0.0, friction_settle=0.0, damping=0.0, viscosity=0.0,
@@ -193,9 +215,9 @@ class Surface:
         self._open = _gliss.from_arrays(_real(vertices, "vertices"), *_faces(faces), _options(unit, **options))
 
     @classmethod
-    def _of(cls, opened):
+    def _of(cls, opened, words):
         surface = cls.__new__(cls)
-        surface._open = opened
+        surface._open, surface._words = opened, words
         return surface
 
     @property
@@ -318,12 +340,18 @@ class Surface:
         if parts is None:
             parts = _os.path.splitext(path)[0] + ".parts" if path else ""
         folder = "" if parts == "none" else _os.fspath(parts)
-        command = ["gliss", "sweep", self._open.path or "-", "--depth", ",".join(_gliss.depth_names(depth))]
-        command += ["--rings", str(rings)] if samples is None else ["--samples", f"{samples:.17g}"]
-        command += ["--method", ",".join(methods), "--unit", _gliss.unit_name(self.unit), "-o", path]
+        if self._open.path:
+            command = ["gliss", "sweep", self._open.path, "--depth", ",".join(_gliss.depth_names(depth))]
+            command += ["--rings", str(rings)] if samples is None else ["--samples", _text(samples)]
+            command += ["--method", ",".join(methods)]
+            command += [] if stiffness == "0.5N/mm" else ["--stiffness", _text(stiffness)]
+            command += [*self._words, "-o", path]
+            command_line = _shlex.join(command)
+        else:
+            command_line = "Python: Surface.sweep"
         return Sweep(_gliss.sweep(self._open, depth, dict(
             samples=samples, rings=rings, methods=methods, stiffness=stiffness, output=path, parts=folder,
-            command_line=_shlex.join(command) if self._open.path else "Python: Surface.sweep")))
+            command_line=command_line)))
 
     def trace(self, path, stiffness="0.5N/mm", method="gregory", **options):
         """Tracks a HIP along a path, a tick of 1 ms a row, as a device loop does. A Trace.
@@ -385,7 +413,11 @@ def load(path, unit=None, **options):
 
     MeshError, CacheError, DeviceError, OSError, each with the program's line.
     """
-    return Surface._of(_gliss.load(_os.fspath(path), _options(unit, **options)))
+    options = _options(unit, **options)
+    opened = _gliss.load(_os.fspath(path), options)
+    if unit is None and opened.unit != 1:  # a cache's, which the program is to write in as well
+        options["unit"] = opened.unit
+    return Surface._of(opened, _words(options))
 
 
 class Loop:
@@ -405,6 +437,7 @@ class Loop:
 
     def __init__(self, scene, device="sim", *, seconds=0.0, wait=True, realtime=True, threads=0):
         self._open = _gliss.OpenLoop(_os.fspath(scene), device, seconds, wait, realtime, threads)
+        _weakref.finalize(self, self._open.stop)  # also where Python ends
 
     def read(self):
         """The ticks since the last read, a structured array (n,).

@@ -105,7 +105,12 @@ class Loop {
       return true;
     });
   }
-  // Ends it, and says how it failed if it did.
+  // Ends it, however it does.
+  void stop() {
+    stopping_ = true;
+    if (running_.valid()) running_.wait();
+  }
+  // The same, and says how it failed if it did.
   void close() {
     if (closed_) return;
     closed_ = true;
@@ -169,10 +174,6 @@ class Loop {
     ready.reset();
     if (is_first) taken.clear();
   }
-  void stop() {
-    stopping_ = true;
-    if (running_.valid()) running_.wait();
-  }
   void require_open() const {
     if (closed_) throw py::value_error("the loop is closed; expected one that is open");
   }
@@ -200,6 +201,7 @@ void bind_loop(py::module_& module) {
       .def(py::init<const std::string&, const std::string&, double, bool, bool, int>())
       .def("read", &Loop::read)
       .def("wait", &Loop::wait)
+      .def("stop", &Loop::stop, py::call_guard<py::gil_scoped_release>())
       .def("close", &Loop::close)
       .def_property_readonly("running", &Loop::is_running)
       .def_property_readonly("closed", &Loop::closed)

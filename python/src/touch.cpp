@@ -10,8 +10,10 @@
 #include "gliss/query/contact_tracker.h"
 #include "gliss/query/trace.h"
 #include "gliss/tables/point_table.h"
+#include "json.h"
 #include "options.h"
 #include "surface.h"
+#include "tools/cli/trace_json.h"
 
 namespace gliss::python {
 namespace {
@@ -69,24 +71,10 @@ class TickArrays {
   NewArray<bool> touching_, slipping_;
 };
 
-py::dict dict_of(const TraceStatistics& s) {
-  py::dict out;
-  out["method"] = method_name(s.method);
-  out["ticks"] = s.ticks;
-  out["in_contact"] = s.touching;
-  out["entries"] = s.entries;
-  out["settling"] = s.settling;
-  out["slipping"] = s.slipping;
-  out["unsound"] = s.unsound;
-  out["largest_step_N"] = s.largest_step;
-  out["mean_step_N"] = s.mean_step;
-  out["largest_force_N"] = s.largest_force;
-  out["jumps_per_100k"] = s.jumps_per_100k();
-  out["lost_per_100k"] = s.lost_per_100k();
-  out["net_work_J"] = s.work.net;
-  out["gross_work_J"] = s.work.gross;
-  out["loop_gain"] = s.loop_gain;
-  return out;
+py::object figures_of(const TraceStatistics& statistics) {
+  tools::Json json = tools::json_of(statistics);
+  json["slipping"] = statistics.slipping;
+  return python_of(json);
 }
 
 // By way of metres, as the loop has it, so that forces have the bytes of gliss trace.
@@ -122,7 +110,7 @@ py::tuple trace(const OpenSurface& surface, const Reals& path, const py::dict& k
                         })
         .front();
   });
-  return py::make_tuple(ticks.dict(), dict_of(statistics));
+  return py::make_tuple(ticks.dict(), figures_of(statistics));
 }
 
 // A HIP that keeps its contact from tick to tick. One thread at a time.

@@ -1,4 +1,6 @@
 """The loop runs in a thread of its own, and Python reads its ticks."""
+import subprocess
+import sys
 import time
 
 import gliss
@@ -71,6 +73,12 @@ def test_a_forgotten_loop_ends(scene):
     loop = gliss.Loop(scene, realtime=False)
     del loop
     assert time.monotonic() - start < 5
+
+
+def test_a_loop_ends_with_python(scene):
+    script = f"import gliss\nloop = gliss.Loop({str(scene)!r}, 'sim', realtime=False)\nloop.me = loop\nprint(loop.running)"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=20)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "True\n", "")
 
 
 def test_slips_of_loops_are_told(scene, tmp_path):

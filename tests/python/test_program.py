@@ -1,5 +1,6 @@
 """The package gives the bytes of the program."""
 import json
+import shlex
 
 import gliss
 import h5py
@@ -81,6 +82,20 @@ def test_sweep_writes_the_file_of_the_program(knot_file, program, tmp_path, monk
     assert json.loads(program(*words[1:-2], "--json", "--quiet"))["statistics"] == mine.statistics
     assert mine.histograms[0]["step"].sum() == mine.statistics[0]["step_N"]["count"]
     assert len(mine.bin_edges) == len(mine.histograms[0]["step"])
+
+
+@pytest.mark.parametrize("file, options", [
+    ("knot.obj", dict(unit=1e-3, level="table", precision="float", weld=False, strict=True, crease="60deg")),
+    ("knot.gliss", {})])
+def test_a_sweep_names_the_command_that_makes_its_file(knot, knot_file, program, monkeypatch, file, options):
+    monkeypatch.chdir(knot_file.parent)
+    knot.save("knot.gliss")
+    gliss.load(file, **options).sweep(1e-3, rings=2, methods="shaded", stiffness=700, output="named.h5")
+    first = open("named.h5", "rb").read()
+    with h5py.File("named.h5") as named:
+        words = shlex.split(named.attrs["command_line"].decode())
+    program(*words[1:])
+    assert open("named.h5", "rb").read() == first
 
 
 def test_findings_are_those_of_check(program, tmp_path):
