@@ -213,6 +213,7 @@ class Surface:
 
     def __init__(self, vertices, faces, unit="m", **options):
         self._open = _gliss.from_arrays(_real(vertices, "vertices"), *_faces(faces), _options(unit, **options))
+        self._words = []  # no command of the program reads it
 
     @classmethod
     def _of(cls, opened, words):
@@ -237,17 +238,17 @@ class Surface:
 
     @property
     def level(self):
-        """"exact", "ribbon", "bezier", "table" or "table:N"."""
+        """How patches stand for the construction: "exact", "ribbon", "bezier", "table" or "table:N"."""
         return self._open.level
 
     @property
     def construction(self):
-        """"fair" or "paper"."""
+        """How patches are made: "fair" or "paper"."""
         return self._open.construction
 
     @property
     def precision(self):
-        """"double" or "float"."""
+        """Precision of the patches: "double" or "float"."""
         return self._open.precision
 
     @property
@@ -262,7 +263,7 @@ class Surface:
 
     @property
     def backend(self):
-        """"tbb", "serial" or "opencl"."""
+        """What computes: "tbb", "serial" or "opencl"."""
         return self._open.backend
 
     @property
