@@ -76,7 +76,7 @@ def test_a_forgotten_loop_ends(scene):
 
 
 def test_a_loop_ends_with_python(scene):
-    script = f"import gliss\nloop = gliss.Loop({str(scene)!r}, 'sim', realtime=False)\nloop.me = loop\nprint(loop.running)"
+    script = f"import gliss\nloop = gliss.Loop({str(scene)!r}, realtime=False)\nloop.me = loop\nprint(loop.running)"
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=20)
     assert (done.returncode, done.stdout, done.stderr) == (0, "True\n", "")
 
