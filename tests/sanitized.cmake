@@ -32,6 +32,14 @@ if(GLISS_SANITIZE STREQUAL "thread")
     list(APPEND tests ${test})
   endforeach()
 endif()
+# The Python package: what needs no program. Python itself is not of these flags, and has to load them first.
+if(GLISS_PYTHON)
+  add_dependencies(sanitized _gliss)
+  add_test(NAME python COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/sanitized.sh ${Python3_EXECUTABLE}
+    ${CMAKE_CURRENT_SOURCE_DIR}/python_package.py "" ${PROJECT_BINARY_DIR}/python ${CMAKE_CXX_COMPILER})
+  set_tests_properties(python PROPERTIES TIMEOUT 600 SKIP_RETURN_CODE 77 ENVIRONMENT
+    "ASAN_OPTIONS=detect_leaks=0;UBSAN_OPTIONS=print_stacktrace=1")
+endif()
 # Installed and used as shared libraries, by programs of other flags.
 if(BUILD_SHARED_LIBS)
   add_dependencies(sanitized ${libraries})

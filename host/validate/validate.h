@@ -10,6 +10,7 @@
 #include "gliss/base/export.h"
 #include "gliss/mesh/creases.h"
 #include "gliss/mesh/mesh.h"
+#include "gliss/surface/names.h"
 
 namespace gliss {
 
@@ -34,6 +35,8 @@ enum class NormalSource {
   kFile,
   kMade,  // made from the faces, whatever the file has
 };
+inline constexpr Named<NormalSource> kNormalNames[] = {
+    {"auto", NormalSource::kAuto}, {"file", NormalSource::kFile}, {"made", NormalSource::kMade}};
 
 struct LoadOptions {
   double unit = 1.0;  // metres per unit of the file

@@ -1,20 +1,21 @@
 /* Gliss for C99, and for what calls C: libgliss.so.0, the target gliss::c, pkg-config gliss.
  *
- * Errors. A function that returns int32_t returns 0, or the code that the program would exit with: 1 internal, such
- * as too little memory; 2 bad input; 3 a stale, foreign or damaged cache; 4 not available. gliss_last_error() then
- * tells this thread why, in one line. Nothing is changed where a function fails, and nothing is thrown. NULL where a
- * pointer is needed is bad input.
+ * Errors. A function that returns int32_t returns 0, or the code that the program would exit with:
+ * 1 internal, such as too little memory; 2 bad input; 3 a stale, foreign or damaged cache; 4 not
+ * available. gliss_last_error() then tells this thread why, in one line. Nothing is changed where a
+ * function fails, and nothing is thrown. NULL where a pointer is needed is bad input.
  *
- * Units. Points of a surface are in its mesh's unit, which gliss_surface_unit() gives in metres; hands live in the
- * world, in m, s, N and N m. Distances are negative inside.
+ * Units. Points of a surface are in its mesh's unit, which gliss_surface_unit() gives in metres;
+ * hands live in the world, in m, s, N and N m. Distances are negative inside.
  *
- * Memory. What a function creates is released by the function of that name; NULL is fine there. A surface is shared
- * by counting: hands keep theirs. Arrays are the caller's, and may lie in any order: strides are in bytes.
+ * Memory. What a function creates is released by the function of that name; NULL is fine there. A
+ * surface is shared by counting: hands keep theirs. Arrays are the caller's, and may lie in any
+ * order: strides are in bytes.
  *
  * Threads. A surface may be used by any number of threads, everything else by one at a time.
  *
- * Versions. Structs begin with their size, which the GLISS_..._INIT macros set. A later library reads those of an
- * earlier header, and refuses what it does not know. */
+ * Versions. Structs begin with their size, which the GLISS_..._INIT macros set. A later library
+ * reads those of an earlier header, and refuses what it does not know. */
 #ifndef GLISS_C_H
 #define GLISS_C_H
 
@@ -37,14 +38,17 @@ typedef struct gliss_surface gliss_surface;
 typedef struct gliss_hand gliss_hand;
 typedef struct gliss_guard gliss_guard;
 
-/* The ABI of the library, as GLISS_ABI is of this header: their upper 16 bits agree, or nothing else is to be called. */
+/* The ABI of the library, as GLISS_ABI is of this header: their upper 16 bits agree, or nothing
+ * else is to be called. */
 GLISS_API uint32_t gliss_abi_version(void);
 /* "0.1.0". Lives as long as the library. */
 GLISS_API const char* gliss_version(void);
 /* Why the last call of this thread failed; "" if it did not. Valid until its next call. */
 GLISS_API const char* gliss_last_error(void);
 
-/* ---- Surfaces ---------------------------------------------------------------------------------------------------- */
+/* ---- Surfaces
+ * ----------------------------------------------------------------------------------------------------
+ */
 
 #define GLISS_DOUBLE 0u
 #define GLISS_FLOAT 1u
@@ -59,21 +63,27 @@ typedef struct {
 } gliss_options;
 #define GLISS_FAIR 0u
 #define GLISS_PAPER 1u
-#define GLISS_OPTIONS_INIT {(uint32_t)sizeof(gliss_options), GLISS_DOUBLE, 1.0, NULL, GLISS_FAIR, 0}
+#define GLISS_OPTIONS_INIT \
+  { (uint32_t)sizeof(gliss_options), GLISS_DOUBLE, 1.0, NULL, GLISS_FAIR, 0 }
 
-/* From a mesh (OBJ, OFF, PLY, STL) or a cache file, by its path in UTF-8. Options NULL: the defaults. */
-GLISS_API int32_t gliss_surface_load(const char* path, const gliss_options* options, gliss_surface** out);
-/* From arrays: `vertices` points of three doubles, `stride` bytes apart (0: 24); faces as `begin` [faces + 1], of which
- * face i has the corners begin[i] to begin[i + 1], and `corners`, indices of vertices, anticlockwise from outside. */
-GLISS_API int32_t gliss_surface_from_arrays(const double* points, size_t stride, size_t vertices, const uint32_t* begin,
-                                            const uint32_t* corners, size_t faces, const gliss_options* options,
+/* From a mesh (OBJ, OFF, PLY, STL) or a cache file, by its path in UTF-8. Options NULL: the
+ * defaults. */
+GLISS_API int32_t gliss_surface_load(const char* path, const gliss_options* options,
+                                     gliss_surface** out);
+/* From arrays: `vertices` points of three doubles, `stride` bytes apart (0: 24); faces as `begin`
+ * [faces + 1], of which face i has the corners begin[i] to begin[i + 1], and `corners`, indices of
+ * vertices, anticlockwise from outside. */
+GLISS_API int32_t gliss_surface_from_arrays(const double* points, size_t stride, size_t vertices,
+                                            const uint32_t* begin, const uint32_t* corners,
+                                            size_t faces, const gliss_options* options,
                                             gliss_surface** out);
 GLISS_API void gliss_surface_retain(gliss_surface* surface);
 GLISS_API void gliss_surface_release(gliss_surface* surface);
 
-GLISS_API int32_t gliss_surface_save(const gliss_surface* surface, const char* path); /* as a cache file */
-GLISS_API double gliss_surface_unit(const gliss_surface* surface);                    /* m; 0 of NULL */
-GLISS_API size_t gliss_surface_faces(const gliss_surface* surface);                   /* 0 of NULL */
+GLISS_API int32_t gliss_surface_save(const gliss_surface* surface, const char* path); /* as a cache
+                                                                                         file */
+GLISS_API double gliss_surface_unit(const gliss_surface* surface);  /* m; 0 of NULL */
+GLISS_API size_t gliss_surface_faces(const gliss_surface* surface); /* 0 of NULL */
 /* Corners low and high of the bounding box, mesh's unit. */
 GLISS_API int32_t gliss_surface_bounds(const gliss_surface* surface, double low[3], double high[3]);
 
@@ -93,64 +103,74 @@ GLISS_API int32_t gliss_surface_bounds(const gliss_surface* surface, double low[
 typedef struct {
   uint32_t touching; /* 1: the HIP is inside */
   uint32_t face;
-  double xi, eta;    /* of the SCP, in the regular polygon of the face's domain */
+  double xi, eta; /* of the SCP, in the regular polygon of the face's domain */
   double scp[3], normal[3];
-  double push[3];    /* the force over the stiffness */
-  double distance;   /* negative inside */
+  double push[3];  /* the force over the stiffness */
+  double distance; /* negative inside */
   uint32_t flags;
   uint32_t iterations;
   uint64_t reserved[2];
 } gliss_contact;
 
-/* The nearest point of the surface to each of `count` points, of scalars of `bytes`: 8 (double) or 4 (float), three in a
- * row, `stride` bytes from point to point (0: close together). */
-GLISS_API int32_t gliss_surface_nearest(const gliss_surface* surface, uint32_t method, const void* points, size_t stride,
-                                        size_t bytes, size_t count, gliss_contact* out);
-/* Points of faces, at xi and eta: positions and unit normals, three doubles each; NULL: not wanted. */
-GLISS_API int32_t gliss_surface_evaluate(const gliss_surface* surface, const uint32_t* face, const double* xi,
-                                         const double* eta, size_t count, double* positions, double* normals);
+/* The nearest point of the surface to each of `count` points, of scalars of `bytes`: 8 (double) or
+ * 4 (float), three in a row, `stride` bytes from point to point (0: close together). */
+GLISS_API int32_t gliss_surface_nearest(const gliss_surface* surface, uint32_t method,
+                                        const void* points, size_t stride, size_t bytes,
+                                        size_t count, gliss_contact* out);
+/* Points of faces, at xi and eta: positions and unit normals, three doubles each; NULL: not wanted.
+ */
+GLISS_API int32_t gliss_surface_evaluate(const gliss_surface* surface, const uint32_t* face,
+                                         const double* xi, const double* eta, size_t count,
+                                         double* positions, double* normals);
 
-/* ---- Hands ------------------------------------------------------------------------------------------------------- */
+/* ---- Hands
+ * -------------------------------------------------------------------------------------------------------
+ */
 
 typedef struct {
-  uint32_t size;             /* sizeof of this struct */
-  uint32_t method;           /* GLISS_GREGORY, ... */
-  gliss_surface* surface;    /* the hand keeps it */
-  double stiffness;          /* N/m */
-  double rotation[4];        /* of the object, a unit quaternion w, x, y, z */
-  double position[3];        /* m */
-  double settle;             /* ticks that the force takes to change by 20 % where a contact would leap; 0: it leaps */
+  uint32_t size;          /* sizeof of this struct */
+  uint32_t method;        /* GLISS_GREGORY, ... */
+  gliss_surface* surface; /* the hand keeps it */
+  double stiffness;       /* N/m */
+  double rotation[4];     /* of the object, a unit quaternion w, x, y, z */
+  double position[3];     /* m */
+  double settle; /* ticks that the force takes to change by 20 % where a contact would leap; 0: it
+                    leaps */
   double friction_static, friction_dynamic; /* 0 to 5 */
-  double friction_settle;    /* ticks from the one to the other */
-  double damping;            /* s/m, 0 to 20 */
-  double viscosity;          /* N s/m, 0 to 20 */
+  double friction_settle;                   /* ticks from the one to the other */
+  double damping;                           /* s/m, 0 to 20 */
+  double viscosity;                         /* N s/m, 0 to 20 */
   double magnet_force, magnet_range;        /* N, m */
-  uint32_t texture;          /* 0: none; 1: a grating; 2: noise */
-  uint32_t reserved;         /* 0 */
+  uint32_t texture;                         /* 0: none; 1: a grating; 2: noise */
+  uint32_t reserved;                        /* 0 */
   double texture_height, texture_period;    /* m */
-  double texture_along[3];   /* the way across the grooves of a grating */
-  double tick;               /* s, from one tick to the next */
+  double texture_along[3];                  /* the way across the grooves of a grating */
+  double tick;                              /* s, from one tick to the next */
 } gliss_object;
 /* An object as it is by default, of no surface yet. */
 GLISS_API gliss_object gliss_object_init(void);
 
-/* A hand touches `objects`, with a tool of `hips` points, three doubles each in the tool's frame (m); 0: one, at the
- * device's position. */
-GLISS_API int32_t gliss_hand_create(const gliss_object* objects, size_t count, const double* points, size_t hips,
-                                    gliss_hand** out);
+/* A hand touches `objects`, with a tool of `hips` points, three doubles each in the tool's frame
+ * (m); 0: one, at the device's position. */
+GLISS_API int32_t gliss_hand_create(const gliss_object* objects, size_t count, const double* points,
+                                    size_t hips, gliss_hand** out);
 GLISS_API void gliss_hand_release(gliss_hand* hand);
-/* A tick: the force (N) on a device at a position (m). It allocates nothing, takes no lock, and its work is bounded. A
- * force that is not finite tells of a fault: let gliss_guard_step see it. */
+/* A tick: the force (N) on a device at a position (m). It allocates nothing, takes no lock, and its
+ * work is bounded. A force that is not finite tells of a fault: let gliss_guard_step see it. */
 GLISS_API int32_t gliss_hand_tick(gliss_hand* hand, const double position[3], double force[3]);
-/* The same of a device that turns: rotation is a unit quaternion w, x, y, z; torque in N m about the position. */
-GLISS_API int32_t gliss_hand_tick_tool(gliss_hand* hand, const double position[3], const double rotation[4],
-                                       double force[3], double torque[3]);
+/* The same of a device that turns: rotation is a unit quaternion w, x, y, z; torque in N m about
+ * the position. */
+GLISS_API int32_t gliss_hand_tick_tool(gliss_hand* hand, const double position[3],
+                                       const double rotation[4], double force[3], double torque[3]);
 /* The contact of the last tick with an object, by the HIP of an index. */
-GLISS_API int32_t gliss_hand_contact(const gliss_hand* hand, size_t hip, size_t object, gliss_contact* out);
+GLISS_API int32_t gliss_hand_contact(const gliss_hand* hand, size_t hip, size_t object,
+                                     gliss_contact* out);
 /* Moves an object to where the next tick finds it. */
-GLISS_API int32_t gliss_hand_move(gliss_hand* hand, size_t object, const double rotation[4], const double position[3]);
+GLISS_API int32_t gliss_hand_move(gliss_hand* hand, size_t object, const double rotation[4],
+                                  const double position[3]);
 
-/* ---- The guard between a force and a device ---------------------------------------------------------------------- */
+/* ---- The guard between a force and a device
+ * ---------------------------------------------------------------------- */
 
 #define GLISS_GUARD_START 0u
 #define GLISS_GUARD_RUN 1u
@@ -158,13 +178,14 @@ GLISS_API int32_t gliss_hand_move(gliss_hand* hand, size_t object, const double 
 #define GLISS_GUARD_RAMP 3u
 #define GLISS_GUARD_SAFE 4u
 
-/* max_force (N) and max_rate (N/s) of what goes out; others are as in the C++ library (gliss/device/guard.h). */
+/* max_force (N) and max_rate (N/s) of what goes out; others are as in the C++ library
+ * (gliss/device/guard.h). */
 GLISS_API int32_t gliss_guard_create(double max_force, double max_rate, gliss_guard** out);
 GLISS_API void gliss_guard_release(gliss_guard* guard);
-/* A tick at a time since any start, ns, of a force that answers a position that was measured at another: writes the
- * force that may go to the device, and the state. */
-GLISS_API int32_t gliss_guard_step(gliss_guard* guard, int64_t now_ns, int64_t measured_ns, const double wanted[3],
-                                   double force[3], uint32_t* state);
+/* A tick at a time since any start, ns, of a force that answers a position that was measured at
+ * another: writes the force that may go to the device, and the state. */
+GLISS_API int32_t gliss_guard_step(gliss_guard* guard, int64_t now_ns, int64_t measured_ns,
+                                   const double wanted[3], double force[3], uint32_t* state);
 /* Leads out of GLISS_GUARD_SAFE; 2 where the guard does not permit it yet. */
 GLISS_API int32_t gliss_guard_engage(gliss_guard* guard);
 

@@ -32,8 +32,8 @@ GLISS_EXPORT std::vector<SceneObject> open_objects(const Scene& scene,
 GLISS_EXPORT std::vector<Vec3> open_hips(const Scene& scene, const SceneOpening& opening = {});
 
 // The rules of a loop with these objects under a device: the scene's, and no force or torque
-// above what the scene allows. Throws SceneError where an object is stiffer than the scene or the device permits:
-// such a surface may shake the hand.
+// above what the scene allows. Throws SceneError where an object is stiffer than the scene or the
+// device permits: such a surface may shake the hand.
 GLISS_EXPORT LoopOptions loop_options(const Scene& scene, const DeviceInfo& device);
 
 }  // namespace gliss

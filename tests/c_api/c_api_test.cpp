@@ -5,6 +5,7 @@
 
 #include "gliss/c_api/gliss_c.h"
 #include "gliss/contact/tracker.h"
+#include "gliss/device/guard.h"
 #include "gliss/files/cache_file.h"
 #include "gliss/generate/generate.h"
 #include "tests/support/allocations.h"

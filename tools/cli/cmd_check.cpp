@@ -11,6 +11,7 @@
 #include "gliss/study/fidelity.h"
 #include "gliss/surface/names.h"
 #include "tools/cli/curvature.h"
+#include "tools/cli/finding_json.h"
 #include "tools/cli/slips.h"
 #include "tools/cli/surface_input.h"
 #include "tools/cli/watch.h"
@@ -20,12 +21,6 @@ namespace {
 
 constexpr std::size_t kListed = 40;  // faces or edges in the text; --json has all
 
-const char* severity_name(Severity severity) {
-  return severity == Severity::kError      ? "error"
-         : severity == Severity::kRepaired ? "repaired"
-                                           : "warning";
-}
-
 const char* state_of(const std::vector<Finding>& findings, bool refused) {
   const auto any = [&](Severity severity) {
     return std::any_of(findings.begin(), findings.end(),
@@ -33,17 +28,6 @@ const char* state_of(const std::vector<Finding>& findings, bool refused) {
   };
   if (refused) return "refused";
   return any(Severity::kRepaired) ? "repaired" : any(Severity::kWarning) ? "warned" : "accepted";
-}
-
-Json json_of(const Finding& finding) {
-  const auto known = [](auto value, auto none) { return value == none ? Json() : Json(value); };
-  return {{"code", finding.code},
-          {"severity", severity_name(finding.severity)},
-          {"message", finding.message},
-          {"face", known(finding.face, kNone)},
-          {"vertex", known(finding.vertex, kNone)},
-          {"line", known(finding.line, std::size_t{0})},
-          {"count", finding.count}};
 }
 
 struct CheckedSurface {

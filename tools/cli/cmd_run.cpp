@@ -325,7 +325,7 @@ void run(const RunOptions& options) {
   const std::vector<SceneObject> objects = open_objects(scene, options);
   for (std::size_t i = 0; i < objects.size(); ++i)
     tell_soft_spring(options, objects[i].stiffness, scene.objects[i].surface);
-  const auto device = open_device(options.device, scene);
+  const auto device = open_device(options.device, scene, stop_if_interrupted);
   LoopOptions rules = loop_options(scene, device->info());
   if (options.no_wait && device->info().real_time)
     throw InputError(fmt::format("--no-wait: {} lives in real time", device->info().name));

@@ -35,7 +35,7 @@ void describe(Command& command, ServeOptions& options) {
 
 void run(const ServeOptions& options) {
   const Scene scene = read_scene(options.scene, stop_if_interrupted);
-  const auto device = open_device(options.device, scene);
+  const auto device = open_device(options.device, scene, stop_if_interrupted);
   UdpServerOptions limits;
   limits.guard = scene.loop.guard;
   limits.guard->max_force = std::min(limits.guard->max_force, scene.max_force);

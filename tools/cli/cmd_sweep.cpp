@@ -12,8 +12,10 @@
 #include "tools/cli/curvature.h"
 #include "tools/cli/outputs.h"
 #include "tools/cli/slips.h"
+#include "tools/cli/surface_input.h"
 #include "tools/cli/sweep_files.h"
 #include "tools/cli/sweep_report.h"
+#include "tools/cli/sweep_statistics.h"
 #include "tools/cli/terminal.h"
 #include "tools/cli/watch.h"
 
@@ -140,7 +142,7 @@ void run(const SweepingOptions& options) {
   const SweepOptions grid = grid_of(options, cache);
   std::optional<SampleFile> file;
   std::optional<SweepPicture> picture;
-  if (!options.output.empty()) file.emplace(options.output, cache, grid, options);
+  if (!options.output.empty()) file.emplace(options.output, cache, grid, provenance_of(options));
   if (!options.picture.empty()) picture.emplace(cache, grid, options.unit);
   std::optional<AtomicFile> summary;
   if (!options.summary.empty()) summary.emplace(options.summary);

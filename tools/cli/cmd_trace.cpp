@@ -10,6 +10,7 @@
 #include "tools/cli/outputs.h"
 #include "tools/cli/slips.h"
 #include "tools/cli/surface_input.h"
+#include "tools/cli/trace_json.h"
 #include "tools/cli/watch.h"
 
 namespace gliss::tools {
@@ -123,21 +124,7 @@ void report_statistics(const TracingOptions& options, const std::vector<TraceSta
                            method_name(s.method), 100 * s.slipping_share());
     work += fmt::format("{:<8} net work {:>12.6g} J of {:.6g} J{}\n", method_name(s.method),
                         s.work.net, s.work.gross, gain_text(s, length));
-    json["methods"].push_back(
-        {{"method", method_name(s.method)},
-         {"largest_step_N", s.largest_step},
-         {"jumps_per_100k", s.jumps_per_100k()},
-         {"lost_per_100k", s.lost_per_100k()},
-         {"unsound", s.unsound},
-         {"mean_step_N", s.mean_step},
-         {"largest_force_N", s.largest_force},
-         {"ticks", s.ticks},
-         {"in_contact", s.touching},
-         {"entries", s.entries},
-         {"settling", s.settling},
-         {"net_work_J", s.work.net},
-         {"gross_work_J", s.work.gross},
-         {"loop_gain", std::isfinite(s.loop_gain) ? Json(s.loop_gain) : Json()}});
+    json["methods"].push_back(json_of(s));
     if (options.trace.friction.any()) json["methods"].back()["slipping"] = s.slipping;
   }
   report(options, text + slips + work, json, options.output == "-");

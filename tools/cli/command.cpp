@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "gliss/base/units.h"
+#include "gliss/files/cache_file.h"
+#include "gliss/files/mesh_file.h"
 #include "gliss/query/friction.h"
 #include "tools/cli/terminal.h"
 #include "tools/cli/watch.h"
@@ -17,9 +19,6 @@ namespace {
 
 // Patches without curvature have the largest double as radius, in the unit of their mesh.
 constexpr double kFlat = 1e290;
-
-constexpr Named<NormalSource> kNormalNames[] = {
-    {"auto", NormalSource::kAuto}, {"file", NormalSource::kFile}, {"made", NormalSource::kMade}};
 
 double parse_weld(const std::string& text) {
   if (text == "none") return -1;
@@ -153,6 +152,19 @@ void check_input(const std::string& name, const std::string& path) {
     throw InputError(fmt::format("{}: standard input is not read; name a file", name));
   if (!exists(status)) throw InputError(fmt::format("{}: there is no file '{}'", name, path));
   if (is_directory(status)) throw InputError(fmt::format("{}: '{}' is a folder", name, path));
+}
+
+void add_scene_option(Command& command, std::string& scene, const std::string& description) {
+  command.option({"SCENE", "FILE", description, true}, [&scene](const std::string& path) {
+    check_input("SCENE", path);
+    const bool is_cache = is_meant_as_cache(path);
+    if (is_cache || has_mesh_ending(path))
+      throw InputError(fmt::format(
+          "{0} is a {1}: a scene is a text file, such as scene.toml, that names it by {1} = "
+          "\"{0}\"",
+          path, is_cache ? "cache" : "mesh"));
+    scene = path;
+  });
 }
 
 double positive_stiffness(const std::string& text) {
@@ -296,23 +308,11 @@ Level parse_surface(const std::string& option, const std::string& name) {
 }
 
 std::unique_ptr<Engine> make_engine(const CommonOptions& options) {
-  const bool device = options.backend == "opencl" || options.backend == "auto";
-  if (!device && (!options.device.empty() || options.device_memory > 0))
-    throw InputError("--opencl-device and --device-memory ask for --backend opencl or auto");
   if (options.has_old_device && !options.quiet)
     tell("gliss: --device: the OpenCL device is --opencl-device now; the old name will go\n");
-  if (options.backend == "serial") return make_serial_engine(stop_if_interrupted);
-  if (options.backend == "tbb") return make_tbb_engine(options.threads, stop_if_interrupted);
-  OpenClOptions opencl;
-  opencl.device = options.device;
-  opencl.memory = static_cast<std::uint64_t>(options.device_memory) << 20;
-  opencl.threads = options.threads;
-  opencl.poll = stop_if_interrupted;
-  opencl.fall_back = options.backend == "auto";
-  if (!options.quiet) {
-    opencl.notice = [](const std::string& line) { tell(fmt::format("gliss: {}\n", line)); };
-  }
-  return make_opencl_engine(opencl);
+  return make_engine(options, stop_if_interrupted, [&options](const std::string& line) {
+    if (!options.quiet) tell(fmt::format("gliss: {}\n", line));
+  });
 }
 
 void keep_command_line(int count, const char* const* words) {
@@ -363,14 +363,5 @@ std::string radius_text(double radius) {
 }
 
 Json radius_json(double radius) { return radius < kFlat ? Json(radius) : Json(); }
-
-std::string unit_name(double unit) {
-  for (const char* name : {"m", "cm", "mm", "um", "nm", "in"}) {
-    if (unit == parse_unit(name)) return name;
-  }
-  return fmt::format("{} m", unit);
-}
-
-std::string hash_name(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
 
 }  // namespace gliss::tools

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <functional>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -18,10 +17,10 @@
 #include "gliss/surface/names.h"
 #include "gliss/validate/validate.h"
 #include "tools/cli/command_line.h"
+#include "tools/cli/engine_choice.h"
+#include "tools/cli/json.h"
 
 namespace gliss::tools {
-
-using Json = nlohmann::ordered_json;
 
 struct Interrupted {   // exit code 130
   std::string hint{};  // what is left of the work
@@ -36,12 +35,8 @@ struct ReportOptions {
 };
 
 // Options of commands that use an engine.
-struct CommonOptions : ReportOptions {
-  int threads = 0;  // 0: as many as the machine has
-  std::string backend = "tbb";
-  std::string device;           // of opencl and auto
-  bool has_old_device = false;  // by the name that its option had in 0.1
-  int device_memory = 0;        // MiB; 0: as OpenClOptions has it
+struct CommonOptions : ReportOptions, EngineChoice {
+  bool has_old_device = false;  // the device was named by the option's name of 0.1
 };
 
 // Options of commands that read a mesh or a cache.
@@ -76,6 +71,8 @@ void add_surface_options(Command& command, SurfaceOptions& options, const std::s
 void add_output_option(Command& command, std::string& output, const std::string& description);
 void add_input_option(Command& command, const std::string& name, std::string& path,
                       const std::string& description, bool required = true);
+// The SCENE of a command; a mesh or a cache in its place is refused.
+void add_scene_option(Command& command, std::string& scene, const std::string& description);
 // Throws InputError where it is no file that can be read.
 void check_input(const std::string& name, const std::string& path);
 double positive_stiffness(const std::string& text);  // N/m, of --stiffness
@@ -90,16 +87,6 @@ void add_effect_options(Command& command, EffectOptions& effects);
 void add_solver_options(Command& command, SolverOptions& options);
 void add_step_options(Command& command, SolverOptions& options);
 void add_methods_option(Command& command, std::vector<Method>& methods);
-
-inline constexpr Named<const char*> kBackendNames[] = {
-    {"tbb", "tbb"}, {"serial", "serial"}, {"opencl", "opencl"}, {"auto", "auto"}};
-
-template <class Value, std::size_t count>
-Value parse_name(const std::string& option, const std::string& wanted,
-                 const Named<Value> (&names)[count]) {
-  if (const auto value = find_named(names, wanted)) return *value;
-  throw InputError(option + ": '" + wanted + "' is none of " + listed(names));
-}
 
 // Words between commas, each once.
 template <class Parse>
@@ -160,8 +147,6 @@ std::string creases_text(std::size_t count);  // "; 12 edges are creases", or ""
 std::string rounded_text(const Mesh& mesh);
 std::string radius_text(double radius);  // "4.67", or "none" where all is flat
 Json radius_json(double radius);
-std::string unit_name(double unit);  // "mm"; "0.5 m" where it has no name
-std::string hash_name(std::uint64_t hash);
 
 void add_bake(Command& program);
 void add_compare(Command& program);

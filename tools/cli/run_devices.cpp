@@ -4,11 +4,9 @@
 
 #include "gliss/device/replay_device.h"
 #include "gliss/device/udp_device.h"
-#include "gliss/files/cache_file.h"
-#include "gliss/files/mesh_file.h"
 #include "gliss/haply/haply_device.h"
 #include "gliss/tables/point_table.h"
-#include "tools/cli/watch.h"
+#include "tools/cli/command_line.h"
 
 namespace gliss::tools {
 namespace {
@@ -19,9 +17,10 @@ std::unique_ptr<HapticDevice> open_sim(const Scene& scene) {
   return std::make_unique<SimDevice>(scene.sim_path, *scene.sim);
 }
 
-std::unique_ptr<HapticDevice> open_replay(const std::string& file) {
+std::unique_ptr<HapticDevice> open_replay(const std::string& file,
+                                          const std::function<void()>& poll) {
   try {
-    PointTable path = read_points(file, 1, kTurnColumns, stop_if_interrupted);
+    PointTable path = read_points(file, 1, kTurnColumns, poll);
     std::vector<Turn> turns = std::move(path.turns);
     return std::make_unique<ReplayDevice>(points_in_metres(std::move(path)), "replay:" + file,
                                           std::move(turns));
@@ -41,25 +40,13 @@ std::unique_ptr<HapticDevice> open_haply(const std::string& where) {
 
 }  // namespace
 
-void add_scene_option(Command& command, std::string& scene, const std::string& description) {
-  command.option({"SCENE", "FILE", description, true}, [&scene](const std::string& path) {
-    check_input("SCENE", path);
-    const bool is_cache = is_meant_as_cache(path);
-    if (is_cache || has_mesh_ending(path))
-      throw InputError(fmt::format(
-          "{0} is a {1}: a scene is a text file, such as scene.toml, that names it by {1} = "
-          "\"{0}\"",
-          path, is_cache ? "cache" : "mesh"));
-    scene = path;
-  });
-}
-
-std::unique_ptr<HapticDevice> open_device(const std::string& words, const Scene& scene) {
+std::unique_ptr<HapticDevice> open_device(const std::string& words, const Scene& scene,
+                                          const std::function<void()>& poll) {
   const auto colon = words.find(':');
   const std::string kind = words.substr(0, colon);
   const std::string rest = colon == std::string::npos ? "" : words.substr(colon + 1);
   if (words == "sim") return open_sim(scene);
-  if (kind == "replay" && !rest.empty()) return open_replay(rest);
+  if (kind == "replay" && !rest.empty()) return open_replay(rest, poll);
   if (kind == "udp" && !rest.empty())
     return std::make_unique<UdpDevice>(parse_number<std::uint16_t>("--device udp", rest));
   if (kind == "haply" && (words == kind || !rest.empty())) return open_haply(rest);

@@ -42,12 +42,6 @@ double least_distance(std::span<const Vec3> points, std::span<const Box> boxes) 
   return least;
 }
 
-std::string length_text(double metres) {
-  if (metres >= 1) return fmt::format("{:.3g} m", metres);
-  if (metres >= 1e-3) return fmt::format("{:.3g} mm", metres * 1e3);
-  return fmt::format("{:.3g} um", metres * 1e6);
-}
-
 // A unit as it is written on the command line, or in a scene.
 std::string unit_words(const SurfaceOptions& options, const std::string& unit) {
   return fmt::format(fmt::runtime(options.in_scene ? "unit = \"{}\"" : "--unit {}"), unit);
@@ -127,18 +121,6 @@ void tell_soft_spring(const ReportOptions& options, double stiffness, const std:
       fmt::format("gliss: {}: {:.4g} N/m gives {:.2g} N a millimetre, which no hand feels; a bare "
                   "number is N/m, and '0.5N/mm' is usual\n",
                   name, stiffness, stiffness * 1e-3));
-}
-
-void check_depths(const std::string& option, std::span<const double> depths,
-                  const PatchCache& cache) {
-  const double across = diagonal_of(cache.bounds()) * cache.unit;
-  for (const double depth : depths) {
-    if (depth <= across) continue;
-    throw InputError(
-        fmt::format("{}: a depth of {} is more than the {} that the surface is across; a bare "
-                    "number is metres, and '2mm' is two millimetres",
-                    option, length_text(depth), length_text(across)));
-  }
 }
 
 void tell_untouched(const ReportOptions& options, const std::string& path,

@@ -24,10 +24,6 @@ void tell_edited_mesh(const SurfaceOptions& options, const PatchCache& cache);
 // A spring (N/m) that no hand feels, as of "0.5" for "0.5N/mm". `name` is whose it is.
 void tell_soft_spring(const ReportOptions& options, double stiffness, const std::string& name);
 
-// Throws InputError where a depth (m) is more than the surface is across.
-void check_depths(const std::string& option, std::span<const double> depths,
-                  const PatchCache& cache);
-
 // A path (m) none of whose HIPs has touched the surfaces in the boxes (m): how far off it was, and
 // in which unit it may be meant. `columns`: how its units are said.
 void tell_untouched(const ReportOptions& options, const std::string& path,

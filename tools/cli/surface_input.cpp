@@ -171,8 +171,6 @@ Mesh mesh_of(const SurfaceOptions& options, const PatchCache& cache, const std::
   }
 }
 
-double diagonal_of(const Box& box) { return (box.high - box.low).norm(); }
-
 std::vector<Vec3> own_path(const Mesh& mesh, const Topology& topology, const PatchCache& cache,
                            double depth, int ticks) {
   std::vector<Vec3> path =
@@ -188,20 +186,11 @@ PatchCache open_surface(const SurfaceOptions& options, const Engine& engine) {
 
 std::unique_ptr<ResultFile> create_described_file(const std::string& path, const PatchCache& cache,
                                                   const SurfaceOptions& options) {
-  auto file = create_result_file(path);
-  file->set_attribute({"program", "gliss"});
-  file->set_attribute({"version", GLISS_VERSION});
-  file->set_attribute({"command_line", command_line()});
-  file->set_attribute({"surface", options.surface});
-  file->set_attribute({"mesh_hash", hash_name(cache.mesh_hash)});
-  file->set_attribute({"unit", unit_name(options.unit)});
-  file->set_attribute({"unit_m", options.unit});
-  file->set_attribute({"level", level_name(cache.level)});
-  file->set_attribute({"construction", construction_name(cache.level.construction)});
-  file->set_attribute({"precision", precision_name(cache.precision())});
-  if (options.crease_radius > 0) file->set_attribute({"crease_radius_m", options.crease_radius});
-  if (cache.crease_count > 0) file->set_attribute({"creases", std::int64_t{cache.crease_count}});
-  return file;
+  return create_described_file(path, cache, provenance_of(options));
+}
+
+Provenance provenance_of(const SurfaceOptions& options) {
+  return {command_line(), options.surface, options.unit, options.crease_radius};
 }
 
 }  // namespace gliss::tools

@@ -10,6 +10,8 @@
 #include "gliss/tables/result_table.h"
 #include "gliss/validate/validate.h"
 #include "tools/cli/command.h"
+#include "tools/cli/described_file.h"
+#include "tools/cli/lengths.h"
 
 namespace gliss::tools {
 
@@ -57,7 +59,6 @@ PatchCache read_cache(const SurfaceOptions& options);
 
 // The mesh of a cache. Throws InputError, with what else to do, where the cache does not keep it.
 Mesh mesh_of(const SurfaceOptions& options, const PatchCache& cache, const std::string& cure);
-double diagonal_of(const Box& box);
 // HIPs `depth` (m) beneath the surface, a thousandth of its diagonal apart, in the mesh's unit.
 // Throws InputError where no edge can be crossed.
 std::vector<Vec3> own_path(const Mesh& mesh, const Topology& topology, const PatchCache& cache,
@@ -66,8 +67,8 @@ std::vector<Vec3> own_path(const Mesh& mesh, const Topology& topology, const Pat
 // A cache as it is, a mesh built. Throws CacheError where a cache is not of the wanted precision.
 PatchCache open_surface(const SurfaceOptions& options, const Engine& engine);
 
-// A file that says where it comes from: command line, version, mesh, unit of coordinates,
-// precision.
+// The same of a command.
+Provenance provenance_of(const SurfaceOptions& options);
 std::unique_ptr<ResultFile> create_described_file(const std::string& path, const PatchCache& cache,
                                                   const SurfaceOptions& options);
 

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
-#include "tools/cli/sweep_report.h"
+#include "gliss/surface/names.h"
+#include "tools/cli/lengths.h"
+#include "tools/cli/sweep_statistics.h"
 
 namespace gliss::tools {
 namespace {
@@ -32,12 +34,12 @@ std::string group_name(const SweepOptions& sweep, std::size_t kind) {
 }  // namespace
 
 SampleFile::SampleFile(const std::string& path, const PatchCache& cache, const SweepOptions& sweep,
-                       const SurfaceOptions& options)
+                       const Provenance& from)
     : sweep_(sweep),
-      length_(cache.unit, options.unit),
-      unit_(options.unit),
+      length_(cache.unit, from.unit),
+      unit_(from.unit),
       single_(path == "-" || path.ends_with(".csv") || path.ends_with(".npy")),
-      file_(create_described_file(path, cache, options)) {
+      file_(create_described_file(path, cache, from)) {
   file_->set_attribute({"stiffness_N_per_m", sweep.stiffness});
   file_->set_attribute({"rings", static_cast<std::int64_t>(sweep.rings)});
   std::string depths;

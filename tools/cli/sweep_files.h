@@ -6,9 +6,10 @@
 #include <string_view>
 #include <vector>
 
+#include "gliss/base/units.h"
 #include "gliss/study/sweep.h"
 #include "gliss/tables/result_table.h"
-#include "tools/cli/surface_input.h"
+#include "tools/cli/described_file.h"
 
 namespace gliss::tools {
 
@@ -18,7 +19,7 @@ namespace gliss::tools {
 class SampleFile {
  public:
   SampleFile(const std::string& path, const PatchCache& cache, const SweepOptions& sweep,
-             const SurfaceOptions& options);
+             const Provenance& from);
   void add(const SweepBlock& block);
   void close(const SweepResult& result);  // adds the statistics
 

@@ -6,6 +6,7 @@
 
 #include "gliss/files/atomic_file.h"
 #include "gliss/query/query.h"
+#include "gliss/surface/names.h"
 #include "gliss/tables/vtp_file.h"
 #include "tools/cli/sweep_files.h"
 

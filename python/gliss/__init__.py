@@ -1,0 +1,494 @@
+"""Gliss makes coarse polygon meshes feel smooth under a haptic device.
+
+A surface is made of a mesh file, a cache of ``gliss bake``, or arrays. Then it is asked:
+
+>>> surface = gliss.load("knot.obj", unit="mm")
+>>> c = surface.nearest(points)              # c.point, c.normal, c.distance, ... as NumPy arrays
+>>> f = surface.force(points, "0.5N/mm")     # (n, 3) N
+
+Points and distances are in the unit of the surface, all else in SI: N, N/m, s. A quantity is a number in SI, or text
+with a unit: ``stiffness=500`` and ``stiffness="0.5N/mm"`` are the same. The signed distance is negative inside, as in
+VTK; that of trimesh is positive there.
+
+Arrays of float64 are read where they lie, in whatever order, and others are converted. Results are new arrays that own
+their memory. Calls that compute let other Python threads run, and end by Ctrl-C. Slips are ValueError and TypeError.
+"""
+
+import os as _os
+import shlex as _shlex
+import weakref as _weakref
+
+import numpy as _np
+
+from . import _gliss
+from ._gliss import CacheError, Contact, DeviceError, MeshError, SceneError, __version__
+
+__all__ = ["CacheError", "Contact", "Contacts", "DeviceError", "Hand", "Loop", "MeshError", "Results", "SceneError",
+           "Surface", "SurfacePoints", "Sweep", "Trace", "Triangles", "__version__", "load"]
+
+
+def _text(quantity):
+    """As a command line has it."""
+    return format(quantity, ".17g") if isinstance(quantity, (int, float)) else str(quantity)
+
+
+def _words(options):
+    """The options of the program that read and build the same."""
+    words = []
+    for name, value in options.items():
+        option = "--" + name.replace("_", "-")
+        if name in ("threads", "backend", "opencl_device") or value is None or (name, value) == ("normals", "auto"):
+            continue
+        if name == "weld" and isinstance(value, bool):
+            words += [] if value else [option, "none"]
+        elif isinstance(value, bool):
+            words += [option] if value else []
+        else:
+            words += [option, _text(value)]
+    return words
+
+
+def _touch(stiffness, method, *, settle="5ms", friction=0.0, friction_settle=0.0, damping=0.0, viscosity=0.0,
+           magnet=None, texture=None):
+    return dict(stiffness=stiffness, method=method, settle=settle, friction=friction,
+                friction_settle=friction_settle, damping=damping, viscosity=viscosity, magnet=magnet, texture=texture)
+
+
+class Results:
+    """Arrays by name: as attributes, and as items, so that ``dict(results)`` is all of them."""
+
+    def __init__(self, arrays):
+        self._arrays = arrays
+
+    def __getattr__(self, name):
+        try:
+            return self.__dict__["_arrays"][name]
+        except KeyError:
+            raise AttributeError(f"'{type(self).__name__}' has no array '{name}'") from None
+
+    def __dir__(self):
+        return [*super().__dir__(), *self._arrays]
+
+    def keys(self):
+        """Names of the arrays."""
+        return self._arrays.keys()
+
+    def __getitem__(self, name):
+        return self._arrays[name]
+
+    def __repr__(self):
+        return f"{type(self).__name__}({', '.join(f'{name}: {array.shape}' for name, array in self._arrays.items())})"
+
+    def columns(self):
+        """The same as a dict of arrays (n,), with point_x, point_y, point_z for point: for pandas.DataFrame."""
+        flat = {}
+        for name, array in self._arrays.items():
+            if array.ndim == 1:
+                flat[name] = array
+            else:
+                axes = ("x", "y", "z") if array.shape[1] == 3 else ("xi", "eta")
+                flat.update((f"{name}_{axis}", array[:, i]) for i, axis in enumerate(axes))
+        return flat
+
+
+class Contacts(Results):
+    """Nearest points of a surface, as Surface.nearest tells."""
+
+
+class SurfacePoints(Results):
+    """Points of patches, as Surface.evaluate tells."""
+
+
+class Triangles(Results):
+    """A mesh of triangles, as Surface.tessellate tells."""
+
+
+class Trace(Results):
+    """What a HIP felt along a path, tick by tick, as Surface.trace tells.
+
+    statistics: figures over all ticks, as ``gliss trace --json`` has them: largest_step_N, jumps_per_100k, ...
+    """
+
+    def __init__(self, arrays, statistics):
+        super().__init__(arrays)
+        self.statistics = statistics
+
+
+class Sweep:
+    """The figures of a sweep.
+
+    statistics: a dict for each depth and method, as ``gliss sweep --json`` has them.
+    histograms: in the same order, a dict of counts (320,) by name: step, edge_step, angle, error, residual.
+    bin_edges: (320,), the upper edge of each bin, in N or rad.
+    computed: contacts that were computed, without those of parts that were there.
+    rings: of the grid on each patch.
+    """
+
+    def __init__(self, figures):
+        self.statistics = figures["statistics"]
+        self.histograms = figures["histograms"]
+        self.bin_edges = figures["bin_edges"]
+        self.computed = figures["computed"]
+        self.rings = figures["rings"]
+
+
+def _real(values, name):
+    """An aligned array of float64, of any strides; a view where `values` is one."""
+    array = _np.asarray(values)
+    if array.dtype.kind not in "fiu":
+        raise TypeError(f"{name}: expected real numbers, found dtype {array.dtype}")
+    return _np.require(array, _np.float64, "A")
+
+
+def _whole(values, name):
+    """An array of uint32."""
+    array = _np.asarray(values)
+    if array.size == 0:
+        array = array.astype(_np.uint32)
+    if array.dtype.kind not in "iu":
+        raise TypeError(f"{name}: expected whole numbers, found dtype {array.dtype}")
+    if array.size and not (array.min() >= 0 and array.max() < 2**32):
+        raise ValueError(f"{name}: expected numbers from 0 to {2**32 - 1}, found {array.min()} to {array.max()}")
+    return _np.ascontiguousarray(array, _np.uint32)
+
+
+def _unpadded(padded):
+    """Offsets and corners of [n, i0, i1, ..., n, ...]."""
+    counts, at = [], 0
+    while at < len(padded):
+        counts.append(int(padded[at]))
+        at += 1 + counts[-1]
+    if at != len(padded):
+        raise ValueError(f"faces: the last face of the padded array needs {at - len(padded)} corners more")
+    counts = _np.array(counts, int)
+    heads = _np.concatenate(([0], _np.cumsum(counts + 1)))[:-1].astype(int)
+    return _np.concatenate(([0], _np.cumsum(counts))), _np.delete(padded, heads)
+
+
+def _faces(faces):
+    """Offsets and corners of any form of faces."""
+    if isinstance(faces, tuple) and len(faces) == 2 and all(isinstance(part, _np.ndarray) for part in faces):
+        return _whole(faces[0], "faces"), _whole(faces[1], "faces")
+    if isinstance(faces, _np.ndarray) and faces.dtype != object:
+        corners = _whole(faces, "faces")
+        if corners.ndim == 1:
+            offsets, corners = _unpadded(corners)
+            return _whole(offsets, "faces"), _whole(corners, "faces")
+        if corners.ndim != 2:
+            raise ValueError(f"faces: expected shape (m, k), (m,) or a list of faces, found {corners.shape}")
+        m, k = corners.shape
+        return _np.arange(0, m * k + 1, k, dtype=_np.uint32) if k else _np.zeros(1, _np.uint32), corners.ravel()
+    try:
+        rows = [_whole(face, "faces") for face in faces]
+    except TypeError as error:
+        raise TypeError(f"faces: expected lists of whole numbers, or an array of them ({error})") from None
+    if any(row.ndim != 1 for row in rows):
+        raise ValueError("faces: expected a list of faces, each a list of vertices")
+    offsets = _np.cumsum([0] + [len(row) for row in rows])
+    return _whole(offsets, "faces"), _np.concatenate(rows) if rows else _np.zeros(0, _np.uint32)
+
+
+def _options(unit=None, *, level=None, construction=None, precision=None, crease=None, crease_radius=None, weld=None,
+             normals="auto", strict=False, keep_non_manifold=False, threads=0, backend="tbb", opencl_device=""):
+    return dict(unit=unit, level=level, construction=construction, precision=precision, crease=crease,
+                crease_radius=crease_radius, weld=weld, normals=normals, strict=strict,
+                keep_non_manifold=keep_non_manifold, threads=threads, backend=backend, opencl_device=opencl_device)
+
+
+class Surface:
+    """A smooth surface over a polygon mesh. Any number of threads may ask one at once.
+
+    Surface(vertices, faces) makes one of arrays; ``gliss.load`` reads a file.
+
+    vertices: (n, 3), in `unit`.
+    faces, of any number of sides each, anticlockwise seen from outside; one of
+      an array (m, k) of whole numbers, a list of lists,
+      a padded array [k, i0, i1, ..., k, i0, ...] as PyVista has it, or
+      (offsets, corners), a tuple of two arrays: face j has corners[offsets[j]:offsets[j + 1]].
+      Not the triangles of a trimesh.Trimesh that was read from polygons: they are cut there.
+    unit: of the coordinates: "m" (default), "cm", "mm", "um", "nm", "in", or a number of metres.
+
+    Other options are those of gliss.load, which names them. MeshError for what is no mesh, with all findings.
+    """
+
+    def __init__(self, vertices, faces, unit="m", **options):
+        self._open = _gliss.from_arrays(_real(vertices, "vertices"), *_faces(faces), _options(unit, **options))
+        self._words = []  # no command of the program reads it
+
+    @classmethod
+    def _of(cls, opened, words):
+        surface = cls.__new__(cls)
+        surface._open, surface._words = opened, words
+        return surface
+
+    @property
+    def unit(self):
+        """Metres in one unit of its points and distances."""
+        return self._open.unit
+
+    @property
+    def faces(self):
+        """Number of faces of the mesh, after repairs."""
+        return self._open.faces
+
+    @property
+    def patches(self):
+        """Number of patches: one a face, or one for each triangle of a face that was split."""
+        return self._open.patches
+
+    @property
+    def level(self):
+        """How patches stand for the construction: "exact", "ribbon", "bezier", "table" or "table:N"."""
+        return self._open.level
+
+    @property
+    def construction(self):
+        """How patches are made: "fair" or "paper"."""
+        return self._open.construction
+
+    @property
+    def precision(self):
+        """Precision of the patches: "double" or "float"."""
+        return self._open.precision
+
+    @property
+    def nbytes(self):
+        """Bytes that the patches take."""
+        return self._open.nbytes
+
+    @property
+    def bounds(self):
+        """(2, 3): lowest and highest corner of the mesh, in its unit. Patches bulge beyond it."""
+        return self._open.bounds
+
+    @property
+    def backend(self):
+        """What computes: "tbb", "serial" or "opencl"."""
+        return self._open.backend
+
+    @property
+    def threads(self):
+        """Number of threads that it computes with."""
+        return self._open.threads
+
+    @property
+    def findings(self):
+        """What the checks of the mesh found, dicts as ``gliss check --json`` prints them; of a cache: none."""
+        return self._open.findings
+
+    def __repr__(self):
+        return (f"<gliss.Surface of {self.faces} faces, {self.construction} {self.level}, {self.precision}, "
+                f"unit {_gliss.unit_name(self.unit)}>")
+
+    def save(self, path):
+        """Keeps the patches in a cache, as ``gliss bake`` does: written whole or not at all. OSError."""
+        self._open.save(_os.fspath(path))
+
+    def nearest(self, points, method="gregory"):
+        """The nearest point of the surface to each point.
+
+        points: (n, 3), in the surface's unit. method: "gregory", "shaded" or "flat".
+        Contacts: point (n, 3), normal (n, 3) outward and unit, distance (n,) signed and negative inside, face (n,),
+        domain (n, 2) as xi, eta on the patch, touching (n,) bool, flags (n,), iterations (n,). Points and distances
+        are in the surface's unit.
+        """
+        return Contacts(_gliss.nearest(self._open, _real(points, "points"), method))
+
+    def force(self, points, stiffness="0.5N/mm", method="gregory"):
+        """The force on a hand at each point, (n, 3) N: stiffness times the depth, outward; zero outside.
+
+        points: (n, 3), in the surface's unit. stiffness: N/m, or text. method as for nearest.
+        """
+        return _gliss.force(self._open, _real(points, "points"), stiffness, method)
+
+    def evaluate(self, face, xi_eta):
+        """Points of patches.
+
+        face: (n,) or one number for all. xi_eta: (n, 2), in the regular polygon with as many sides as the face and
+        corners on the unit circle, the first at (1, 0). ValueError outside.
+        SurfacePoints: point, d_xi, d_eta in the surface's unit and normal, outward and unit, each (n, 3).
+        """
+        domain = _real(xi_eta, "xi_eta")
+        face = _whole(face, "face")
+        if face.size == 1 and face.ndim <= 1 and domain.ndim == 2:
+            face = _np.full(len(domain), face.ravel()[0], _np.uint32)
+        return SurfacePoints(_gliss.evaluate(self._open, face, domain))
+
+    def tessellate(self, cells=8):
+        """A mesh of triangles that lies on the surface, for drawing.
+
+        cells: along half a side; a face of n sides becomes 2 n cells^2 triangles. 1 to 1000.
+        Triangles: point (n, 3) in the surface's unit, normal (n, 3), triangles (m, 3). Creases are not kept in the
+        normals. ValueError for a cache that does not keep its mesh: one with creases, or of a part.
+        """
+        return Triangles(_gliss.tessellate(self._open, cells))
+
+    def sweep(self, depth, samples=None, *, rings=8, methods=("gregory", "shaded", "flat"), stiffness="0.5N/mm",
+              output=None, parts=None):
+        """Samples the force beneath the whole surface, as ``gliss sweep`` does. A Sweep.
+
+        depth: below the surface, in m or text such as "2mm"; one, or a list of them.
+        samples: a depth, over all faces, at least; else `rings` of points on each patch.
+        output: file for the samples, .h5, .csv or .npy: the bytes of the program's, when that is called by the command
+        that the file's attribute command_line names.
+        parts: folder where finished parts wait until all is done; None: `output` with the ending .parts, where there
+        is an output; "none": nowhere. A sweep that Ctrl-C ended goes on from there, in Python or by the program.
+        """
+        methods = [methods] if isinstance(methods, str) else list(methods)
+        path = "" if output is None else _os.fspath(output)
+        if path and not path.endswith((".csv", ".h5", ".hdf5", ".npy")):
+            raise ValueError(f"output: '{path}' must end in .csv, .npy, .h5 or .hdf5")
+        if parts is None:
+            parts = _os.path.splitext(path)[0] + ".parts" if path else ""
+        folder = "" if parts == "none" else _os.fspath(parts)
+        if self._open.path:
+            command = ["gliss", "sweep", self._open.path, "--depth", ",".join(_gliss.depth_names(depth))]
+            command += ["--rings", str(rings)] if samples is None else ["--samples", _text(samples)]
+            command += ["--method", ",".join(methods)]
+            command += [] if stiffness == "0.5N/mm" else ["--stiffness", _text(stiffness)]
+            command += [*self._words, "-o", path]
+            command_line = _shlex.join(command)
+        else:
+            command_line = "Python: Surface.sweep"
+        return Sweep(_gliss.sweep(self._open, depth, dict(
+            samples=samples, rings=rings, methods=methods, stiffness=stiffness, output=path, parts=folder,
+            command_line=command_line)))
+
+    def trace(self, path, stiffness="0.5N/mm", method="gregory", **options):
+        """Tracks a HIP along a path, a tick of 1 ms a row, as a device loop does. A Trace.
+
+        path: (n, 3), in the surface's unit. The forces are those of ``gliss trace``, byte for byte.
+        stiffness: N/m. method as for nearest. These are keywords:
+        settle: the time that the force takes to change by 20 % where a contact would leap; 0: it leaps.
+        friction: a coefficient, 0 to 5, or (at rest, slipping); friction_settle: s, from the one to the other.
+        damping: s/m, 0 to 20. viscosity: N s/m, 0 to 20.
+        magnet: (force, range), N and m: a pull from outside. texture: ("grating" or "noise", height, period) in m, and
+        for a grating perhaps the way across its grooves, (x, y, z).
+        Trace: force (n, 3) N, point (n, 3), normal (n, 3), distance (n,), face (n,), domain (n, 2), touching (n,),
+        slipping (n,), cone_share (n,), flags (n,).
+        """
+        return Trace(*_gliss.trace(self._open, _real(path, "path"), _touch(stiffness, method, **options)))
+
+    def hand(self, stiffness="0.5N/mm", method="gregory", **options):
+        """A Hand on this surface, for simulators: hand.tick(hip) each ms. Options are those of trace."""
+        return Hand(self, stiffness, method, **options)
+
+
+class Hand:
+    """A hand on a surface that keeps its contact from tick to tick; ``Surface.hand`` makes one.
+
+    One thread at a time may tick it: RuntimeError otherwise. It has the surface live on.
+    """
+
+    def __init__(self, surface, stiffness="0.5N/mm", method="gregory", **options):
+        self._open = _gliss.OpenHand(surface._open, _touch(stiffness, method, **options))
+
+    def tick(self, hip):
+        """The Contact after the HIP has moved to `hip`, (3,) in the surface's unit: a microsecond and the call.
+
+        A way through the surface is met at any speed. ValueError for numbers that are not finite: the hand stays as
+        it was.
+        """
+        return self._open.tick(hip)
+
+    def ticks(self, path):
+        """The same for each row of a path, (n, 3), while other Python threads run. Results as of Surface.trace."""
+        return Results(self._open.ticks(_real(path, "path")))
+
+
+def load(path, unit=None, **options):
+    """A Surface of a mesh file (.obj, .off, .ply, .stl) or a cache of ``gliss bake``.
+
+    unit: of a mesh's coordinates: "m" (default), "cm", "mm", "um", "nm", "in", or a number of metres. A cache has its
+    own, and ValueError says so where another is given.
+
+    These are keywords:
+    level: "exact" (default), "ribbon", "bezier", "table" or "table:N". construction: "fair" (default) or "paper".
+    precision: "double" (default) or "float". A cache must be of what is asked for: CacheError.
+    crease: edges to keep sharp, such as "40deg", "auto", "normals", "groups", "edges:FILE"; crease_radius: m, or text,
+    rounds them instead.
+    weld: a length within which borders are welded; None: at the very same places; False: never.
+    normals: "auto", "file" or "made". strict, keep_non_manifold: refuse instead of mending.
+    threads: 0 is as many as the machine has. backend: "tbb", "serial", "opencl", "auto" (a GPU if there is one);
+    opencl_device: part of its name, or its number.
+
+    MeshError, CacheError, DeviceError, OSError, each with the program's line.
+    """
+    options = _options(unit, **options)
+    opened = _gliss.load(_os.fspath(path), options)
+    if unit is None and opened.unit != 1:  # a cache's, which the program is to write in as well
+        options["unit"] = opened.unit
+    return Surface._of(opened, _words(options))
+
+
+class Loop:
+    """A device loop over a scene file, 1000 times a second, in a C++ thread of its own that never waits for Python.
+
+    with gliss.Loop("scene.toml", device="sim") as loop:
+        while loop.running:
+            ticks = loop.read()          # all since the last read; the ring holds half a minute
+
+    device: "sim", "replay:FILE", "udp:PORT", "haply", as ``gliss run`` has it. seconds: 0 is until the device ends.
+    wait=False: tick after tick as fast as it goes, in a time of its own, for sim and replay; no tick is lost then.
+    realtime: the loop's thread gets real-time scheduling and the process locked memory, where the system permits and no
+    other loop of the process has them; `refusals` says what was not to be had.
+
+    The loop begins at once. SceneError, MeshError, CacheError, DeviceError, OSError. One thread at a time may read.
+    """
+
+    def __init__(self, scene, device="sim", *, seconds=0.0, wait=True, realtime=True, threads=0):
+        self._open = _gliss.OpenLoop(_os.fspath(scene), device, seconds, wait, realtime, threads)
+        _weakref.finalize(self, self._open.stop)  # also where Python ends
+
+    def read(self):
+        """The ticks since the last read, a structured array (n,).
+
+        number; time, lateness, compute, age in s; missed periods before it; position (3,) m, orientation (4,) w x y z;
+        rendered and sent (3,) N, rendered_torque and sent_torque (3,) N m; state and reason of the guard, bytes;
+        object (-1: none is near), touching, face, distance in m and negative inside, iterations, flags.
+        """
+        return self._open.read()
+
+    def wait(self, timeout=None):
+        """Waits for the loop to end, at most `timeout` s, and returns whether it has."""
+        return self._open.wait(timeout)
+
+    def close(self):
+        """Ends the loop: the force goes to zero. DeviceError if the device failed. Once closed it reads no more."""
+        self._open.close()
+
+    @property
+    def running(self):
+        """True until the loop has ended."""
+        return self._open.running
+
+    @property
+    def closed(self):
+        """True after close."""
+        return self._open.closed
+
+    @property
+    def lost(self):
+        """Number of ticks that the ring had no room for: read more often."""
+        return self._open.lost
+
+    @property
+    def device(self):
+        """Name of the device."""
+        return self._open.device
+
+    @property
+    def end(self):
+        """How the loop ended, such as "the device has ended"; None while it runs."""
+        return self._open.end
+
+    @property
+    def refusals(self):
+        """What the system refused of real-time scheduling and locked memory, a line each."""
+        return self._open.refusals
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, kind, error, trace):
+        self.close()

@@ -1,0 +1,205 @@
+import os
+from collections.abc import KeysView, Mapping, Sequence
+from types import TracebackType
+from typing import Any, Literal, final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+__all__ = [
+    "CacheError", "Contact", "Contacts", "DeviceError", "Hand", "Loop", "MeshError", "Results", "SceneError",
+    "Surface", "SurfacePoints", "Sweep", "Trace", "Triangles", "__version__", "load",
+]
+
+__version__: str
+
+_Path = str | os.PathLike[str]
+_Quantity = float | str  # in SI, or text with a unit
+_Method = Literal["gregory", "shaded", "flat"]
+_Backend = Literal["tbb", "serial", "opencl", "auto"]
+_Floats = NDArray[np.float64]
+_Indices = NDArray[np.uint32]
+_Bools = NDArray[np.bool_]
+_Faces = NDArray[np.integer[Any]] | Sequence[Sequence[int]] | tuple[NDArray[np.integer[Any]], NDArray[np.integer[Any]]]
+
+class MeshError(ValueError):
+    findings: Sequence[dict[str, Any]]
+
+class CacheError(ValueError):
+    stale: bool
+
+class SceneError(ValueError): ...
+class DeviceError(RuntimeError): ...
+
+class Results:
+    def __init__(self, arrays: Mapping[str, NDArray[Any]]) -> None: ...
+    def __getattr__(self, name: str) -> NDArray[Any]: ...
+    def __dir__(self) -> list[str]: ...
+    def __getitem__(self, name: str) -> NDArray[Any]: ...
+    def keys(self) -> KeysView[str]: ...
+    def columns(self) -> dict[str, NDArray[Any]]: ...
+
+class Contacts(Results):
+    point: _Floats
+    normal: _Floats
+    distance: _Floats
+    face: _Indices
+    domain: _Floats
+    touching: _Bools
+    flags: _Indices
+    iterations: NDArray[np.int32]
+
+class SurfacePoints(Results):
+    point: _Floats
+    d_xi: _Floats
+    d_eta: _Floats
+    normal: _Floats
+
+class Triangles(Results):
+    point: _Floats
+    normal: _Floats
+    triangles: _Indices
+
+class Trace(Results):
+    statistics: dict[str, Any]
+    force: _Floats
+    point: _Floats
+    normal: _Floats
+    distance: _Floats
+    face: _Indices
+    domain: _Floats
+    touching: _Bools
+    slipping: _Bools
+    cone_share: _Floats
+    flags: _Indices
+    def __init__(self, arrays: Mapping[str, NDArray[Any]], statistics: dict[str, Any]) -> None: ...
+
+class Sweep:
+    statistics: list[dict[str, Any]]
+    histograms: list[dict[str, NDArray[np.uint64]]]
+    bin_edges: _Floats
+    computed: int
+    rings: int
+    def __init__(self, figures: Mapping[str, Any]) -> None: ...
+
+@final
+class Contact:
+    def __init__(self, *args: Any, **kwargs: Any) -> None: ...  # TypeError: a Hand makes them
+    @property
+    def force(self) -> _Floats: ...
+    @property
+    def point(self) -> _Floats: ...
+    @property
+    def normal(self) -> _Floats: ...
+    @property
+    def distance(self) -> float: ...
+    @property
+    def face(self) -> int: ...
+    @property
+    def domain(self) -> tuple[float, float]: ...
+    @property
+    def touching(self) -> bool: ...
+    @property
+    def slipping(self) -> bool: ...
+    @property
+    def cone_share(self) -> float: ...
+    @property
+    def flags(self) -> int: ...
+
+class Hand:
+    def __init__(
+        self, surface: Surface, stiffness: _Quantity = "0.5N/mm", method: _Method = "gregory", *,
+        settle: _Quantity = "5ms", friction: float | tuple[float, float] = 0.0, friction_settle: _Quantity = 0.0,
+        damping: _Quantity = 0.0, viscosity: _Quantity = 0.0, magnet: tuple[_Quantity, _Quantity] | None = None,
+        texture: tuple[str, _Quantity, _Quantity] | tuple[str, _Quantity, _Quantity, ArrayLike] | None = None,
+    ) -> None: ...
+    def tick(self, hip: ArrayLike) -> Contact: ...
+    def ticks(self, path: ArrayLike) -> Results: ...
+
+class Surface:
+    def __init__(
+        self, vertices: ArrayLike, faces: _Faces, unit: _Quantity = "m", *,
+        level: str | None = None, construction: Literal["fair", "paper"] | None = None,
+        precision: Literal["float", "double"] | None = None, crease: str | None = None,
+        crease_radius: _Quantity | None = None, weld: _Quantity | Literal[False] | None = None,
+        normals: Literal["auto", "file", "made"] = "auto", strict: bool = False, keep_non_manifold: bool = False,
+        threads: int = 0, backend: _Backend = "tbb", opencl_device: str = "",
+    ) -> None: ...
+    @property
+    def unit(self) -> float: ...
+    @property
+    def faces(self) -> int: ...
+    @property
+    def patches(self) -> int: ...
+    @property
+    def level(self) -> str: ...
+    @property
+    def construction(self) -> str: ...
+    @property
+    def precision(self) -> str: ...
+    @property
+    def nbytes(self) -> int: ...
+    @property
+    def bounds(self) -> _Floats: ...
+    @property
+    def backend(self) -> str: ...
+    @property
+    def threads(self) -> int: ...
+    @property
+    def findings(self) -> list[dict[str, Any]]: ...
+    def save(self, path: _Path) -> None: ...
+    def nearest(self, points: ArrayLike, method: _Method = "gregory") -> Contacts: ...
+    def force(self, points: ArrayLike, stiffness: _Quantity = "0.5N/mm", method: _Method = "gregory") -> _Floats: ...
+    def evaluate(self, face: ArrayLike, xi_eta: ArrayLike) -> SurfacePoints: ...
+    def tessellate(self, cells: int = 8) -> Triangles: ...
+    def sweep(
+        self, depth: _Quantity | Sequence[_Quantity], samples: float | None = None, *, rings: int = 8,
+        methods: _Method | Sequence[_Method] = ("gregory", "shaded", "flat"), stiffness: _Quantity = "0.5N/mm",
+        output: _Path | None = None, parts: _Path | None = None,
+    ) -> Sweep: ...
+    def trace(
+        self, path: ArrayLike, stiffness: _Quantity = "0.5N/mm", method: _Method = "gregory", *,
+        settle: _Quantity = "5ms", friction: float | tuple[float, float] = 0.0, friction_settle: _Quantity = 0.0,
+        damping: _Quantity = 0.0, viscosity: _Quantity = 0.0, magnet: tuple[_Quantity, _Quantity] | None = None,
+        texture: tuple[str, _Quantity, _Quantity] | tuple[str, _Quantity, _Quantity, ArrayLike] | None = None,
+    ) -> Trace: ...
+    def hand(
+        self, stiffness: _Quantity = "0.5N/mm", method: _Method = "gregory", *,
+        settle: _Quantity = "5ms", friction: float | tuple[float, float] = 0.0, friction_settle: _Quantity = 0.0,
+        damping: _Quantity = 0.0, viscosity: _Quantity = 0.0, magnet: tuple[_Quantity, _Quantity] | None = None,
+        texture: tuple[str, _Quantity, _Quantity] | tuple[str, _Quantity, _Quantity, ArrayLike] | None = None,
+    ) -> Hand: ...
+
+def load(
+    path: _Path, unit: _Quantity | None = None, *,
+    level: str | None = None, construction: Literal["fair", "paper"] | None = None,
+    precision: Literal["float", "double"] | None = None, crease: str | None = None,
+    crease_radius: _Quantity | None = None, weld: _Quantity | Literal[False] | None = None,
+    normals: Literal["auto", "file", "made"] = "auto", strict: bool = False, keep_non_manifold: bool = False,
+    threads: int = 0, backend: _Backend = "tbb", opencl_device: str = "",
+) -> Surface: ...
+
+class Loop:
+    def __init__(
+        self, scene: _Path, device: str = "sim", *, seconds: float = 0.0, wait: bool = True, realtime: bool = True,
+        threads: int = 0,
+    ) -> None: ...
+    def read(self) -> NDArray[np.void]: ...
+    def wait(self, timeout: float | None = None) -> bool: ...
+    def close(self) -> None: ...
+    @property
+    def running(self) -> bool: ...
+    @property
+    def closed(self) -> bool: ...
+    @property
+    def lost(self) -> int: ...
+    @property
+    def device(self) -> str: ...
+    @property
+    def end(self) -> str | None: ...
+    @property
+    def refusals(self) -> list[str]: ...
+    def __enter__(self) -> Loop: ...
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None: ...

@@ -1,0 +1,60 @@
+#include "arrays.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace gliss::python {
+namespace {
+
+std::string shape_text(const py::array& array) {
+  std::string text = "(";
+  for (py::ssize_t i = 0; i < array.ndim(); ++i)
+    text += fmt::format("{}{}", i == 0 ? "" : ", ", array.shape(i));
+  return text + (array.ndim() == 1 ? ",)" : ")");
+}
+
+bool is_real(char kind) { return kind == 'f' || kind == 'i' || kind == 'u'; }
+
+}  // namespace
+
+void require_rows(const Reals& array, const char* name, py::ssize_t columns) {
+  if (array.ndim() != 2 || array.shape(1) != columns)
+    throw py::value_error(
+        fmt::format("{}: expected shape (n, {}), found {}", name, columns, shape_text(array)));
+  for (py::ssize_t k = 0; k < columns; ++k) {
+    const Strided<const double> values = column(array, k);
+    const auto rows = static_cast<std::size_t>(array.shape(0));
+    for (std::size_t i = 0; i < rows; ++i) {
+      if (!std::isfinite(values[i]))
+        throw py::value_error(
+            fmt::format("{}: expected finite numbers, found {} in row {}", name, values[i], i));
+    }
+  }
+}
+
+Vec3 point_of(py::handle object, const char* name) {
+  const py::array array = py::array::ensure(object);
+  if (!array) {
+    PyErr_Clear();
+    throw py::type_error(fmt::format("{}: expected three numbers", name));
+  }
+  if (!is_real(array.dtype().kind()))
+    throw py::type_error(fmt::format("{}: expected real numbers, found dtype {}", name,
+                                     py::str(array.dtype()).cast<std::string>()));
+  if (array.ndim() != 1 || array.shape(0) != 3)
+    throw py::value_error(
+        fmt::format("{}: expected shape (3,), found {}", name, shape_text(array)));
+  const auto numbers = py::array_t<double, py::array::c_style | py::array::forcecast>(array);
+  const Vec3 point(numbers.at(0), numbers.at(1), numbers.at(2));
+  if (!point.allFinite())
+    throw py::value_error(fmt::format("{}: expected finite numbers, found ({}, {}, {})", name,
+                                      point.x(), point.y(), point.z()));
+  return point;
+}
+
+py::array_t<double> array_of(const Vec3& vector) {
+  return py::array_t<double>(py::ssize_t{3}, vector.data());
+}
+
+}  // namespace gliss::python

@@ -1,0 +1,30 @@
+#include "calls.h"
+
+#include "gliss/thread/clock.h"
+
+namespace gliss::python {
+namespace {
+
+constexpr Nanoseconds kPause = std::chrono::milliseconds(20);
+
+thread_local int depth = 0;  // calls of this thread that are under way
+thread_local Nanoseconds next{};
+
+}  // namespace
+
+Call::Call() {
+  if (depth++ == 0) next = monotonic_time() + kPause;
+}
+
+Call::~Call() { --depth; }
+
+void poll() {
+  if (depth == 0) return;
+  const Nanoseconds now = monotonic_time();
+  if (now < next) return;
+  const py::gil_scoped_acquire acquired;
+  if (PyErr_CheckSignals() != 0) throw Interrupted{};
+  next = monotonic_time() + kPause;
+}
+
+}  // namespace gliss::python

@@ -1,0 +1,43 @@
+// Long calls from Python: other threads of it run meanwhile, and Ctrl-C ends them.
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include <utility>
+
+namespace gliss::python {
+
+namespace py = pybind11;
+
+// Ends work after a signal whose handler has raised a Python error, which is set then.
+struct Interrupted {};
+
+// Looks for signals every 20 ms, in a thread that is within released(); elsewhere it does nothing.
+// Throws Interrupted. For whatever asks now and then, from any thread, without the GIL.
+void poll();
+
+// A thread's work within released().
+class Call {
+ public:
+  Call();
+  ~Call();
+  Call(const Call&) = delete;
+  Call& operator=(const Call&) = delete;
+
+ private:
+  py::gil_scoped_release released_;
+};
+
+// Does the work without the GIL, and returns what it returns. Throws what it throws, and the Python
+// error of a signal.
+template <class Work>
+auto released(Work work) {
+  try {
+    const Call call;
+    return work();
+  } catch (const Interrupted&) {
+    throw py::error_already_set();
+  }
+}
+
+}  // namespace gliss::python

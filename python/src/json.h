@@ -1,0 +1,12 @@
+// JSON of the program as Python's objects.
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include "tools/cli/json.h"
+
+namespace gliss::python {
+
+pybind11::object python_of(const tools::Json& json);
+
+}  // namespace gliss::python

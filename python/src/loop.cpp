@@ -1,0 +1,214 @@
+// The device loop in a thread of its own, from which Python reads ticks.
+#include "gliss/loop/loop.h"
+
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+
+#include <atomic>
+#include <future>
+#include <optional>
+
+#include "arrays.h"
+#include "calls.h"
+#include "errors.h"
+#include "gliss/engine/engine.h"
+#include "gliss/scene/open_scene.h"
+#include "gliss/scene/recorder.h"
+#include "gliss/thread/realtime.h"
+#include "options.h"
+#include "surface.h"
+#include "tools/cli/run_devices.h"
+
+namespace gliss::python {
+namespace {
+
+using namespace std::chrono_literals;
+
+// A row of what Loop.read gives, in SI.
+struct TickRow {
+  std::uint64_t number;
+  double time, lateness, compute, age;
+  std::uint64_t missed;
+  double position[3], orientation[4], rendered[3], sent[3], rendered_torque[3], sent_torque[3];
+  char state[16], reason[24];
+  std::int32_t object;
+  bool touching;
+  std::uint32_t face;
+  double distance;
+  std::int32_t iterations;
+  std::uint32_t flags;
+};
+
+TickRow row_of(const LoopTick& tick) {
+  TickRow row{};
+  row.number = tick.number;
+  row.time = in_seconds(tick.time);
+  row.lateness = in_seconds(tick.lateness);
+  row.compute = in_seconds(tick.compute);
+  row.age = in_seconds(tick.age);
+  row.missed = tick.missed;
+  const auto copy = [](const Vec3& from, double* to) { std::copy_n(from.data(), 3, to); };
+  copy(tick.input.position, row.position);
+  const Turn& turn = tick.input.orientation;
+  const double parts[] = {turn.w(), turn.x(), turn.y(), turn.z()};
+  std::copy_n(parts, 4, row.orientation);
+  copy(tick.rendered, row.rendered);
+  copy(tick.sent, row.sent);
+  copy(tick.rendered_torque, row.rendered_torque);
+  copy(tick.sent_torque, row.sent_torque);
+  std::string(guard_state_name(tick.state)).copy(row.state, sizeof row.state);
+  std::string(guard_reason_name(tick.reason)).copy(row.reason, sizeof row.reason);
+  row.object = tick.object == LoopTick::kNothing ? -1 : static_cast<std::int32_t>(tick.object);
+  row.touching = tick.touching;
+  row.face = tick.face;
+  row.distance = tick.distance;
+  row.iterations = tick.iterations;
+  row.flags = tick.flags;
+  return row;
+}
+
+class Loop {
+ public:
+  Loop(const std::string& path, const std::string& device, double seconds, bool wait, bool realtime,
+       int threads)
+      : seconds_(seconds), queue_(kRing) {
+    if (!(seconds >= 0 && seconds <= 1e7))
+      throw py::value_error(fmt::format("seconds: {} is not from 0 to 1e7", seconds));
+    check_file(path);
+    released([&] { open(path, device, wait, threads); });
+    if (!wait && device_->info().real_time)
+      throw py::value_error(fmt::format("wait: {} lives in real time", device_->info().name));
+    running_ =
+        std::async(std::launch::async, [this, wait, realtime] { run(wait, realtime); }).share();
+  }
+  ~Loop() { stop(); }
+
+  py::array_t<TickRow> read() {
+    require_open();
+    std::vector<LoopTick> ticks;
+    queue_.take(ticks);
+    py::array_t<TickRow> rows(static_cast<py::ssize_t>(ticks.size()));
+    std::transform(ticks.begin(), ticks.end(), rows.mutable_data(), row_of);
+    return rows;
+  }
+  // True once the loop has ended.
+  bool wait(std::optional<double> timeout) {
+    require_open();
+    if (timeout && !(*timeout >= 0))
+      throw py::value_error(fmt::format("timeout: {} s is not 0 or more", *timeout));
+    return released([&] {
+      const Nanoseconds start = monotonic_time();
+      while (running_.wait_for(5ms) != std::future_status::ready) {
+        if (timeout && in_seconds(monotonic_time() - start) >= *timeout) return false;
+        poll();
+      }
+      return true;
+    });
+  }
+  // Ends it, however it does.
+  void stop() {
+    stopping_ = true;
+    if (running_.valid()) running_.wait();
+  }
+  // The same, and says how it failed if it did.
+  void close() {
+    if (closed_) return;
+    closed_ = true;
+    released([&] {
+      stop();
+      running_.get();
+    });
+    if (end_ == LoopEnd::kDeviceFault)
+      throw LoopError(fmt::format("{}: {}", device_->info().name, device_->fault_text()));
+  }
+  bool is_running() const { return !closed_ && running_.wait_for(0s) != std::future_status::ready; }
+  std::uint64_t lost() const { return queue_.lost(); }
+  std::string device() const { return device_->info().name; }
+  bool closed() const { return closed_; }
+  // None before the end.
+  std::optional<std::string> end() const {
+    if (is_running()) return std::nullopt;
+    return loop_end_text(end_);
+  }
+  // What the system refused: nothing before the first tick.
+  std::vector<std::string> refusals() const {
+    return has_begun_ ? refusals_ : std::vector<std::string>();
+  }
+
+ private:
+  static constexpr std::size_t kRing = 1 << 15;  // ticks: half a minute
+
+  void open(const std::string& path, const std::string& device, bool wait, int threads) {
+    const Scene scene = read_scene(path, poll);
+    priority_ = scene.priority;
+    const auto engine = make_tbb_engine(threads, poll);
+    SceneOpening opening;
+    opening.build = [&](const Mesh& mesh, const BuildOptions& options) {
+      return engine->build(mesh, options);
+    };
+    opening.poll = poll;
+    const std::vector<SceneObject> objects = open_objects(scene, opening);
+    device_ = tools::open_device(device, scene, poll);
+    LoopOptions rules = loop_options(scene, device_->info());
+    rules.wait = wait;
+    tracker_.emplace(objects, open_hips(scene, opening));
+    loop_.emplace(*device_, *tracker_, rules);
+  }
+  void run(bool wait, bool realtime) {
+    std::optional<Realtime> ready;
+    static std::atomic_flag taken = ATOMIC_FLAG_INIT;  // one a process
+    const bool is_first = wait && realtime && !taken.test_and_set();
+    if (wait && realtime && !is_first) {
+      refusals_ = {"real-time scheduling: another loop of this process has it"};
+    } else if (is_first) {
+      ready.emplace(RealtimeOptions{priority_, false});
+      refusals_ = ready->refusals();
+    }
+    has_begun_ = true;
+    end_ = loop_->run([&](const LoopTick& tick) {
+      // Without a clock to keep, nothing need be lost.
+      while (!wait && queue_.full() && !stopping_) std::this_thread::sleep_for(100us);
+      queue_.add(tick);
+      return !stopping_ && !(seconds_ > 0 && in_seconds(tick.time) >= seconds_);
+    });
+    ready.reset();
+    if (is_first) taken.clear();
+  }
+  void require_open() const {
+    if (closed_) throw py::value_error("the loop is closed; expected one that is open");
+  }
+
+  double seconds_;
+  int priority_ = 0;
+  TickQueue queue_;
+  std::unique_ptr<HapticDevice> device_;
+  std::optional<Tracker> tracker_;
+  std::optional<HapticLoop> loop_;
+  std::vector<std::string> refusals_;
+  LoopEnd end_ = LoopEnd::kStopped;
+  std::atomic<bool> stopping_ = false, has_begun_ = false;
+  std::atomic<bool> closed_ = false;
+  std::shared_future<void> running_;
+};
+
+}  // namespace
+
+void bind_loop(py::module_& module) {
+  PYBIND11_NUMPY_DTYPE(TickRow, number, time, lateness, compute, age, missed, position, orientation,
+                       rendered, sent, rendered_torque, sent_torque, state, reason, object,
+                       touching, face, distance, iterations, flags);
+  py::class_<Loop>(module, "OpenLoop")
+      .def(py::init<const std::string&, const std::string&, double, bool, bool, int>())
+      .def("read", &Loop::read)
+      .def("wait", &Loop::wait)
+      .def("stop", &Loop::stop, py::call_guard<py::gil_scoped_release>())
+      .def("close", &Loop::close)
+      .def_property_readonly("running", &Loop::is_running)
+      .def_property_readonly("closed", &Loop::closed)
+      .def_property_readonly("lost", &Loop::lost)
+      .def_property_readonly("device", &Loop::device)
+      .def_property_readonly("end", &Loop::end)
+      .def_property_readonly("refusals", &Loop::refusals);
+}
+
+}  // namespace gliss::python

@@ -1,0 +1,102 @@
+// Sweeps, and the files and parts that they leave, which are the program's.
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+
+#include <cmath>
+#include <optional>
+
+#include "arrays.h"
+#include "calls.h"
+#include "gliss/study/sweep_parts.h"
+#include "json.h"
+#include "options.h"
+#include "surface.h"
+#include "tools/cli/lengths.h"
+#include "tools/cli/sweep_files.h"
+#include "tools/cli/sweep_statistics.h"
+
+namespace gliss::python {
+namespace {
+
+SweepOptions grid_of(const OpenSurface& surface, py::handle depth, const py::dict& options) {
+  SweepOptions grid;
+  grid.depths = depths(depth);
+  tools::check_depths("depth", grid.depths, *surface.cache);
+  grid.methods.clear();
+  for (const py::handle name : options["methods"])
+    grid.methods.push_back(choice("methods", py::str(name).cast<std::string>(), kMethodNames));
+  if (grid.methods.empty()) throw py::value_error("methods: expected one at least");
+  grid.stiffness = stiffness(options["stiffness"]);
+  const auto rings = whole_number(options, "rings");
+  if (rings < 1 || rings > 10000)
+    throw py::value_error(fmt::format("rings: {} is not from 1 to 10000", rings));
+  grid.rings = static_cast<std::uint32_t>(rings);
+  if (!options["samples"].is_none()) {
+    const double samples = quantity(options["samples"], "samples", nullptr, "a number");
+    if (!(samples >= 1 && samples <= 1e12))
+      throw py::value_error(fmt::format("samples: {} is not from 1 to 1e12", samples));
+    grid.rings = rings_for(*surface.cache, static_cast<std::uint64_t>(std::ceil(samples)));
+  }
+  return grid;
+}
+
+py::dict histograms_of(const SweepStatistics& statistics) {
+  py::dict out;
+  for (const auto& [name, unit, histogram] : tools::kHistograms) {
+    const auto& bins = (statistics.*histogram).bins();
+    out[name] = py::array_t<std::uint64_t>(static_cast<py::ssize_t>(bins.size()), bins.data());
+  }
+  return out;
+}
+
+py::dict sweep(const OpenSurface& surface, py::handle depth, const py::dict& options) {
+  const SweepOptions grid = grid_of(surface, depth, options);
+  const auto output = text(options, "output"), folder = text(options, "parts");
+  const tools::Provenance provenance{text(options, "command_line"), surface.path,
+                                     surface.cache->unit, surface.crease_radius};
+  const SweepResult result = released([&] {
+    std::optional<tools::SampleFile> file;
+    if (!output.empty()) file.emplace(output, *surface.cache, grid, provenance);
+    std::optional<SweepParts> parts;
+    if (!folder.empty()) parts.emplace(folder, *surface.cache, grid, file.has_value());
+    SweepSink sink;
+    if (file) sink = [&](const SweepBlock& block) { file->add(block); };
+    const auto reach = [](std::uint64_t, std::uint64_t) {
+      poll();
+      return true;
+    };
+    SweepResult swept =
+        gliss::sweep(*surface.cache, *surface.engine, grid, sink, reach, parts ? &*parts : nullptr);
+    if (file) file->close(swept);
+    if (parts) parts->remove();
+    return swept;
+  });
+  py::list statistics, histograms;
+  for (const SweepStatistics& s : result.statistics) {
+    statistics.append(python_of(tools::json_of(s)));
+    histograms.append(histograms_of(s));
+  }
+  NewArray<double> edges(Histogram::kBins);
+  for (int bin = 0; bin < Histogram::kBins; ++bin) edges.data()[bin] = Histogram::bin_edge(bin);
+  py::dict out;
+  out["statistics"] = statistics;
+  out["histograms"] = histograms;
+  out["bin_edges"] = edges.array();
+  out["computed"] = result.computed;
+  out["rings"] = grid.rings;
+  return out;
+}
+
+}  // namespace
+
+void bind_sweep(py::module_& module) {
+  module.def("sweep", sweep);
+  module.def("unit_name", tools::unit_name);
+  module.def("depth_names", [](py::handle list) {
+    std::vector<std::string> names;
+    for (const double depth : depths(list)) names.push_back(tools::depth_name(depth));
+    return names;
+  });
+}
+
+}  // namespace gliss::python

@@ -1,0 +1,97 @@
+"""The loop runs in a thread of its own, and Python reads its ticks."""
+import subprocess
+import sys
+import time
+
+import gliss
+import numpy as np
+import pytest
+
+SCENE = """[[object]]
+mesh = "knot.obj"
+unit = "mm"
+stiffness = "0.5N/mm"
+
+[sim]
+waypoints = [["70mm", 0, 0], ["60mm", 0, 0], ["60mm", "20mm", 0]]
+"""
+
+
+@pytest.fixture(scope="module")
+def scene(knot_file):
+    path = knot_file.with_name("scene.toml")
+    path.write_text(SCENE)
+    return path
+
+
+def test_python_reads_every_tick(scene, program, tmp_path):
+    program("run", scene, "--device", "sim", "--no-wait", "--record", tmp_path / "run.csv", "--quiet")
+    recorded = np.genfromtxt(tmp_path / "run.csv", delimiter=",", names=True, dtype=None, encoding="utf-8")
+    with gliss.Loop(scene, "sim", wait=False) as loop:
+        assert loop.wait(30)
+        ticks = loop.read()
+        assert not loop.running and loop.lost == 0 and loop.end == "the device has ended" and loop.device == "sim"
+        assert len(loop.read()) == 0
+    assert loop.closed
+    assert (ticks["number"] == np.arange(len(ticks))).all() and len(ticks) == len(recorded)
+    forces = np.column_stack([recorded[name] for name in ("fx", "fy", "fz")])
+    assert ticks["rendered"].tobytes() == forces.tobytes()
+    assert ticks["touching"].any() and (ticks["distance"][ticks["touching"]] < 0).all()
+    assert set(ticks["state"]) <= {b"start", b"run", b"hold", b"ramp", b"safe"}
+    assert ticks["position"].shape == (len(ticks), 3) and (ticks["orientation"] == [1, 0, 0, 0]).all()
+
+
+def test_a_loop_keeps_its_pace_while_python_works(scene):
+    with gliss.Loop(scene, seconds=0.3, realtime=False) as loop:
+        assert loop.running and loop.end is None
+        assert not loop.wait(0.05)
+        assert loop.wait()
+        ticks = loop.read()
+    assert len(ticks) + ticks["missed"].sum() >= 295
+    assert loop.refusals == []
+
+
+def test_one_loop_of_a_process_has_real_time(scene):
+    with gliss.Loop(scene) as one, gliss.Loop(scene) as other:
+        while not (len(one.read()) and len(other.read())):
+            time.sleep(0.01)
+        assert sum(any("another loop" in line for line in loop.refusals) for loop in (one, other)) == 1
+
+
+def test_a_closed_loop_is_refused(scene):
+    loop = gliss.Loop(scene, realtime=False)
+    loop.close()
+    loop.close()
+    assert not loop.running
+    for call in (loop.read, loop.wait):
+        with pytest.raises(ValueError, match="the loop is closed; expected one that is open"):
+            call()
+
+
+def test_a_forgotten_loop_ends(scene):
+    start = time.monotonic()
+    loop = gliss.Loop(scene, realtime=False)
+    del loop
+    assert time.monotonic() - start < 5
+
+
+def test_a_loop_ends_with_python(scene):
+    script = f"import gliss\nloop = gliss.Loop({str(scene)!r}, realtime=False)\nloop.me = loop\nprint(loop.running)"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=20)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "True\n", "")
+
+
+def test_slips_of_loops_are_told(scene, tmp_path):
+    bad = tmp_path / "bad.toml"
+    bad.write_text("[[object]]\nmash = 3\n")
+    with pytest.raises(gliss.SceneError, match="bad.toml"):
+        gliss.Loop(bad)
+    with pytest.raises(ValueError, match="device: 'hand' is none of sim"):
+        gliss.Loop(scene, "hand")
+    with pytest.raises(gliss.DeviceError, match="no haptic device answered"):
+        gliss.Loop(scene, "udp:10937")
+    with pytest.raises(ValueError, match="seconds: -1"):
+        gliss.Loop(scene, seconds=-1)
+    bad.write_text(SCENE.replace("knot.obj", "none.obj"))
+    with pytest.raises(gliss.SceneError, match="none.obj"):
+        gliss.Loop(bad)

@@ -1,0 +1,24 @@
+#include "tools/cli/engine_choice.h"
+
+#include "gliss/engine/opencl.h"
+
+namespace gliss::tools {
+
+std::unique_ptr<Engine> make_engine(const EngineChoice& choice, const std::function<void()>& poll,
+                                    const std::function<void(const std::string&)>& notice) {
+  const bool device = choice.backend == "opencl" || choice.backend == "auto";
+  if (!device && (!choice.device.empty() || choice.device_memory > 0))
+    throw InputError("--opencl-device and --device-memory ask for --backend opencl or auto");
+  if (choice.backend == "serial") return make_serial_engine(poll);
+  if (choice.backend == "tbb") return make_tbb_engine(choice.threads, poll);
+  OpenClOptions opencl;
+  opencl.device = choice.device;
+  opencl.memory = static_cast<std::uint64_t>(choice.device_memory) << 20;
+  opencl.threads = choice.threads;
+  opencl.poll = poll;
+  opencl.fall_back = choice.backend == "auto";
+  opencl.notice = notice;
+  return make_opencl_engine(opencl);
+}
+
+}  // namespace gliss::tools

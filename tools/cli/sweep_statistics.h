@@ -1,0 +1,26 @@
+// The statistics of a sweep as scripts read them.
+#pragma once
+
+#include <string>
+
+#include "gliss/study/sweep.h"
+#include "tools/cli/json.h"
+
+namespace gliss::tools {
+
+// The distributions of a depth and method, by the names that files and tables give them.
+struct NamedHistogram {
+  const char *name, *unit;
+  Histogram SweepStatistics::*histogram;
+};
+inline constexpr NamedHistogram kHistograms[] = {{"step", "N", &SweepStatistics::step},
+                                                 {"edge_step", "N", &SweepStatistics::edge_step},
+                                                 {"angle", "rad", &SweepStatistics::angle},
+                                                 {"error", "N", &SweepStatistics::error},
+                                                 {"residual", "rad", &SweepStatistics::residual}};
+
+std::string depth_name(double depth);  // "2mm"
+
+Json json_of(const SweepStatistics& statistics);
+
+}  // namespace gliss::tools
