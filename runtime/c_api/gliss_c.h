@@ -46,9 +46,7 @@ GLISS_API const char* gliss_version(void);
 /* Why the last call of this thread failed; "" if it did not. Valid until its next call. */
 GLISS_API const char* gliss_last_error(void);
 
-/* ---- Surfaces
- * ----------------------------------------------------------------------------------------------------
- */
+/* ---- Surfaces ---- */
 
 #define GLISS_DOUBLE 0u
 #define GLISS_FLOAT 1u
@@ -80,8 +78,8 @@ GLISS_API int32_t gliss_surface_from_arrays(const double* points, size_t stride,
 GLISS_API void gliss_surface_retain(gliss_surface* surface);
 GLISS_API void gliss_surface_release(gliss_surface* surface);
 
-GLISS_API int32_t gliss_surface_save(const gliss_surface* surface, const char* path); /* as a cache
-                                                                                         file */
+/* Writes a cache file. */
+GLISS_API int32_t gliss_surface_save(const gliss_surface* surface, const char* path);
 GLISS_API double gliss_surface_unit(const gliss_surface* surface);  /* m; 0 of NULL */
 GLISS_API size_t gliss_surface_faces(const gliss_surface* surface); /* 0 of NULL */
 /* Corners low and high of the bounding box, mesh's unit. */
@@ -123,9 +121,7 @@ GLISS_API int32_t gliss_surface_evaluate(const gliss_surface* surface, const uin
                                          const double* xi, const double* eta, size_t count,
                                          double* positions, double* normals);
 
-/* ---- Hands
- * -------------------------------------------------------------------------------------------------------
- */
+/* ---- Hands ---- */
 
 typedef struct {
   uint32_t size;          /* sizeof of this struct */
@@ -134,8 +130,8 @@ typedef struct {
   double stiffness;       /* N/m */
   double rotation[4];     /* of the object, a unit quaternion w, x, y, z */
   double position[3];     /* m */
-  double settle; /* ticks that the force takes to change by 20 % where a contact would leap; 0: it
-                    leaps */
+  /* Ticks that the force takes to change by 20 % where a contact would leap; 0: it leaps. */
+  double settle;
   double friction_static, friction_dynamic; /* 0 to 5 */
   double friction_settle;                   /* ticks from the one to the other */
   double damping;                           /* s/m, 0 to 20 */
@@ -169,8 +165,7 @@ GLISS_API int32_t gliss_hand_contact(const gliss_hand* hand, size_t hip, size_t 
 GLISS_API int32_t gliss_hand_move(gliss_hand* hand, size_t object, const double rotation[4],
                                   const double position[3]);
 
-/* ---- The guard between a force and a device
- * ---------------------------------------------------------------------- */
+/* ---- The guard between a force and a device ---- */
 
 #define GLISS_GUARD_START 0u
 #define GLISS_GUARD_RUN 1u

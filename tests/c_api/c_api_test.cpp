@@ -17,9 +17,16 @@ namespace {
 
 using ::testing::HasSubstr;
 
+// Drops the exact normals of a generated mesh: arrays have none.
+Mesh without_normals(Mesh mesh) {
+  mesh.normals.clear();
+  mesh.corner_normal.clear();
+  return mesh;
+}
+
 // A ball of 10 mm, from arrays.
 struct CBall {
-  CBall() : mesh(goldberg(3).mesh) {
+  CBall() : mesh(without_normals(goldberg(3).mesh)) {
     gliss_options options = GLISS_OPTIONS_INIT;
     options.unit = mesh.unit;
     EXPECT_EQ(make(&options, &surface), 0) << gliss_last_error();
@@ -296,6 +303,8 @@ TEST(CApi, tells_of_memory_that_it_does_not_get) {
   options.threads = 1;
   const auto fails_until_done = [&](const char* name, const auto& call) {
     int failures = 0;
+    // glibc aborts where it cannot note what a thread keeps to its end: let it be noted.
+    EXPECT_EQ(call(), 0) << name;
     for (std::uint64_t k = 1; k < 200'000; k += 1 + k / 20) {
       test::FailingAllocation failing(k, false);
       const std::int32_t code = call();
