@@ -55,6 +55,8 @@ TEST_F(Slips, an_option_that_there_is_not_comes_before_one_that_is_missing) {
             "gliss: there is no option '--deph'; did you mean --depth?\n");
   EXPECT_EQ(refusal("check torus.obj --unti mm"),
             "gliss: there is no option '--unti'; did you mean --unit?\n");
+  EXPECT_EQ(refusal("sweep torus.obj --friction 0.3 --depth 2mm"),
+            "gliss: there is no option '--friction'; gliss trace has it\n");
   EXPECT_EQ(refusal("check torus.obj --frobnicate"), "gliss: there is no option '--frobnicate'\n");
   EXPECT_EQ(refusal("sweep torus.obj -o a.h5"), "gliss: --depth is required\n");
 }

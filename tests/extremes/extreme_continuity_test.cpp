@@ -79,7 +79,7 @@ void cross(const Mesh& mesh, Precision precision, Construction construction,
 }
 
 TEST(ExtremeContinuity, of_normals_across_random_edges) {
-  const int edges = static_cast<int>(test::samples(10'000, 1'000'000)), each = 1000;
+  const int edges = static_cast<int>(test::samples(4'000, 1'000'000)), each = 1000;
   for (const Precision precision : test::kPrecisions) {
     const bool is_float = precision == Precision::kFloat;
     Crossing found;

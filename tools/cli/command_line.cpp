@@ -84,6 +84,15 @@ std::string superfluous_word(const CLI::App& program) {
   return fmt::format("'{}' is a word too many; {}", word, cure);
 }
 
+// "; gliss trace has it" for an option of other commands; "" where none has it.
+std::string owners_of(const CLI::App& program, const std::string& option) {
+  std::vector<std::string> owners;
+  for (const CLI::App* command : program.get_subcommands(nullptr))
+    if (command->get_option_no_throw(option) != nullptr) owners.push_back(whole_name(*command));
+  if (owners.empty()) return "";
+  return fmt::format("; {} {} it", fmt::join(owners, ", "), owners.size() == 1 ? "has" : "have");
+}
+
 // "there is no option '--deph'; did you mean --depth?" for the first word that looks like an option
 // and is none; "" where there is no such word.
 std::string unknown_option(const CLI::App& program) {
@@ -100,7 +109,8 @@ std::string unknown_option(const CLI::App& program) {
       if (edits < least) least = edits, nearest = other;
     }
     return fmt::format("there is no option '{}'{}", name,
-                       nearest.empty() ? "" : fmt::format("; did you mean {}?", nearest));
+                       nearest.empty() ? owners_of(program, name)
+                                       : fmt::format("; did you mean {}?", nearest));
   }
   return "";
 }
