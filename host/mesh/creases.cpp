@@ -1,8 +1,11 @@
 #include "gliss/mesh/creases.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
+#include <utility>
 
 #include "gliss/base/message.h"
 #include "gliss/base/units.h"
@@ -133,11 +136,7 @@ std::vector<double> turns_of(const Mesh& mesh, const Topology& topology) {
   return turns;
 }
 
-// Count the ascending numbers that are below x, and above it.
-std::size_t count_below(const std::vector<double>& ascending, double x) {
-  return static_cast<std::size_t>(std::lower_bound(ascending.begin(), ascending.end(), x) -
-                                  ascending.begin());
-}
+// Counts the ascending numbers that are above x.
 std::size_t count_above(const std::vector<double>& ascending, double x) {
   return static_cast<std::size_t>(ascending.end() -
                                   std::upper_bound(ascending.begin(), ascending.end(), x));
@@ -146,26 +145,30 @@ std::size_t count_above(const std::vector<double>& ascending, double x) {
 // Knows how many edges turn by how much, and at how many vertices.
 class Turns {
  public:
+  static constexpr std::size_t kDegrees = 180;
+
   // `turns`: turns_of.
   Turns(const Mesh& mesh, const Topology& topology, const std::vector<double>& turns)
       : most_(mesh.positions.size(), -1), next_(most_) {
     for (std::uint32_t side = 0; side < turns.size(); ++side) {
       if (turns[side] < 0) continue;
-      degrees_.push_back(turns[side] * 180 / std::numbers::pi);
+      const auto degrees = static_cast<std::size_t>(turns[side] * 180 / std::numbers::pi);
+      ++below_[std::min(degrees, kDegrees) + 1];
       meet(mesh.corner_vertex[side], turns[side]);
       meet(mesh.corner_vertex[next_side(mesh, topology, side)], turns[side]);
     }
-    for (std::vector<double>* numbers : {&degrees_, &most_, &next_})
-      std::sort(numbers->begin(), numbers->end());
+    std::partial_sum(below_.begin(), below_.end(), below_.begin());
   }
 
-  // The number of edges that turn by fewer degrees.
-  std::size_t below(std::size_t degrees) const {
-    return count_below(degrees_, static_cast<double>(degrees));
-  }
+  // The number of edges that turn by fewer degrees, up to kDegrees.
+  std::size_t below(std::size_t degrees) const { return below_[degrees]; }
   // True if at most a tenth of the vertices of edges that turn by more than `angle`, rad, have only
-  // one.
-  bool go_on(double angle) const {
+  // one. Few meshes need to be asked.
+  bool go_on(double angle) {
+    if (!std::exchange(is_sorted_, true)) {
+      std::sort(most_.begin(), most_.end());
+      std::sort(next_.begin(), next_.end());
+    }
     const std::size_t vertices = count_above(most_, angle);
     return 10 * (vertices - count_above(next_, angle)) <= vertices;
   }
@@ -176,15 +179,16 @@ class Turns {
     most_[vertex] = std::max(most_[vertex], turn);
   }
 
-  std::vector<double> degrees_;
+  std::array<std::size_t, kDegrees + 2> below_{};
   std::vector<double> most_, next_;  // of the edges of a vertex, rad; negative: it has fewer
+  bool is_sorted_ = false;
 };
 
 // Finds plain_crease_angle from turns_of.
 std::optional<double> parting_angle(const Mesh& mesh, const Topology& topology,
                                     const std::vector<double>& turns_of_sides) {
-  constexpr std::size_t kDegrees = 180, kApart = 30, kLeast = 5, kRound = 40;
-  const Turns turns(mesh, topology, turns_of_sides);
+  constexpr std::size_t kDegrees = Turns::kDegrees, kApart = 30, kLeast = 5, kRound = 40;
+  Turns turns(mesh, topology, turns_of_sides);
   const std::size_t all = turns.below(kDegrees);
   std::size_t widest = kApart - 1;
   std::optional<double> found;

@@ -118,7 +118,10 @@ Mesh read_mesh(const SurfaceOptions& options, bool tells_of_creases) {
 
 void tell_plain_creases(const SurfaceOptions& options, const Mesh& mesh) {
   if (options.quiet || (options.creases.any() && !options.creases.plain)) return;
-  const std::optional<double> angle = plain_crease_angle(mesh, build_topology(mesh));
+  const Topology topology = build_topology(mesh);
+  stop_if_interrupted();  // a million faces take a while
+  const std::optional<double> angle = plain_crease_angle(mesh, topology);
+  stop_if_interrupted();
   const double degrees = angle.value_or(0) * 180 / std::numbers::pi;
   if (options.creases.plain) {
     tell(angle
