@@ -28,6 +28,14 @@ Friction::Friction(const FrictionOptions& options)
       stays_(options.settle > 0 ? std::exp(-1 / options.settle) : 0),
       mu_(static_) {}
 
+void Friction::change(const FrictionOptions& options) noexcept {
+  static_ = options.at_rest;
+  dynamic_ = options.slipping;
+  stays_ = options.settle > 0 ? std::exp(-1 / options.settle) : 0;
+  mu_ = slips_ ? std::clamp(mu_, dynamic_, static_) : static_;
+  has_grip_ = has_grip_ && is_on();
+}
+
 void Friction::begin(const Vec3& axis, bool has_grip) noexcept {
   axis_ = axis;
   lag_.setZero();
