@@ -1,5 +1,5 @@
 """libgliss.so.0 from outside: it exports what its header declares and no more; the header is C99 and C++; the example
-compiles and runs; Python's ctypes touches a mesh. usage: c_api.py LIBRARY HEADER EXAMPLE GLISS"""
+compiles and runs; Python's ctypes touches a mesh. usage: c_api.py LIBRARY INCLUDES EXAMPLE GLISS"""
 import ctypes
 import pathlib
 import re
@@ -7,7 +7,8 @@ import subprocess
 import sys
 import tempfile
 
-library, header, example, gliss = (pathlib.Path(word).resolve() for word in sys.argv[1:])
+library, includes, example, gliss = (pathlib.Path(word).resolve() for word in sys.argv[1:])
+header = includes / "gliss" / "gliss_c.h"
 
 
 def run(*words):
@@ -27,8 +28,8 @@ if "libgliss.so.0" not in run("readelf", "-d", library):
 
 with tempfile.TemporaryDirectory() as name:
     folder = pathlib.Path(name)
-    strict = ("-pedantic", "-Wall", "-Wextra", "-Werror", f"-I{header.parent}")
-    (folder / "only.c").write_text('#include "gliss_c.h"\nint main(void) { return 0; }\n')
+    strict = ("-pedantic", "-Wall", "-Wextra", "-Werror", f"-I{includes}")
+    (folder / "only.c").write_text('#include <gliss/gliss_c.h>\nint main(void) { return 0; }\n')
     run("cc", "-std=c99", *strict, folder / "only.c", "-o", folder / "only")
     run("c++", "-std=c++11", "-x", "c++", *strict, "-fsyntax-only", folder / "only.c")
     run("cc", "-std=c99", *strict, example, library, f"-Wl,-rpath,{library.parent}", "-o", folder / "hand")
