@@ -29,10 +29,10 @@ Friction::Friction(const FrictionOptions& options)
       mu_(static_) {}
 
 void Friction::change(const FrictionOptions& options) noexcept {
+  mu_ = mu_ == static_ ? options.at_rest : std::clamp(mu_, options.slipping, options.at_rest);
   static_ = options.at_rest;
   dynamic_ = options.slipping;
   stays_ = options.settle > 0 ? std::exp(-1 / options.settle) : 0;
-  mu_ = slips_ ? std::clamp(mu_, dynamic_, static_) : static_;
   has_grip_ = has_grip_ && is_on();
 }
 

@@ -114,14 +114,23 @@ TEST(Chai3d, gives_each_point_of_the_tools_its_own_contact) {
   }
 }
 
+// As CHAI3D's matrices do, to the last bit.
+Vec3 turn_back(const Eigen::Matrix3d& turn, const Vec3& v) {
+  Vec3 sum = Vec3::Zero();
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) sum[i] += turn(j, i) * v[j];
+  }
+  return sum;
+}
+
 TEST(Chai3d, is_moved_by_chai3d) {
   SceneObject surface = ball();
   surface.friction = {0.6, 0.4};
   cGlissObject object(surface);
   World world(object);
-  Tracker alone({&surface, 1});
+  Tracker alone({&surface, 1}), still({&surface, 1});
   double turned = 0;
-  test::Worst worst;
+  test::Worst worst, worst_of_still;
   for (const Vec3& hip : sliding(3000)) {
     turned += 1e-3;
     const Pose pose = Eigen::Translation3d(0.2, 1e-3 * std::sin(turned), -0.1) *
@@ -133,9 +142,13 @@ TEST(Chai3d, is_moved_by_chai3d) {
     object.setLocalRot(turn);
     alone.move(0, pose);
     const Vec3 there = Vec3(0.2, 0, -0.1) + hip;
-    worst.add((world.force(there) - alone.step(there)).norm());
+    const Vec3 force = world.force(there),
+               local = turn_back(pose.linear(), there - pose.translation());
+    worst.add((force - alone.step(there)).norm());
+    worst_of_still.add((force - pose.linear() * still.step(local)).norm());
   }
-  EXPECT_LE(worst.value, kSame);
+  EXPECT_LE(worst.value, 1e-7);  // the HIP in the object's frame differs in its last bits
+  EXPECT_LE(worst_of_still.value, kSame);
 }
 
 TEST(Chai3d, takes_stiffness_and_friction_of_the_material_in_each_tick) {
@@ -168,8 +181,8 @@ TEST(Chai3d, keeps_the_material_before_one_that_is_none) {
   const Vec3 force = world.force({0, 0, 0.008});
   ::testing::internal::CaptureStderr();
   object.m_material->setStaticFriction(7);
-  EXPECT_EQ(world.force({0, 0, 0.008}), force);
-  EXPECT_EQ(world.force({0, 0, 0.008}), force);
+  EXPECT_LE((world.force({0, 0, 0.008}) - force).norm(), kSame);
+  EXPECT_LE((world.force({0, 0, 0.008}) - force).norm(), kSame);
   EXPECT_EQ(::testing::internal::GetCapturedStderr(),
             "cGlissObject : its material has no finite stiffness or a friction above 5: it keeps "
             "the one before\n");
@@ -202,15 +215,16 @@ TEST(Chai3d, tells_chai3d_where_the_contact_is) {
   const SceneObject surface = ball();
   cGlissObject object(surface);
   World world(object);
+  ContactTracker alone(*surface.cache, {});
   for (const Vec3& hip : sliding(1000)) {
     const Vec3 force = world.force(hip);
-    const Contact contact = nearest(*surface.cache, hip / surface.unit());
+    const Contact contact = alone.tick(hip / surface.unit());
     EXPECT_EQ(object.m_interactionInside, contact.touching);
     EXPECT_EQ(world.recorder.m_interactions.size(), contact.touching ? 1u : 0u);
     if (!contact.touching) continue;
     const Vec3 point = surface.unit() * contact.scp;
-    EXPECT_LE((vec(object.m_interactionPoint) - point).norm(), 1e-9);
-    EXPECT_LE((vec(object.m_interactionNormal) - contact.normal).norm(), 1e-6);
+    EXPECT_EQ(vec(object.m_interactionPoint), point);
+    EXPECT_EQ(vec(object.m_interactionNormal), contact.normal);
     const chai3d::cInteractionEvent& event = world.recorder.m_interactions[0];
     EXPECT_EQ(event.m_object, &object);
     EXPECT_TRUE(event.m_isInside);
