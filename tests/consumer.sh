@@ -56,7 +56,9 @@ else
   cat sanitized.txt
   exit 1
 fi
-./own_device
+./own_device >own_device.txt
+cat own_device.txt
+grep -qE '^stopped; at most (0\.[5-9]|1\.0).* N, in the end 0\.00 N$' own_device.txt
 "$3/prefix/bin/gliss" --version
 
 cd ../c
