@@ -114,6 +114,7 @@ class cGlissObject : public chai3d::cGenericObject {
   void computeLocalInteraction(const chai3d::cVector3d& position, const chai3d::cVector3d&,
                                const unsigned int id) override {
     m_interactionInside = false;
+    m_interactionPoint = position;  // no effect of CHAI3D pulls there
     found_ = {};
     Tracker* tracker = tracker_of(id);
     if (tracker == nullptr) return tell(kTooManyPoints);

@@ -41,6 +41,16 @@ std::vector<Vec3> sliding(std::size_t ticks, unsigned seed = 3) {
   return path;
 }
 
+// Pulls to the object's point from anywhere, as CHAI3D's magnet does.
+struct Pull final : chai3d::cGenericEffect {
+  using cGenericEffect::cGenericEffect;
+  bool computeForce(const cVector3d& position, const cVector3d&, const unsigned int&,
+                    cVector3d& force) override {
+    force = cSub(m_parent->m_interactionPoint, position);
+    return true;
+  }
+};
+
 // A world of one object: what a tool's point feels there, m and N.
 class World {
  public:
@@ -235,16 +245,6 @@ TEST(Chai3d, tells_chai3d_where_the_contact_is) {
   }
 }
 
-// Pulls to the object's point from anywhere, as CHAI3D's magnet does.
-struct Pull final : chai3d::cGenericEffect {
-  using cGenericEffect::cGenericEffect;
-  bool computeForce(const cVector3d& position, const cVector3d&, const unsigned int&,
-                    cVector3d& force) override {
-    force = cSub(m_parent->m_interactionPoint, position);
-    return true;
-  }
-};
-
 TEST(Chai3d, shows_effects_of_chai3d_the_nearest_point_from_afar_too) {
   const SceneObject surface = ball();
   cGlissObject object(surface, 1, 1, ForceBy::kChai3d);
@@ -287,6 +287,7 @@ TEST(Chai3d, lets_no_spring_act_twice) {
 
 TEST(Chai3d, has_no_force_for_points_that_it_was_not_made_for_and_says_so_once) {
   cGlissObject object(ball(), 1, 2);
+  object.addEffect(new Pull(&object));
   World world(object);
   const auto press = [&](unsigned int id) {
     world.force({0, 0, 0.012}, id);
