@@ -326,7 +326,7 @@ TEST(Chai3d, has_no_force_for_a_position_that_is_none) {
 }
 
 TEST(Chai3d, allocates_nothing_in_a_tick) {
-  if (!test::allocations_are_counted()) GTEST_SKIP() << "skipped: a sanitizer counts allocations";
+  if (!test::allocations_are_counted()) GTEST_SKIP() << "skipped: a sanitizer has malloc";
   SceneObject surface = ball();
   surface.friction = {0.6, 0.4};
   surface.effects = {.damping = 2, .magnet = {0.2, 0.001}};
