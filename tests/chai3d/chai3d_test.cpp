@@ -5,6 +5,7 @@
 #include "gliss/generate/generate.h"
 #include "tests/oracle/oracle.h"
 #include "tests/support/allocations.h"
+#include "tests/support/open_meshes.h"
 #include "tests/support/surfaces.h"
 
 namespace gliss {
@@ -251,7 +252,7 @@ TEST(Chai3d, shows_effects_of_chai3d_the_nearest_point_from_afar_too) {
   object.addEffect(new Pull(&object));
   World world(object);
   for (const Vec3& hip :
-       {Vec3(0, 0, 0.3), Vec3(0, 0, 0.301), Vec3(0, 0.3, 0.2), Vec3(0.02, 0, 0)}) {
+       {Vec3(0, 0, 0.3), Vec3(0, 0.1, 0.3), Vec3(0.1, 0.1, 0.2), Vec3(0.02, 0, 0)}) {
     const Vec3 way = surface.unit() * nearest(*surface.cache, hip / surface.unit()).scp - hip;
     EXPECT_LE((world.force(hip) - way).norm(), 1e-9);
     EXPECT_FALSE(object.m_interactionInside);
@@ -266,6 +267,24 @@ TEST(Chai3d, leaves_the_spring_to_chai3d_where_it_is_told_to) {
   World world(object);
   Tracker alone({&surface, 1});
   expect_forces(world, sliding(3000), [&](const Vec3& hip) { return alone.step(hip); });
+}
+
+TEST(Chai3d, leaves_the_spring_to_chai3d_at_an_open_border_too) {
+  SceneObject surface{.cache = std::make_shared<PatchCache>(test::cache_of(test::sheet()))};
+  surface.friction = {0.6, 0.4};
+  cGlissObject object(surface, 1, 1, ForceBy::kChai3d);
+  object.createEffectSurface();
+  World world(object);
+  Tracker alone({&surface, 1});
+  std::vector<Vec3> over_the_rim;
+  for (double x = 0; x < 0.017; x += 1e-5)
+    over_the_rim.push_back({x, 0.001, std::max(-0.002, 5e-4 - x)});
+  expect_forces(world, over_the_rim, [&](const Vec3& hip) { return alone.step(hip); });
+  // From there beneath it, where nothing is felt.
+  for (double x = 0.017; x > 0; x -= 1e-5) {
+    ASSERT_TRUE(world.force({x, 0.001, -0.002}).isZero(0)) << x;
+    ASSERT_FALSE(object.m_interactionInside) << x;
+  }
 }
 
 TEST(Chai3d, lets_no_spring_act_twice) {
