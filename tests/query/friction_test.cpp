@@ -113,6 +113,7 @@ TEST(Friction, changes_in_contact_to_the_cone_that_it_is_given) {
     const auto drag = [&] { return drag_of(sheet.tick(-6.2)).norm(); };
     EXPECT_NEAR(drag(), 0.4, 1e-9);  // at rest, 0.8 mm behind
     EXPECT_TRUE(sheet.change({0.6, 0.5}));
+    EXPECT_NEAR(drag_of(sheet.tick(-5.9)).norm(), 0.55, 1e-9);  // it would have slipped
     EXPECT_NEAR(drag(), 0.4, 1e-9);
     EXPECT_TRUE(sheet.change({0.2, 0.1}));  // it slips, and rests within the new cone
     for (int i = 0; i < 50; ++i) drag();
@@ -125,9 +126,11 @@ TEST(Friction, changes_in_contact_to_the_cone_that_it_is_given) {
     EXPECT_TRUE(sheet.change({}));  // it slides to where it belongs
     for (int i = 0; i < 200; ++i) drag();
     EXPECT_NEAR(drag(), 0, 1e-9);
-    EXPECT_TRUE(sheet.change({0.5, 0.3}));
+    EXPECT_FALSE(is_slipping(sheet.tick(-6.3).flags));
+    EXPECT_TRUE(sheet.change({0.5, 0.3, 2}));
     drag();  // from here on it has friction
     EXPECT_NEAR(drag_of(sheet.tick(-5.8)).norm(), 0.2, 1e-9);
+    EXPECT_NEAR(drag_of(sheet.tick(-5.1)).norm(), 0.3 + 0.2 * std::exp(-0.5), 1e-9);
   }
 }
 
