@@ -21,7 +21,8 @@ using ::testing::ThrowsMessage;
 constexpr double kSame = 1e-12;  // N
 
 SceneObject ball() {
-  return {.cache = std::make_shared<PatchCache>(test::cache_of(goldberg().mesh)), .stiffness = 700};
+  static const auto cache = std::make_shared<const PatchCache>(test::cache_of(goldberg().mesh));
+  return {.cache = cache, .stiffness = 700};
 }
 
 Vec3 vec(const cVector3d& v) { return {v(0), v(1), v(2)}; }
