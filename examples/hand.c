@@ -1,7 +1,7 @@
 /* A hand on a mesh in C: loads it, presses a point into it from above, and prints position and force, a line each.
  *
  *   cc -std=c99 hand.c $(pkg-config --cflags --libs gliss) -o hand && ./hand mesh.obj 0.001 */
-#include <gliss_c.h>
+#include <gliss/gliss_c.h>
 #include <stdio.h>
 #include <stdlib.h>
 

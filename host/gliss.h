@@ -1,4 +1,5 @@
-// All of Gliss: each header that is installed, and those alone. What each needs is in its room.
+// All of Gliss in C++: each header that is installed, but for gliss_c.h, for C, and chai3d.h, for
+// who has CHAI3D. What each needs is in its room.
 #pragma once
 
 #include "gliss/base/export.h"

@@ -1,13 +1,16 @@
 """libgliss.so.0 from outside: it exports what its header declares and no more; the header is C99 and C++; the example
-compiles and runs; Python's ctypes touches a mesh. usage: c_api.py LIBRARY HEADER EXAMPLE GLISS"""
+compiles and runs; Python's ctypes touches a mesh, on the page of C too.
+usage: c_api.py LIBRARY INCLUDES EXAMPLE GLISS PAGE"""
 import ctypes
+import os
 import pathlib
 import re
 import subprocess
 import sys
 import tempfile
 
-library, header, example, gliss = (pathlib.Path(word).resolve() for word in sys.argv[1:])
+library, includes, example, gliss, page = (pathlib.Path(word).resolve() for word in sys.argv[1:])
+header = includes / "gliss" / "gliss_c.h"
 
 
 def run(*words):
@@ -27,8 +30,8 @@ if "libgliss.so.0" not in run("readelf", "-d", library):
 
 with tempfile.TemporaryDirectory() as name:
     folder = pathlib.Path(name)
-    strict = ("-pedantic", "-Wall", "-Wextra", "-Werror", f"-I{header.parent}")
-    (folder / "only.c").write_text('#include "gliss_c.h"\nint main(void) { return 0; }\n')
+    strict = ("-pedantic", "-Wall", "-Wextra", "-Werror", f"-I{includes}")
+    (folder / "only.c").write_text('#include <gliss/gliss_c.h>\nint main(void) { return 0; }\n')
     run("cc", "-std=c99", *strict, folder / "only.c", "-o", folder / "only")
     run("c++", "-std=c++11", "-x", "c++", *strict, "-fsyntax-only", folder / "only.c")
     run("cc", "-std=c99", *strict, example, library, f"-Wl,-rpath,{library.parent}", "-o", folder / "hand")
@@ -60,3 +63,10 @@ with tempfile.TemporaryDirectory() as name:
     if ctypes.cast(contact, ctypes.POINTER(ctypes.c_uint32))[0] != 1:
         sys.exit("a point in the ball does not touch")
     lib.gliss_surface_release(surface)
+
+    # What the page shows of it.
+    shown = re.search(r"^```python\n(.*?)^```", page.read_text(), flags=re.M | re.S)[1]
+    told = subprocess.run([sys.executable, "-c", shown], cwd=folder, capture_output=True, text=True, check=False,
+                          env={**os.environ, "LD_LIBRARY_PATH": str(library.parent)})
+    if told.returncode or told.stdout.count(", ") != 4:
+        sys.exit(f"{page}: {told.stdout}{told.stderr}")

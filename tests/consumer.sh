@@ -1,7 +1,8 @@
 #!/bin/sh
 # Installs the build tree given as $1, builds the consumer project $2 against it in $3, and runs it: as it
 # is, as C++23, and built for the instruction sets that this machine has besides. All must print the same. Then builds
-# the source $4 with a loop's libraries alone, and runs it as it is and under sanitizers.
+# the source $4 with a loop's libraries alone, and runs it as it is and under sanitizers; and of the examples the
+# device of one's own, and the hand in C by CMake and by pkg-config.
 set -eu
 . "$(dirname "$0")/support/skip.sh"
 rm -rf "$3"
@@ -10,6 +11,8 @@ cmake -S "$2" -B "$3/build" -DCMAKE_PREFIX_PATH="$3/prefix" -DCMAKE_BUILD_TYPE=R
 cmake --build "$3/build" --parallel 2
 cmake -S "$2/loop" -B "$3/loop" -DCMAKE_PREFIX_PATH="$3/prefix" -DCMAKE_BUILD_TYPE=Release -DLOOP_SOURCE="$4" >/dev/null
 cmake --build "$3/loop" --parallel 2
+cmake -S "$2/c" -B "$3/c" -DCMAKE_PREFIX_PATH="$3/prefix" >/dev/null
+cmake --build "$3/c"
 cd "$3/build"
 
 has_v3() {
@@ -53,4 +56,23 @@ else
   cat sanitized.txt
   exit 1
 fi
+./own_device >own_device.txt
+cat own_device.txt
+grep -qE '^stopped; at most (0\.[5-9]|1\.0).* N, in the end 0\.00 N$' own_device.txt
 "$3/prefix/bin/gliss" --version
+
+cd ../c
+"$3/prefix/bin/gliss" generate goldberg -o ball.obj --quiet
+./hand ball.obj 0.001 >hand.txt
+if command -v pkg-config >/dev/null; then
+  pc=$(find "$3/prefix" -name gliss.pc -exec dirname {} \;)
+  PKG_CONFIG_PATH=$pc pkg-config --exact-version="$("$3/prefix/bin/gliss" --version | sed 's/^gliss \([0-9.]*\).*/\1/;q')" gliss
+  # shellcheck disable=SC2046  # options, word by word
+  cc -std=c99 -pedantic -Wall -Wextra -Werror "$2/../../examples/hand.c" $(PKG_CONFIG_PATH=$pc pkg-config --cflags --libs gliss) \
+    -Wl,-rpath,"$(dirname "$pc")" -o hand_pkg_config
+  ./hand_pkg_config ball.obj 0.001 >hand_pkg_config.txt
+  cmp hand.txt hand_pkg_config.txt
+  echo "C by CMake and by pkg-config: the same forces"
+else
+  leave_out_unless_required "no pkg-config"
+fi

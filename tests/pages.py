@@ -1,5 +1,5 @@
 """Holds that the pages of the documentation are right where a program can tell: links, anchors and headers that they
-name are there, and whole C++ programs that they show compile.
+name are there, and whole programs in C++ and C that they show compile.
 
 Usage: pages.py ROOT ROOMS EIGEN COMPILER: ROOMS holds a folder of headers for each room, EIGEN those of Eigen.
 """
@@ -37,16 +37,17 @@ def wrong_links(page):
 
 
 def wrong_headers(page):
-    for header in re.findall(r"[`<](gliss/\w+/[\w.]+)[`>]", page.read_text()):
+    for header in re.findall(r"[`<](gliss/[\w/]+\.h)[`>]", page.read_text()):
         if not any((folder / header).exists() for folder in folders):
             yield f"no header '{header}'"
 
 
 def wrong_programs(page):
-    for program in re.findall(r"^```cpp\n(.*?)^```", page.read_text(), flags=re.M | re.S):
+    for fence, program in re.findall(r"^```(cpp|c)\n(.*?)^```", page.read_text(), flags=re.M | re.S):
         if "int main" not in program:
             continue
-        words = [compiler, "-std=c++20", "-fsyntax-only", "-x", "c++", "-", f"-isystem{eigen}"]
+        language = ["-std=c++20", "-x", "c++"] if fence == "cpp" else ["-std=c99", "-pedantic-errors", "-x", "c"]
+        words = [compiler, *language, "-fsyntax-only", "-Wall", "-Werror", "-", f"-isystem{eigen}"]
         told = subprocess.run(words + [f"-I{folder}" for folder in folders], input=program, text=True,
                               capture_output=True)
         if told.returncode != 0:

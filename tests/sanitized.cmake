@@ -3,13 +3,16 @@
 if(GLISS_SANITIZE STREQUAL "thread")
   set(parts haply/haply_device loop/loop engine/parallel thread/periodic device/udp_device device/udp_server)
 else()
-  set(parts files/atomic_file files/cache_file tables/csv_file tables/csv_reader device/guard haply/haply_device
-    files/hostile_files files/hostile_numbers study/hostile_parts loop/loop files/mesh engine/parallel
+  set(parts files/atomic_file c_api/c_api files/cache_file chai3d/chai3d tables/csv_file tables/csv_reader device/guard
+    haply/haply_device files/hostile_files files/hostile_numbers study/hostile_parts loop/loop files/mesh engine/parallel
     tables/result_file scene/scene_error scene/scene_file device/sim_device study/sweep device/udp_device
     device/udp_protocol device/udp_server base/units validate/validate tables/vtp_file)
 endif()
 list(TRANSFORM parts APPEND _test.cpp OUTPUT_VARIABLE sources)
 add_gliss_tests(sanitized_tests ${sources} ${PROJECT_SOURCE_DIR}/tools/cli/progress_text.cpp)
+if("c_api/c_api" IN_LIST parts)
+  target_sources(sanitized_tests PRIVATE $<TARGET_OBJECTS:room_c_api>)
+endif()
 set_source_files_properties(support/places.cpp PROPERTIES COMPILE_DEFINITIONS
   "GLISS_TESTS_DIR=\"${CMAKE_CURRENT_SOURCE_DIR}\";GLISS_SHARED_DIR=\"\";GLISS_PROGRAM=\"\";GLISS_OPENCL_FAULT=\"\"")
 # These headers take most of the time, and optimising under sanitizers as much again.

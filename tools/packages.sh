@@ -13,14 +13,14 @@ python_packages=(pybind11-dev python3-dev python3-numpy)
 # What the tests and benchmarks need besides. clang reads the kernels as OpenCL C; PoCL is an OpenCL
 # device on any processor, oclgrind one that finds what others let pass; of locales one with a decimal comma is made.
 test_packages=(pocl-opencl-icd oclgrind libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev libembree-dev
-  make clang clang-format-14 stress-ng rt-tests strace locales python3-h5py "${python_packages[@]}" python3-pytest mypy
+  make pkg-config abigail-tools clang clang-format-14 stress-ng rt-tests strace locales python3-h5py "${python_packages[@]}" python3-pytest mypy
   python3-venv python3-pip python3-setuptools python3-wheel)
 # Peers that tools/bench.sh compares with, where they can be had.
 bench_packages=(libosd-dev libembree-dev)
 # What tools/fuzz.sh needs besides: clang with libFuzzer and its sanitizers.
 fuzz_packages=(clang libclang-rt-dev libgtest-dev)
-# Tests that need these are skipped without them; on Ubuntu a snap holds the browser.
-optional_test_packages=(chromium)
+# Tests that need these are skipped without them: a browser, which on Ubuntu a snap holds, and C#.
+optional_test_packages=(chromium mono-mcs mono-runtime)
 
 # Installs those of the packages named that are missing; asks nothing and needs no network when none is.
 install_packages() {

@@ -12,7 +12,7 @@ install_packages "${optional_test_packages[@]}" ||
 if command -v apt-get >/dev/null; then export GLISS_REQUIRE=1; fi
 
 # Another release formats in another way.
-find kernels host runtime python tools tests bench -name '*.h' -o -name '*.cpp' -o -name '*.inc' | sort |
+find kernels host runtime python tools tests bench examples -name '*.h' -o -name '*.cpp' -o -name '*.inc' | sort |
   xargs clang-format-14 --dry-run -Werror
 
 # g++ is quicker by 6 % where it may fill 400 MB before it looks for what it no longer needs.

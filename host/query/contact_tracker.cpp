@@ -487,6 +487,13 @@ Contact ContactTracker::track(const Vec3& hip, const DomainPoint& start, const S
   });
 }
 
+bool ContactTracker::set_friction(const FrictionOptions& friction) noexcept {
+  if (fault_of(friction) != nullptr) return false;
+  options_.friction = friction;
+  friction_.change(friction);
+  return true;
+}
+
 // From the state as a start, the HIP's own nearest point and those of HIPs beside it, to both sides
 // along each axis.
 template <class Real>

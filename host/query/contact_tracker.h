@@ -66,6 +66,8 @@ class GLISS_EXPORT ContactTracker {
   static constexpr double kMostMoves = 4;
   const Settling& felt() const { return felt_; }
   const Friction& friction() const { return friction_; }
+  // Goes on with another friction, in contact too. False if that is none: nothing changes.
+  bool set_friction(const FrictionOptions& friction) noexcept;
   // The tangential part of the last tick's push over what friction at rest permits; 0 without.
   double cone_share() const { return touching() && friction_.has_grip() ? friction_.share() : 0; }
   // True if the last tick's contact was touching.

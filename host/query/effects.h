@@ -57,6 +57,7 @@ class GLISS_EXPORT Effects {
   // `unit`: of the mesh, m; `stiffness`: N/m. Requires options without a fault.
   Effects(const EffectOptions& options, double stiffness, double unit);
 
+  void set_stiffness(double stiffness) noexcept { stiffness_ = stiffness; }
   // A tick begins with the HIP at `hip` (mesh's unit), each tick once.
   void see(const Vec3& hip) noexcept;
   // The distance outside (mesh's unit) within which a contact has to be looked for.

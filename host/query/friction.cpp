@@ -28,6 +28,14 @@ Friction::Friction(const FrictionOptions& options)
       stays_(options.settle > 0 ? std::exp(-1 / options.settle) : 0),
       mu_(static_) {}
 
+void Friction::change(const FrictionOptions& options) noexcept {
+  mu_ = mu_ == static_ ? options.at_rest : std::clamp(mu_, options.slipping, options.at_rest);
+  static_ = options.at_rest;
+  dynamic_ = options.slipping;
+  stays_ = options.settle > 0 ? std::exp(-1 / options.settle) : 0;
+  has_grip_ = has_grip_ && is_on();
+}
+
 void Friction::begin(const Vec3& axis, bool has_grip) noexcept {
   axis_ = axis;
   lag_.setZero();

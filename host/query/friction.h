@@ -29,6 +29,10 @@ class GLISS_EXPORT Friction {
   // Requires options without a fault.
   explicit Friction(const FrictionOptions& options);
 
+  // Goes on with other options, without a fault. A point at rest keeps its lag as far as the new
+  // cone permits; without friction there is none.
+  void change(const FrictionOptions& options) noexcept;
+
   bool is_on() const { return static_ > 0; }
   // A contact begins at rest, pushed along `axis` (unit). Past a border it has no grip: there it is
   // without friction until it has left that.

@@ -33,6 +33,13 @@ Contact LazyContact::tick(const Vec3& hip) noexcept {
   return contact;
 }
 
+bool LazyContact::set_friction(const FrictionOptions& friction) noexcept {
+  if (!base_.set_friction(friction)) return false;
+  query_.friction = friction;
+  if (patches_) patches_->set_friction(friction);
+  return true;
+}
+
 // A contact on patches goes on with the bytes that it has; it waits for a region that has its
 // patch.
 void LazyContact::take_region() noexcept {

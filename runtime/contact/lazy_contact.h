@@ -22,6 +22,8 @@ class GLISS_EXPORT LazyContact {
   // Every HIP, also where it is clear: the worker goes by them.
   void post(const Vec3& hip) noexcept { worker_.post(hip, touching(), face_); }
   Contact tick(const Vec3& hip) noexcept;
+  // As ContactTracker's.
+  bool set_friction(const FrictionOptions& friction) noexcept;
   bool touching() const { return place_ != Place::kFree; }
   bool is_clear(const Vec3& hip) const { return !touching() && (hip - last_).norm() < clear_; }
   const LazyWorker& worker() const { return worker_; }

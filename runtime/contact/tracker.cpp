@@ -78,6 +78,19 @@ bool Tracker::move(std::size_t object, const Pose& pose) noexcept {
   return true;
 }
 
+bool Tracker::set_material(std::size_t object, double stiffness,
+                           const FrictionOptions& friction) noexcept {
+  if (!std::isfinite(stiffness) || fault_of(friction) != nullptr) return false;
+  places_[object].object.stiffness = stiffness;
+  places_[object].object.friction = friction;
+  for (Tracked& tracked : tracked_) {
+    if (tracked.place != object) continue;
+    tracked.set_friction(friction);
+    if (tracked.effects) tracked.effects->set_stiffness(stiffness);
+  }
+  return true;
+}
+
 void Tracker::follow_motions(Nanoseconds time) noexcept {
   for (std::size_t i = 0; i < places_.size(); ++i) {
     const SceneObject& object = places_[i].object;

@@ -78,6 +78,9 @@ class GLISS_EXPORT Tracker {
   // Puts an object of the constructor's list to where the next step finds it. False for a pose that
   // is not rigid: the object stays.
   bool move(std::size_t object, const Pose& pose) noexcept;
+  // Gives an object another stiffness (N/m) and friction, in contact too: the next step's force is
+  // of these. False for numbers that the constructor refuses: the object stays as it is.
+  bool set_material(std::size_t object, double stiffness, const FrictionOptions& friction) noexcept;
   // The last step of the first HIP's objects, then of the next one's. Valid as long as
   // the tracker.
   std::span<const ObjectStep> objects() const { return steps_; }
@@ -104,6 +107,10 @@ class GLISS_EXPORT Tracker {
     }
     const ContactTracker& tracker() const { return whole ? *whole : lazy->tracker(); }
     Contact tick(const Vec3& at) noexcept { return whole ? whole->tick(at) : lazy->tick(at); }
+    void set_friction(const FrictionOptions& friction) noexcept {
+      if (whole) whole->set_friction(friction);
+      if (lazy) lazy->set_friction(friction);
+    }
     bool touching() const { return whole ? whole->touching() : lazy->touching(); }
   };
   void follow_motions(Nanoseconds time) noexcept;

@@ -219,5 +219,42 @@ TEST(Tracker, has_the_effects_of_a_trace_and_allocates_nothing) {
   EXPECT_GT(pushes, 100u);
 }
 
+TEST(Tracker, goes_on_with_the_material_that_it_is_given) {
+  const auto cache = ball();
+  SceneObject object{.cache = cache, .friction = {0.5, 0.3}};
+  object.effects.damping = 1;
+  Tracker changed({&object, 1});
+  object.stiffness = 800;
+  Tracker same({&object, 1});  // but for its stiffness as before
+  std::size_t touching = 0;
+  for (const Vec3& hip : wandering(5000, 0.012)) {
+    const Vec3 felt = changed.step(hip);
+    EXPECT_LT((1.6 * felt - same.step(hip)).norm(), 1e-12);
+    touching += same.touching();
+  }
+  EXPECT_GT(touching, 500u);
+  EXPECT_TRUE(changed.set_material(0, 800, object.friction));
+  for (const Vec3& hip : wandering(500, 0.012)) EXPECT_EQ(changed.step(hip), same.step(hip));
+
+  EXPECT_FALSE(changed.set_material(0, std::numeric_limits<double>::infinity(), {}));
+  EXPECT_FALSE(changed.set_material(0, 500, {0.1, 0.2}));
+  for (const Vec3& hip : wandering(500, 0.012)) EXPECT_EQ(changed.step(hip), same.step(hip));
+
+  // Of an object whose patches are built near the hand too.
+  SceneObject lazy;
+  lazy.lazy = std::make_shared<const LazyMesh>(goldberg().mesh);
+  lazy.method = Method::kGregory;
+  Tracker built_later({&lazy, 1});
+  EXPECT_TRUE(built_later.set_material(0, 250, {0.5, 0.3}));
+  const auto press = [](Tracker& tracker) {
+    Vec3 force;
+    for (double z = 0.012; z > 0.008; z -= 1e-5) force = tracker.step(Vec3(0, 0, z));
+    return force;
+  };
+  EXPECT_NEAR(press(built_later).norm(), 250 * 0.002, 0.1);
+  built_later.step(Vec3(0, 2e-4, 0.008));
+  EXPECT_NEAR(built_later.step(Vec3(0, 2e-4, 0.008)).y(), -250 * 2e-4, 0.02);
+}
+
 }  // namespace
 }  // namespace gliss

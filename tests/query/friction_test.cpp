@@ -51,6 +51,7 @@ class FrictionOnSheet {
   }
   Contact tick(double x, double y = 0) { return tracker_.tick({x, y, -2}); }
   double cone_share() const { return tracker_.cone_share(); }
+  bool change(const FrictionOptions& friction) { return tracker_.set_friction(friction); }
 
  private:
   PatchCache cache_;
@@ -103,6 +104,34 @@ TEST(Friction, takes_its_settling_time_from_the_static_to_the_dynamic_limit) {
     EXPECT_NEAR(drag_of(contact).norm(), 0.3 + 0.2 * std::exp(-slipped / kTicks), 1e-9);
   }
   EXPECT_GT(slipped, 500);
+}
+
+TEST(Friction, changes_in_contact_to_the_cone_that_it_is_given) {
+  for (const double settle : {0.0, 5.0}) {
+    FrictionOnSheet sheet(with_friction(0.5, 0.3, settle));
+    sheet.press({-7, 0, 0});
+    const auto drag = [&] { return drag_of(sheet.tick(-6.2)).norm(); };
+    EXPECT_NEAR(drag(), 0.4, 1e-9);  // at rest, 0.8 mm behind
+    EXPECT_TRUE(sheet.change({0.6, 0.5}));
+    EXPECT_NEAR(drag_of(sheet.tick(-5.9)).norm(), 0.55, 1e-9);  // it would have slipped
+    EXPECT_NEAR(drag(), 0.4, 1e-9);
+    EXPECT_TRUE(sheet.change({0.2, 0.1}));  // it slips, and rests within the new cone
+    for (int i = 0; i < 50; ++i) drag();
+    EXPECT_NEAR(drag(), 0.1, 1e-9);
+    for (const FrictionOptions& none :
+         {FrictionOptions{-1, -1}, FrictionOptions{0.1, 0.2}, FrictionOptions{6, 1}}) {
+      EXPECT_FALSE(sheet.change(none));
+      EXPECT_NEAR(drag(), 0.1, 1e-9);
+    }
+    EXPECT_TRUE(sheet.change({}));  // it slides to where it belongs
+    for (int i = 0; i < 200; ++i) drag();
+    EXPECT_NEAR(drag(), 0, 1e-9);
+    EXPECT_FALSE(is_slipping(sheet.tick(-6.3).flags));
+    EXPECT_TRUE(sheet.change({0.5, 0.3, 2}));
+    drag();  // from here on it has friction
+    EXPECT_NEAR(drag_of(sheet.tick(-5.8)).norm(), 0.2, 1e-9);
+    EXPECT_NEAR(drag_of(sheet.tick(-5.1)).norm(), 0.3 + 0.2 * std::exp(-0.5), 1e-9);
+  }
 }
 
 TEST(Friction, holds_its_point_bit_for_bit_under_noise) {
