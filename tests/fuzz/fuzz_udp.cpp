@@ -16,13 +16,14 @@ std::optional<Datagram> decoded(std::span<const std::byte> bytes) {
   return datagram;
 }
 
-void require_usable(const udp::StateDatagram& datagram) {
+void require_usable(const udp::TurningStateDatagram& datagram, bool turns) {
   DeviceState state = udp::state_of(datagram);
-  state.sequence = datagram.sequence;
-  const DeviceInfo info = udp::info_of(datagram, "fuzz");
+  state.sequence = datagram.state.sequence;
+  const DeviceInfo info = udp::info_of(datagram, turns, "fuzz");
   require(state.position.allFinite() && state.velocity.allFinite(), "a finite state");
-  require(info.max_force > 0 && info.max_stiffness > 0, "limits above zero");
-  require(udp::is_valid(udp::datagram_of(info, state, datagram.session)), "a state to send on");
+  require(std::abs(state.orientation.norm() - 1) < 1e-6, "a rotation");
+  require(info.max_force > 0 && info.max_stiffness > 0 && info.max_torque >= 0, "limits");
+  require(udp::is_valid(udp::datagram_of(info, state, datagram.state.session)), "one to send on");
 }
 
 }  // namespace
@@ -31,8 +32,13 @@ void require_usable(const udp::StateDatagram& datagram) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace gliss;
   const auto bytes = std::as_bytes(std::span(data, size));
-  if (const auto state = fuzz::decoded<udp::StateDatagram>(bytes)) fuzz::require_usable(*state);
+  if (const auto state = fuzz::decoded<udp::StateDatagram>(bytes))
+    fuzz::require_usable({.state = *state}, false);
+  if (const auto state = fuzz::decoded<udp::TurningStateDatagram>(bytes))
+    fuzz::require_usable(*state, true);
   if (const auto force = fuzz::decoded<udp::ForceDatagram>(bytes))
     fuzz::require(udp::vector(force->force).allFinite(), "a finite force");
+  if (const auto wrench = fuzz::decoded<udp::PassedWrenchDatagram>(bytes))
+    fuzz::require(udp::vector(wrench->wrench.torque).allFinite(), "a finite torque");
   return 0;
 }
