@@ -11,7 +11,7 @@
 namespace gliss {
 
 // A pull to the surface from outside, up to `force` (N), within `range` (m).
-struct MagnetOptions {
+struct GLISS_EXPORT MagnetOptions {
   double force = 0, range = 0;
 
   bool any() const { return force > 0; }
