@@ -11,7 +11,7 @@ endif()
 list(TRANSFORM parts APPEND _test.cpp OUTPUT_VARIABLE sources)
 add_gliss_tests(sanitized_tests ${sources} ${PROJECT_SOURCE_DIR}/tools/cli/progress_text.cpp)
 set_source_files_properties(support/places.cpp PROPERTIES COMPILE_DEFINITIONS
-  "GLISS_TESTS_DIR=\"${CMAKE_CURRENT_SOURCE_DIR}\";GLISS_SHARED_DIR=\"\";GLISS_PROGRAM=\"\";GLISS_OPENCL_FAULT=\"\"")
+  "GLISS_TESTS_DIR=\"${CMAKE_CURRENT_SOURCE_DIR}\";GLISS_SHARED_DIR=\"\";GLISS_PROGRAM=\"\";GLISS_MPI_PROGRAM=\"\";GLISS_OPENCL_FAULT=\"\"")
 # These headers take most of the time, and optimising under sanitizers as much again.
 target_compile_options(sanitized_tests PRIVATE -O0)
 target_precompile_headers(sanitized_tests PRIVATE <gmock/gmock.h> <gtest/gtest.h> <Eigen/Geometry> <fmt/format.h>)
