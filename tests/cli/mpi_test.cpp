@@ -47,6 +47,10 @@ class Mpi : public test::RunTest {
       setenv(name, "1", 1);
     if (Process(folder_ / "", "mpirun", {"--version"}).wait().code == test::kNotStarted)
       GLISS_SKIP_UNLESS_REQUIRED("mpirun is absent");
+    // What an mpirun that is killed leaves goes with the test.
+    for (const char* name :
+         {"TMPDIR", "OMPI_MCA_btl_vader_backing_directory", "OMPI_MCA_osc_sm_backing_directory"})
+      setenv(name, folder_.path().c_str(), 1);
     setenv("OMPI_MCA_rmaps_base_oversubscribe", "1", 1);
     setenv("OMPI_MCA_btl_vader_single_copy_mechanism", "none", 1);
     EXPECT_EQ(gliss("bake ball.obj --unit mm -o ball.gliss").code, 0);
