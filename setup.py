@@ -23,7 +23,7 @@ def cmake(*words):
 
 def configure():
     words = ["-S", root, "-B", cmake_folder, "-DCMAKE_BUILD_TYPE=Release", f"-DPython3_EXECUTABLE={sys.executable}"]
-    words += [f"-DGLISS_{name}=OFF" for name in ("TESTS", "BENCH", "REPORT")] + ["-DGLISS_PYTHON=ON"]
+    words += [f"-DGLISS_{name}=OFF" for name in ("TESTS", "BENCH", "REPORT", "MPI")] + ["-DGLISS_PYTHON=ON"]
     try:
         import pybind11
         words.append(f"-Dpybind11_DIR={pybind11.get_cmake_dir()}")

@@ -14,7 +14,7 @@ if("c_api/c_api" IN_LIST parts)
   target_sources(sanitized_tests PRIVATE $<TARGET_OBJECTS:room_c_api>)
 endif()
 set_source_files_properties(support/places.cpp PROPERTIES COMPILE_DEFINITIONS
-  "GLISS_TESTS_DIR=\"${CMAKE_CURRENT_SOURCE_DIR}\";GLISS_SHARED_DIR=\"\";GLISS_PROGRAM=\"\";GLISS_OPENCL_FAULT=\"\"")
+  "GLISS_TESTS_DIR=\"${CMAKE_CURRENT_SOURCE_DIR}\";GLISS_SHARED_DIR=\"\";GLISS_PROGRAM=\"\";GLISS_MPI_PROGRAM=\"\";GLISS_OPENCL_FAULT=\"\"")
 # These headers take most of the time, and optimising under sanitizers as much again.
 target_compile_options(sanitized_tests PRIVATE -O0)
 target_precompile_headers(sanitized_tests PRIVATE <gmock/gmock.h> <gtest/gtest.h> <Eigen/Geometry> <fmt/format.h>)

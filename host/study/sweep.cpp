@@ -96,6 +96,29 @@ struct Window {
   Touch& touch(std::size_t method, std::size_t hip) { return touches[method * hips.size() + hip]; }
 };
 
+// Where a part begins, and how many samples are before it over all depths.
+struct Bound {
+  std::size_t chunk = 0;
+  std::uint64_t samples = 0;
+};
+
+// Of all parts, and the end. Parts are the same whatever computes them: which is why they end where
+// they are full, and not where an engine's batch does.
+std::vector<Bound> bounds_of_parts(const SweepGrid& grid, const SweepOptions& options) {
+  const std::size_t end = grid.chunks().size();
+  std::vector<Bound> bounds(1);
+  while (bounds.back().chunk < end) {
+    Bound next = bounds.back();
+    const std::uint64_t begin = next.samples;
+    while (next.chunk < end &&
+           (next.samples - begin) * options.methods.size() < options.part_contacts) {
+      next.samples += grid.own_points(grid.chunks()[next.chunk++]) * options.depths.size();
+    }
+    bounds.push_back(next);
+  }
+  return bounds;
+}
+
 class Sweeper {
  public:
   Sweeper(const PatchCache& cache, const Engine& engine, const SweepOptions& options)
@@ -103,29 +126,36 @@ class Sweeper {
         engine_(engine),
         options_(options),
         grid_(cache, options.rings),
+        bounds_(bounds_of_parts(grid_, options)),
         surface_(engine.reside(cache)) {}
 
-  SweepResult run(const SweepSink& sink, const SweepProgress& progress, SweepParts* parts) {
-    const std::uint64_t total = sample_count(cache_, options_.rings) * options_.depths.size();
+  // `keeps_last`: also the part that ends the sweep is saved.
+  SweepResult run(const PartSource& source, const SweepSink& sink, const SweepProgress& progress,
+                  SweepParts* parts, bool keeps_last) {
+    const std::uint64_t total = bounds_.back().samples;
+    const bool keeps_samples = sink || (parts != nullptr && parts->keeps_samples());
     const auto policy = engine_.threads() > 1 ? std::launch::async : std::launch::deferred;
     SweepResult result;
     result.statistics = no_statistics();
+    const std::size_t part_count = bounds_.size() - 1;
     auto of_part = no_statistics();
-    std::uint64_t done = 0;
     Window windows[2];  // the last one is counted while the next is computed
     std::size_t turn = 0;
     std::future<void> counting;
     const auto finish = [&] {
       if (counting.valid()) counting.get();
     };
-    const std::size_t end = grid_.chunks().size();
-    for (std::size_t first = 0, part = 0; first < end && result.complete; ++part) {
-      const std::size_t part_begin = first, part_end = end_of_part(first);
+    while (result.complete) {
+      if (parts != nullptr) finish();
+      const std::size_t part = source();
+      if (part >= part_count) break;
+      const std::size_t part_begin = bounds_[part].chunk, part_end = bounds_[part + 1].chunk;
+      std::size_t first = part_begin;
+      std::uint64_t done = bounds_[part].samples;
       std::optional<SweepPart> kept;
       if (parts != nullptr) {
-        finish();
         kept = parts->load(part);
-        if (kept && !holds(*kept, first, part_end, sink != nullptr)) {
+        if (kept && !holds(*kept, first, part_end, keeps_samples)) {
           parts->discard(part);
           kept.reset();
         }
@@ -134,7 +164,7 @@ class Sweeper {
         const bool is_whole = kept->chunks == part_end - first;
         for (const SweepBlock& block : kept->blocks) {
           if (!is_whole) parts->add(block);
-          sink(block);
+          if (sink) sink(block);
         }
         merge(kept->statistics, is_whole ? result.statistics : of_part);
         done += samples_of(first, first + kept->chunks);
@@ -163,18 +193,18 @@ class Sweeper {
         });
         finish();
         if (!result.complete) break;
-        const bool saves = parts != nullptr && next == part_end && next < end;
+        const bool saves = parts != nullptr && (keeps_last || part + 1 < part_count);
         counting = std::async(policy, [=, this, &window, &sink, &result, &of_part] {
-          count(window, sink != nullptr);
+          count(window, keeps_samples);
           for (const Piece& piece : window.pieces) {
             merge(piece.statistics, of_part);
             for (const SweepBlock& block : piece.blocks) {
               if (parts != nullptr) parts->add(block);
-              sink(block);
+              if (sink) sink(block);
             }
           }
           if (next < part_end) return;
-          if (saves) parts->save(part, of_part, part_end - part_begin);
+          if (saves) parts->save(part, of_part, next - part_begin);
           merge(of_part, result.statistics);
           of_part = no_statistics();
         });
@@ -207,17 +237,6 @@ class Sweeper {
     std::uint64_t points = 0;
     for (std::size_t c = first; c < last; ++c) points += grid_.own_points(grid_.chunks()[c]);
     return points * options_.depths.size();
-  }
-
-  // Parts are the same whatever computes them: which is why they end where they are full, and not
-  // where an engine's batch does.
-  std::size_t end_of_part(std::size_t first) const {
-    const std::uint64_t kinds = options_.depths.size() * options_.methods.size();
-    std::uint64_t points = 0;
-    std::size_t c = first;
-    while (c < grid_.chunks().size() && points * kinds < options_.part_contacts)
-      points += grid_.own_points(grid_.chunks()[c++]);
-    return c;
   }
 
   // True if a part from a file is that of these chunks: its points are theirs, and some contacts,
@@ -584,6 +603,7 @@ class Sweeper {
   const Engine& engine_;
   const SweepOptions& options_;
   const SweepGrid grid_;
+  const std::vector<Bound> bounds_;
   const std::unique_ptr<ResidentSurface> surface_;
   Pace pace_;  // of HIPs
 };
@@ -593,7 +613,22 @@ class Sweeper {
 SweepResult sweep(const PatchCache& cache, const Engine& engine, const SweepOptions& options,
                   const SweepSink& sink, const SweepProgress& progress, SweepParts* parts) {
   const PlainArithmetic plain;
-  return Sweeper(cache, engine, options).run(sink, progress, parts);
+  return Sweeper(cache, engine, options).run(every_part(), sink, progress, parts, false);
+}
+
+SweepResult sweep_parts(const PatchCache& cache, const Engine& engine, const SweepOptions& options,
+                        const PartSource& source, SweepParts& parts, const SweepProgress& progress,
+                        const SweepSink& sink) {
+  const PlainArithmetic plain;
+  return Sweeper(cache, engine, options).run(source, sink, progress, &parts, true);
+}
+
+std::size_t part_count(const PatchCache& cache, const SweepOptions& options) {
+  return bounds_of_parts(SweepGrid(cache, options.rings), options).size() - 1;
+}
+
+PartSource every_part(std::size_t first, std::size_t step) {
+  return [next = first, step]() mutable { return std::exchange(next, next + step); };
 }
 
 }  // namespace gliss

@@ -108,6 +108,12 @@ struct SweepResult {
 };
 
 class SweepParts;
+GLISS_EXPORT std::size_t part_count(const PatchCache& cache, const SweepOptions& options);
+// Names the next part to do, from 0 on, each beyond the one before. The first that is not there,
+// because its number is the number of parts or more, is the end. It may take its time, and throw.
+using PartSource = std::function<std::size_t()>;
+// The parts `first`, first + step, first + 2 step ...: a shard of `step` that share a sweep.
+GLISS_EXPORT PartSource every_part(std::size_t first = 0, std::size_t step = 1);
 
 // Memory is bounded by the part under way, whatever the number of samples; the result is the same
 // at any thread count. With `parts` (host/study/sweep_parts.h, made of the same cache and options),
@@ -117,5 +123,16 @@ GLISS_EXPORT SweepResult sweep(const PatchCache& cache, const Engine& engine,
                                const SweepOptions& options, const SweepSink& sink = nullptr,
                                const SweepProgress& progress = nullptr,
                                SweepParts* parts = nullptr);
+
+// Does the parts that `source` names, unless they are there, keeps all of them in `parts`, and goes
+// no further: a sweep() with these parts takes them from there. Shards do so at the same time, in
+// whatever processes, and may do a part twice. Progress counts all samples that stand before what
+// is done in the order of the grid, whoever did them. The statistics are of the parts done here.
+// With a sink it is a sweep(): the source has to name every part, but may wait until others have
+// done one.
+GLISS_EXPORT SweepResult sweep_parts(const PatchCache& cache, const Engine& engine,
+                                     const SweepOptions& options, const PartSource& source,
+                                     SweepParts& parts, const SweepProgress& progress = nullptr,
+                                     const SweepSink& sink = nullptr);
 
 }  // namespace gliss

@@ -37,20 +37,26 @@ struct PartHeader {
 };
 constexpr std::size_t kChecked = offsetof(PartHeader, part);
 
-std::uint64_t hash_of_sweep(const PatchCache& cache, const SweepOptions& o, bool samples) {
+std::string told_of(const PatchCache& cache) {
   std::string told =
-      fmt::format("{} {} {} {} {} {} {} {} {} {} {}", kNumbersRevision, kPartFormat,
-                  sizeof(SweepStatistics), samples, o.part_contacts, o.rings, o.stiffness,
-                  static_cast<int>(o.solver), o.max_iterations, o.tolerance, cache.unit);
-  for (const double depth : o.depths) told += fmt::format(" depth {}", depth);
-  for (const Method method : o.methods) told += fmt::format(" method {}", static_cast<int>(method));
-  told +=
       fmt::format(" mesh {} {} {} {} {} {} {}", cache.mesh_hash, cache.mesh_face_count, cache.scale,
                   cache.origin[0], cache.origin[1], cache.origin[2], cache.surface.index());
   cache_format::for_each_section(cache, [&](const char* name, const auto& values) {
     told += fmt::format(" {} {}", name,
                         cache_format::checksum(values.data(), values.size() * sizeof(values[0])));
   });
+  return told;
+}
+
+std::uint64_t hash_of_sweep(const std::string& surface, const PatchCache& cache,
+                            const SweepOptions& o, bool samples) {
+  std::string told =
+      fmt::format("{} {} {} {} {} {} {} {} {} {} {}", kNumbersRevision, kPartFormat,
+                  sizeof(SweepStatistics), samples, o.part_contacts, o.rings, o.stiffness,
+                  static_cast<int>(o.solver), o.max_iterations, o.tolerance, cache.unit);
+  for (const double depth : o.depths) told += fmt::format(" depth {}", depth);
+  for (const Method method : o.methods) told += fmt::format(" method {}", static_cast<int>(method));
+  told += surface;
   return cache_format::checksum(told.data(), told.size());
 }
 
@@ -115,6 +121,14 @@ bool is_in_range(const SweepBlock& block, const PatchCache& cache) {
   return faces && finite(block.xi) && finite(block.eta);
 }
 
+// A part under way has chunks that are begun. The checksum is left to who reads it.
+bool has_whole_head(const std::string& path) {
+  OpenFile opened(path, O_RDONLY | O_NOFOLLOW);
+  PartHeader header{};
+  return opened.descriptor() >= 0 && opened.read(&header, sizeof header) == sizeof header &&
+         header.begun == 0;
+}
+
 std::uint64_t checksum_of(std::string_view file) {
   return cache_format::checksum(file.data() + kChecked, file.size() - kChecked);
 }
@@ -122,14 +136,19 @@ std::uint64_t checksum_of(std::string_view file) {
 }  // namespace
 
 SweepParts::SweepParts(const std::string& folder, const PatchCache& cache,
-                       const SweepOptions& options, bool samples, double patience)
+                       const SweepOptions& options, bool samples, double patience,
+                       PartsAccess access)
     : cache_(cache),
       folder_(folder),
-      key_(fmt::format("{:016x}-", hash_of_sweep(cache, options, samples))),
+      access_(access),
       samples_(samples),
       depths_(options.depths),
       methods_(options.methods),
       patience_(patience) {
+  const std::string surface = told_of(cache);
+  surface_hash_ = cache_format::checksum(surface.data(), surface.size());
+  hash_ = hash_of_sweep(surface, cache, options, samples);
+  key_ = fmt::format("{:016x}-", hash_);
   open_folder();
   for (const auto& file : std::filesystem::directory_iterator(folder)) {
     const std::string name = file.path().filename();
@@ -140,26 +159,45 @@ SweepParts::SweepParts(const std::string& folder, const PatchCache& cache,
   }
 }
 
-// Folders that a sweep made are told by their sticky bit, which means nothing in a folder of one
-// user: a sweep that goes on may remove them, and nobody else's.
+// A sweep that ended may remove the folder before it is locked here; then there is another one.
 void SweepParts::open_folder() {
+  constexpr int kTries = 100;
+  for (int i = 0; i < kTries; ++i) {
+    if (open_once()) return;
+    if (lock_ >= 0) close(std::exchange(lock_, -1));
+  }
+  errno = ENOENT;
+  fail("cannot keep");
+}
+
+// Folders that a sweep made are told by their sticky bit, which means nothing in a folder of one
+// user: a sweep that goes on may remove them, and nobody else's. False where it is gone again.
+bool SweepParts::open_once() {
   const bool is_new = mkdir(folder_.c_str(), S_ISVTX | S_IRWXU) == 0;
   if (!is_new && errno != EEXIST) fail("cannot create");
   struct stat status {};
   if (lstat(folder_.c_str(), &status) == 0 && S_ISLNK(status.st_mode))
     refuse("it is a symbolic link; name the folder that it leads to");
   lock_ = open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+  if (lock_ < 0 && errno == ENOENT) return false;
   if (lock_ < 0 || fstat(lock_, &status) != 0) fail("cannot open");
   if (!is_new && status.st_uid != geteuid()) refuse("it belongs to another user");
   if ((status.st_mode & S_IWOTH) != 0) refuse("all may write to it; chmod o-w is the cure");
   // Let go of by the system when this process ends, however it does.
-  if (flock(lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
-    refuse("another sweep is at work here");
+  const auto is_taken = [&](int kind) {
+    return flock(lock_, kind | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  };
+  if (is_taken(access_ == PartsAccess::kAlone ? LOCK_EX : LOCK_SH)) {
+    refuse(is_taken(LOCK_SH) ? "another sweep is at work here"
+                             : "shards of a sweep are at work here; go on when they are done");
+  }
   made_ = is_new || (status.st_mode & S_ISVTX) != 0;
+  return fstat(lock_, &status) == 0 && status.st_nlink > 0;
 }
 
 SweepParts::~SweepParts() {
-  if (made_) rmdir(folder_.c_str());  // refused while anything is there
+  if (made_ && access_ == PartsAccess::kAlone)
+    rmdir(folder_.c_str());  // refused while anything is there
   close(lock_);
 }
 
@@ -231,11 +269,27 @@ bool SweepParts::is_in_range(const SweepPart& part) const {
                      [&](const SweepBlock& block) { return gliss::is_in_range(block, cache_); });
 }
 
+// Network file systems look for new files when the folder is opened, and late otherwise.
+bool SweepParts::is_whole(std::size_t part) const {
+  const int folder = open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (folder >= 0) close(folder);
+  return has_whole_head(path_of(part));
+}
+
+std::size_t SweepParts::whole() const {
+  std::size_t count = 0;
+  for (const auto& file : std::filesystem::directory_iterator(folder_)) {
+    const std::string name = file.path().filename();
+    count += name.starts_with(key_) && name.ends_with(kEnding) && has_whole_head(file.path());
+  }
+  return count;
+}
+
 // By remove(3), which takes empty folders as well.
 void SweepParts::discard(std::size_t part) {
   const std::string path = path_of(part);
   damaged_.push_back(path);
-  if (std::remove(path.c_str()) != 0) {
+  if (std::remove(path.c_str()) != 0 && errno != ENOENT) {  // another shard has done so
     throw std::system_error(errno, std::generic_category(),
                             fmt::format("'{}' is no part of a sweep and cannot be removed", path));
   }
@@ -274,10 +328,27 @@ void SweepParts::save(std::size_t part, const std::vector<SweepStatistics>& stat
   saved_ = clock_.seconds();
 }
 
-void SweepParts::remove() {
+bool SweepParts::remove() {
+  if (access_ == PartsAccess::kShared) {
+    if (flock(lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return false;
+    access_ = PartsAccess::kAlone;
+  }
   for (const auto& file : std::filesystem::directory_iterator(folder_)) {
     if (file.path().filename().string().starts_with(key_)) unlink(file.path().c_str());
   }
+  return true;
+}
+
+void SweepParts::leave_mark(std::uint64_t mark) const { AtomicFile(path_of_mark(mark)).commit(); }
+
+bool SweepParts::has_mark(std::uint64_t mark) const {
+  return access(path_of_mark(mark).c_str(), F_OK) == 0;
+}
+
+void SweepParts::remove_mark(std::uint64_t mark) const { unlink(path_of_mark(mark).c_str()); }
+
+std::string SweepParts::path_of_mark(std::uint64_t mark) const {
+  return fmt::format("{}/{}{:016x}.mark", folder_, key_, mark);
 }
 
 std::string SweepParts::path_of(std::size_t part) const {

@@ -202,5 +202,16 @@ TEST_F(HostileProgram, names_what_a_result_lacks) {
 }
 #endif
 
+TEST_F(HostileProgram, names_caches_that_do_not_fit_into_memory_and_their_size) {
+  folder_.write("large.gliss", "GLISS");
+  std::error_code too_large;  // for this file system
+  std::filesystem::resize_file(folder_ / "large.gliss", std::uint64_t{12} << 40, too_large);
+  if (too_large) GTEST_SKIP() << too_large.message();
+  const Outcome outcome = gliss("info large.gliss");
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.err,
+              HasSubstr("gliss: large.gliss: a cache of 1.23e+04 GiB does not fit into"));
+}
+
 }  // namespace
 }  // namespace gliss

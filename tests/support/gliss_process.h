@@ -69,6 +69,7 @@ class Process {
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
 
+  pid_t id() const { return pid_; }
   // Nothing where it is over.
   void kill(int number) const {
     if (pid_ > 0) ::kill(pid_, number);

@@ -11,11 +11,14 @@
 #include "gliss/study/sweep_parts.h"
 #include "tools/cli/curvature.h"
 #include "tools/cli/outputs.h"
+#include "tools/cli/shard.h"
 #include "tools/cli/slips.h"
 #include "tools/cli/surface_input.h"
 #include "tools/cli/sweep_files.h"
+#include "tools/cli/sweep_member.h"
 #include "tools/cli/sweep_report.h"
 #include "tools/cli/sweep_statistics.h"
+#include "tools/cli/sweep_team.h"
 #include "tools/cli/terminal.h"
 #include "tools/cli/watch.h"
 
@@ -27,6 +30,9 @@ struct SweepingOptions : SurfaceOptions {
   double samples = 0;  // 0: by rings
   int rings = 8;
   std::string output, picture, summary, parts;
+  std::optional<Shard> shard;
+
+  bool keeps_samples() const { return !output.empty() || !picture.empty(); }
 };
 
 void describe(Command& command, SweepingOptions& options) {
@@ -55,6 +61,11 @@ void describe(Command& command, SweepingOptions& options) {
        "finished parts wait here until all is done, so that the same command goes on from them; "
        "default OUTPUT.parts; none: nowhere"},
       options.parts);
+  command.option(
+      {"--shard", "I/N",
+       "do every Nth part from the Ith on, the first being 1, as 3/16, and write no result: the "
+       "same command without --shard does, once all shards are done"},
+      [&options](const std::string& text) { options.shard = parse_shard(text); });
 }
 
 // The folder where parts wait: as asked for, or beside what the sweep leaves.
@@ -76,12 +87,6 @@ void tell_found(const SweepParts& parts, const SweepingOptions& options) {
                      parts.folder()));
 }
 
-std::uint64_t peak_memory() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
-}
-
 SweepOptions grid_of(const SweepingOptions& options, const PatchCache& cache) {
   check_depths("--depth", options.sweep.depths, cache);
   tell_soft_spring(options, options.sweep.stiffness, "--stiffness");
@@ -94,20 +99,42 @@ SweepOptions grid_of(const SweepingOptions& options, const PatchCache& cache) {
   return grid;
 }
 
-// Sweeps with a bar, and says where finished parts are if it is interrupted.
-SweepResult watched_sweep(const SweepingOptions& options, const PatchCache& cache,
-                          const Engine& engine, const SweepOptions& grid, const SweepSink& sink,
-                          SweepParts* parts) {
+// What is swept, and by what.
+struct Sweeping {
+  explicit Sweeping(const SweepingOptions& from)
+      : options(from),
+        engine(make_engine(options)),
+        cache(open_surface(options, *engine)),
+        grid(grid_of(options, cache)) {}
+
+  SweepParts open_parts(const std::string& folder, PartsAccess access) const {
+    constexpr double kPatience = 3;  // s
+    return {folder, cache, grid, options.keeps_samples(), kPatience, access};
+  }
+
+  const SweepingOptions& options;
+  const std::unique_ptr<Engine> engine;
+  const PatchCache cache;
+  const SweepOptions grid;
+};
+
+// Calls work(progress) with a bar, and says where finished parts are if it is interrupted.
+// `sharers`: among which the samples are dealt out, in turns.
+template <class Work>
+SweepResult watched(const Sweeping& sweeping, const SweepParts* parts, std::size_t sharers,
+                    const Work& work) {
+  const SweepOptions& grid = sweeping.grid;
+  const std::uint64_t total = sample_count(sweeping.cache, grid.rings) * grid.depths.size();
   SweepResult result;
   try {
-    Watch watch(options, "sweep", sample_count(cache, grid.rings) * grid.depths.size(), "samples");
+    Watch watch(sweeping.options, "sweep", total / sharers, "samples");
     const auto reach = [&](std::uint64_t done, std::uint64_t) {
-      watch.reach(done);
+      watch.reach(done / sharers);
       return true;
     };
-    result = sweep(cache, engine, grid, sink, reach, parts);
+    result = work(reach);
   } catch (const Interrupted&) {
-    if (parts == nullptr || parts->kept() == 0) throw;
+    if (parts == nullptr || (parts->kept() == 0 && parts->whole() == 0)) throw;
     throw Interrupted{
         fmt::format("parts are in '{}': the same command goes on from them", parts->folder())};
   }
@@ -130,29 +157,84 @@ void tell_beyond_thickness(const SweepingOptions& options, const SweepResult& re
   }
 }
 
-void run(const SweepingOptions& options) {
-  std::vector<std::string> outputs{options.output, options.summary};
-  if (!options.picture.empty()) {
-    outputs.push_back(options.picture);
-    outputs.push_back(SweepPicture::mesh_path(options.picture));
+std::uint64_t peak_memory() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+// What shards say as well as whole sweeps.
+Json json_head(const Sweeping& sweeping, std::uint64_t contacts) {
+  const PatchCache& cache = sweeping.cache;
+  return {{"program", "gliss"},
+          {"version", GLISS_VERSION},
+          {"command_line", command_line()},
+          {"surface", sweeping.options.surface},
+          {"mesh_hash", hash_name(cache.mesh_hash)},
+          {"precision", precision_name(cache.precision())},
+          {"stiffness_N_per_m", sweeping.grid.stiffness},
+          {"rings", sweeping.grid.rings},
+          {"samples_per_depth", sample_count(cache, sweeping.grid.rings)},
+          {"contacts_computed", contacts},
+          {"threads", sweeping.engine->threads()},
+          {"backend", sweeping.engine->name()}};
+}
+
+// The folder where those that share a sweep meet.
+std::string shared_folder(const SweepingOptions& options) {
+  const std::string folder = parts_folder(options);
+  if (folder.empty()) {
+    throw InputError(
+        "parts that are shared need a folder; add what the whole command writes, as -o FILE or "
+        "--summary FILE, or --parts FOLDER");
   }
-  check_outputs(outputs, {options.surface});
-  const auto engine = make_engine(options);
-  const PatchCache cache = open_surface(options, *engine);
-  const SweepOptions grid = grid_of(options, cache);
+  return folder;
+}
+
+void run_shard(const Sweeping& sweeping) {
+  const SweepingOptions& options = sweeping.options;
+  const Shard shard = *options.shard;
+  SweepParts parts = sweeping.open_parts(shared_folder(options), PartsAccess::kShared);
+  tell_found(parts, options);
+  const Stopwatch clock;
+  const SweepResult result = watched(sweeping, &parts, shard.count, [&](const auto& reach) {
+    return sweep_parts(sweeping.cache, *sweeping.engine, sweeping.grid,
+                       every_part(shard.number - 1, shard.count), parts, reach);
+  });
+  const std::size_t whole = parts.whole(), all = part_count(sweeping.cache, sweeping.grid);
+  const std::string rest = command_line_without("--shard");
+  Json json = json_head(sweeping, result.computed);
+  json["seconds"] = clock.seconds();
+  json["shard"] = shard_text(shard);
+  json["parts_folder"] = parts.folder();
+  json["parts"] = all;
+  json["parts_done"] = whole;
+  json["command_of_result"] = rest;
+  report(options,
+         fmt::format("shard {} is done: {} of {} parts are in '{}'; {}the result comes by\n{}\n",
+                     shard_text(shard), whole, all, parts.folder(),
+                     whole < all ? "once the others are, " : "", rest),
+         json);
+}
+
+// How the samples of a result come: from a sweep, to a sink.
+using Sweeper = std::function<SweepResult(const SweepSink& sink)>;
+
+// Writes what was asked for. `team`: what its members did, once all of it is done; without them an
+// empty function.
+void write_result(const Sweeping& sweeping, SweepParts* parts, const Sweeper& sweep,
+                  const std::function<Json()>& team = nullptr) {
+  const SweepingOptions& options = sweeping.options;
+  const PatchCache& cache = sweeping.cache;
+  const SweepOptions& grid = sweeping.grid;
   std::optional<SampleFile> file;
   std::optional<SweepPicture> picture;
   if (!options.output.empty()) file.emplace(options.output, cache, grid, provenance_of(options));
   if (!options.picture.empty()) picture.emplace(cache, grid, options.unit);
   std::optional<AtomicFile> summary;
   if (!options.summary.empty()) summary.emplace(options.summary);
-  std::optional<SweepParts> parts;
-  if (const std::string folder = parts_folder(options); !folder.empty()) {
-    parts.emplace(folder, cache, grid, file || picture);
-    tell_found(*parts, options);
-  }
   SweepSink sink;
-  if (file || picture) {
+  if (options.keeps_samples()) {
     sink = [&](const SweepBlock& block) {
       if (file) file->add(block);
       if (picture) picture->add(block);
@@ -160,49 +242,99 @@ void run(const SweepingOptions& options) {
   }
 
   const Stopwatch clock;
-  const SweepResult result =
-      watched_sweep(options, cache, *engine, grid, sink, parts ? &*parts : nullptr);
+  const SweepResult result = sweep(sink);
   if (file) file->close(result);
   const double seconds = clock.seconds();
-  const auto contacts = static_cast<double>(result.computed);
-  const std::uint64_t samples = sample_count(cache, grid.rings);
+  const Json of_team = team ? team() : Json::object();
+  const std::uint64_t computed = of_team.value("contacts_computed", result.computed),
+                      samples = sample_count(cache, grid.rings);
+  const double contacts = static_cast<double>(computed), rate = contacts / seconds;
 
-  Json json = {{"program", "gliss"},
-               {"version", GLISS_VERSION},
-               {"command_line", command_line()},
-               {"surface", options.surface},
-               {"mesh_hash", hash_name(cache.mesh_hash)},
-               {"precision", precision_name(cache.precision())},
-               {"stiffness_N_per_m", grid.stiffness},
-               {"rings", grid.rings},
-               {"samples_per_depth", samples},
-               {"contacts_computed", result.computed},
-               {"threads", engine->threads()},
-               {"backend", engine->name()},
-               {"seconds", seconds},
-               {"device_seconds", engine->device_seconds()},
-               {"contacts_per_second", contacts / seconds},
-               {"peak_memory_bytes", peak_memory()}};
+  Json json = json_head(sweeping, computed);
+  json["seconds"] = seconds;
+  json["device_seconds"] = sweeping.engine->device_seconds();
+  json["contacts_per_second"] = rate;
+  json["peak_memory_bytes"] = peak_memory();
+  if (team) json["mpi"] = of_team;
   for (const SweepStatistics& s : result.statistics) json["statistics"].push_back(json_of(s));
   if (picture) picture->write(options.picture);
   if (summary) {
     summary->write(printed(json));
     summary->commit();
   }
-  if (parts) parts->remove();
+  if (parts != nullptr && !parts->remove() && !options.quiet) {
+    tell(fmt::format("gliss: parts stay in '{}', where others are at work\n", parts->folder()));
+  }
   tell_beyond_thickness(options, result);
   report(options,
          text_of(result) +
              fmt::format("{} samples a depth ({} rings), {:.4g} contacts computed in {:.2f} s, "
                          "{:.3g} M contacts/s, peak memory {:.0f} MiB\n",
-                         samples, grid.rings, contacts, seconds, contacts / seconds * 1e-6,
+                         samples, grid.rings, contacts, seconds, rate * 1e-6,
                          static_cast<double>(peak_memory()) / (1 << 20)),
          json, options.output == "-");
 }
 
-}  // namespace
+void check_files(const SweepingOptions& options) {
+  std::vector<std::string> outputs{options.output, options.summary};
+  if (!options.picture.empty()) {
+    outputs.push_back(options.picture);
+    outputs.push_back(SweepPicture::mesh_path(options.picture));
+  }
+  check_outputs(outputs, {options.surface});
+}
 
-void add_sweep(Command& program) {
+void run_whole(const Sweeping& sweeping) {
+  const SweepingOptions& options = sweeping.options;
+  std::unique_ptr<SweepParts> parts;
+  if (const std::string folder = parts_folder(options); !folder.empty()) {
+    parts.reset(new SweepParts(sweeping.open_parts(folder, PartsAccess::kAlone)));
+    tell_found(*parts, options);
+  }
+  write_result(sweeping, parts.get(), [&](const SweepSink& sink) {
+    return watched(sweeping, parts.get(), 1, [&](const auto& reach) {
+      return sweep(sweeping.cache, *sweeping.engine, sweeping.grid, sink, reach, parts.get());
+    });
+  });
+}
+
+void run(const SweepingOptions& options) {
+  if (options.shard) (void)shared_folder(options);
+  check_files(options);
+  const Sweeping sweeping(options);
+  options.shard ? run_shard(sweeping) : run_whole(sweeping);
+}
+
+// Rank 0 speaks, and writes the result.
+void run_in_team(SweepingOptions options, const SweepTeam& team) {
+  if (options.shard) throw InputError("--shard: ranks share the parts without it");
+  const std::string folder = shared_folder(options);
+  const bool leads = team.rank() == 0;
+  options.quiet = options.quiet || !leads;
+  if (options.threads == 0) options.threads = team.threads();
+  agree(team, "the version of the program", GLISS_VERSION, "start the same one everywhere");
+  if (leads) check_files(options);
+  const Sweeping sweeping(options);
+  std::unique_ptr<SweepParts> parts(
+      new SweepParts(sweeping.open_parts(folder, PartsAccess::kShared)));
+  tell_found(*parts, options);
+  SweepMember member({sweeping.cache, *sweeping.engine, sweeping.grid}, team, *parts);
+  if (leads) {
+    const auto sweep = [&](const SweepSink& sink) {
+      return watched(sweeping, parts.get(), 1,
+                     [&](const auto& reach) { return member.do_all(sink, reach); });
+    };
+    return write_result(sweeping, parts.get(), sweep, [&] { return member.report(); });
+  }
+  watched(sweeping, parts.get(), 1, [&](const auto& reach) {
+    member.do_parts(reach);
+    return SweepResult();
+  });
+  parts.reset();  // the leader removes them
+  member.report();
+}
+
+void add(Command& program, const std::function<void(const SweepingOptions&)>& run) {
   add_command<SweepingOptions>(
       program, "sweep",
       "Sample the force beneath the whole surface and how smooth it is.\n"
@@ -213,6 +345,14 @@ void add_sweep(Command& program) {
       "searches for a sample. p99: a hundredth of the samples are above it; it is interpolated "
       "within bins 12 % wide.\n",
       "gliss sweep teeth.gliss --depth 2mm,4mm --samples 1e6 --unit mm -o teeth.h5", describe, run);
+}
+
+}  // namespace
+
+void add_sweep(Command& program) { add(program, run); }
+
+void add_shared_sweep(Command& program, const SweepTeam& team) {
+  add(program, [&team](const SweepingOptions& options) { run_in_team(options, team); });
 }
 
 }  // namespace gliss::tools

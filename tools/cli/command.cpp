@@ -1,6 +1,7 @@
 #include "tools/cli/command.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -36,9 +37,9 @@ double ticks_of(const std::string& option, const std::string& text, const std::s
   return seconds * 1e3;
 }
 
-std::string& kept_command_line() {
-  static std::string line;
-  return line;
+std::vector<std::string>& kept_words() {  // quoted for a shell where they need it
+  static std::vector<std::string> words;
+  return words;
 }
 
 }  // namespace
@@ -316,16 +317,26 @@ std::unique_ptr<Engine> make_engine(const CommonOptions& options) {
 }
 
 void keep_command_line(int count, const char* const* words) {
-  std::string& line = kept_command_line();
-  line = "gliss";
+  kept_words() = {"gliss"};
   for (int i = 1; i < count; ++i) {
     const std::string word = words[i];
     const bool plain = !word.empty() && word.find_first_of(" \t\n'\"\\$&|;<>()*?") == word.npos;
-    line += plain ? ' ' + word : fmt::format(" '{}'", word);
+    kept_words().push_back(plain ? word : fmt::format("'{}'", word));
   }
 }
 
-const std::string& command_line() { return kept_command_line(); }
+std::string command_line() { return fmt::format("{}", fmt::join(kept_words(), " ")); }
+
+std::string command_line_without(const std::string& option) {
+  std::vector<std::string> words;
+  for (auto word = kept_words().begin(); word != kept_words().end(); ++word) {
+    if (*word == option && std::next(word) != kept_words().end())
+      ++word;
+    else if (!word->starts_with(option + "="))
+      words.push_back(*word);
+  }
+  return fmt::format("{}", fmt::join(words, " "));
+}
 
 void report(const ReportOptions& options, const std::string& text, const Json& json,
             bool table_on_stdout) {

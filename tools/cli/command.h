@@ -129,7 +129,8 @@ std::unique_ptr<Engine> make_engine(const CommonOptions& options);
 
 // The command line as given, for the files that it leaves.
 void keep_command_line(int count, const char* const* words);
-const std::string& command_line();
+std::string command_line();
+std::string command_line_without(const std::string& option);  // and without its value
 
 // To standard output, or to stderr where a table goes to standard output: JSON with --json, else
 // text, nothing with --quiet.
@@ -155,6 +156,8 @@ void add_check(Command& program);
 void add_eval(Command& program);
 void add_project(Command& program);
 void add_sweep(Command& program);
+class SweepTeam;
+void add_shared_sweep(Command& program, const SweepTeam& team);  // by the members of a team
 void add_trace(Command& program);
 void add_generate(Command& program);
 void add_devices(Command& program);

@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <unistd.h>
 
+#include <filesystem>
+#include <new>
 #include <numbers>
 #include <optional>
 #include <span>
@@ -34,6 +37,33 @@ std::string repairs_text(const SurfaceOptions& options, const Mesh& mesh,
   const std::string lost = removed_text(mesh);
   return fmt::format("gliss: {}: repaired: {}{}{}; 'gliss check' says where\n", options.surface,
                      all, lost.empty() ? "" : "; ", lost);
+}
+
+// Caches are read as a whole.
+[[noreturn]] void refuse_size(const std::string& path, double memory) {
+  constexpr double kGiB = 1 << 30;
+  std::error_code none;
+  const auto size = static_cast<double>(std::filesystem::file_size(path, none));
+  throw std::runtime_error(fmt::format(
+      "{}: a cache of {:.3g} GiB does not fit into the memory that there is, of this machine's "
+      "{:.3g} GiB; gliss bake --region makes a cache of a part of the mesh",
+      path, size / kGiB, memory / kGiB));
+}
+
+PatchCache load_what_fits(const SurfaceOptions& options) {
+  const std::string& path = options.surface;
+  const double memory =
+      static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+  std::error_code none;
+  if (const auto size = std::filesystem::file_size(path, none);
+      !none && static_cast<double>(size) > memory)
+    refuse_size(path, memory);
+  try {
+    return load_cache_of(path, {options.precision, options.level, options.construction},
+                         stop_if_interrupted);
+  } catch (const std::bad_alloc&) {
+    refuse_size(path, memory);
+  }
 }
 
 }  // namespace
@@ -158,9 +188,7 @@ PatchCache read_cache(const SurfaceOptions& options) {
         fmt::format("{}: a cache has the creases that it was baked with; {} is for meshes",
                     options.surface, marks ? "--crease" : "--crease-radius"));
   std::optional<Watch> watch(std::in_place, options, "read " + options.surface);
-  PatchCache cache =
-      load_cache_of(options.surface, {options.precision, options.level, options.construction},
-                    stop_if_interrupted);
+  PatchCache cache = load_what_fits(options);
   watch.reset();
   tell_edited_mesh(options, cache);
   return cache;
