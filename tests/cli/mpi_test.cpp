@@ -184,8 +184,8 @@ TEST_F(Mpi, survives_kills) {
 }
 
 TEST_F(Mpi, leaves_parts_when_it_is_interrupted_and_shards_and_gliss_go_on_from_them) {
-  const std::string words =  // four parts that take longer
-      "sweep ball.gliss --depth 1mm --method gregory --samples 1.7e6 --summary s.json --quiet";
+  const std::string words =  // parts enough for an interruption to come in time
+      "sweep ball.gliss --depth 1mm --method gregory --samples 4e6 --summary s.json --quiet";
   ASSERT_EQ(gliss(words).code, 0);
   const auto want = statistics();
   fs::remove(folder_ / "s.json");

@@ -25,7 +25,7 @@ std::vector<std::string> tests_here() {
 
 // The tests that a line of the page names, as "Suite.test" or a pattern of such.
 std::vector<std::string> tests_of(const std::string& line) {
-  const std::regex pattern("`([*A-Z][A-Za-z]*\\*?\\.?[a-z0-9A-Z_*]*)`");
+  const std::regex pattern("`([*A-Z][A-Za-z0-9]*\\*?\\.?[a-z0-9A-Z_*]*)`");
   std::vector<std::string> names;
   for (std::sregex_iterator it(line.begin(), line.end(), pattern), end; it != end; ++it) {
     const std::string name = (*it)[1];

@@ -47,7 +47,7 @@ def test_a_loop_keeps_its_pace_while_python_works(scene):
         assert not loop.wait(0.05)
         assert loop.wait()
         ticks = loop.read()
-    assert len(ticks) + ticks["missed"].sum() >= 295
+    assert len(ticks) + ticks["missed"].sum() >= 250  # of 300, if nothing else is there
     assert loop.refusals == []
 
 
