@@ -24,7 +24,7 @@ namespace {
 
 // Faces that are built share nothing, so that they may be drafted in any order. Those that fold
 // take a hundred times as long as others.
-constexpr std::size_t kGrain = 8;
+constexpr std::size_t kFaceGrain = 8;
 
 // A patch as it goes into the cache.
 struct FinishedPatch {
@@ -197,7 +197,7 @@ class CacheBuilder {
     Chunk c;
     c.batch.tables = &tables_;
     std::vector<std::uint32_t> valences, forms;
-    Pace pace(8 * kGrain, backend_.chunk);
+    Pace pace(8 * kFaceGrain, backend_.chunk);
     pace.for_pieces(faces_.size(), [&](std::size_t begin, std::size_t end) {
       c.first = begin;
       c.count = end - begin;
@@ -227,7 +227,7 @@ class CacheBuilder {
   // Calls body(i) for the faces of a chunk, on all threads.
   template <class Body>
   void for_faces(const Chunk& c, Body body) const {
-    backend_.parallel(c.count, kGrain, [&](std::size_t begin, std::size_t end) {
+    backend_.parallel(c.count, kFaceGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) body(i);
     });
   }
@@ -399,7 +399,7 @@ class CacheBuilder {
       for (const FinishedPatch& patch : c.tamer[i]) finished.push_back(&patch);
     }
     make_room(c, finished, s, boxes);
-    backend_.parallel(finished.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    backend_.parallel(finished.size(), kFaceGrain, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
         store(*finished[i], first + static_cast<std::uint32_t>(i), s, boxes);
     });

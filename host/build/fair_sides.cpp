@@ -8,7 +8,7 @@
 namespace gliss {
 namespace {
 
-constexpr std::size_t kGrain = 64;
+constexpr std::size_t kVertexGrain = 64;
 
 bool is_finite(const FairVertex<double>& v) {
   return std::all_of(std::begin(v.shape), std::end(v.shape),
@@ -40,7 +40,7 @@ FairSides::FairSides(const MeshFrame& frame, const Topology& topology,
   if (vertices_.empty() && std::any_of(faces.begin(), faces.end(), is_triangle))
     find_turns(parallel);
   shapes_.resize(has_shape_.size());
-  parallel(shapes_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel(shapes_.size(), kVertexGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       if (has_shape_[i]) has_shape_[i] = find_shape(i);
     }
@@ -69,7 +69,7 @@ std::uint32_t FairSides::joined_valence(std::uint32_t side) const {
 // Turns each edge once and not four times: if all faces are built.
 void FairSides::find_turns(const ParallelFor& parallel) {
   turn_.resize(mesh_.corner_vertex.size());
-  parallel(mesh_.face_count(), kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel(mesh_.face_count(), kVertexGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       if (mesh_.valence(f) != 3) continue;
       for (std::uint32_t s = mesh_.face_begin[f]; s < mesh_.face_begin[f + 1]; ++s) {

@@ -9,7 +9,7 @@
 namespace gliss {
 namespace {
 
-constexpr std::size_t kGrain = 64;
+constexpr std::size_t kPatchGrain = 64;
 constexpr std::uint32_t kMostCutSides = 32;  // of polygons whose ways to be cut into tiles are kept
 
 }  // namespace
@@ -76,7 +76,7 @@ void PatchBatch::resize(std::span<const std::uint32_t> valences,
 
 void build_patches(PatchBatch& b, const ParallelFor& parallel) {
   const Kernels<double>& k = kernels<double>();
-  parallel(b.to_build, kGrain, [&](std::size_t begin, std::size_t end) {
+  parallel(b.to_build, kPatchGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t first = begin, last; first < end; first = last) {  // of one valence
       const std::uint32_t n = b.valence(first);
       for (last = first + 1; last < end && b.valence(last) == n;) ++last;

@@ -14,9 +14,8 @@ namespace {
 
 using Vec2 = Eigen::Vector2d;
 
-constexpr double kMostTurn = 0.2;        // rad, of a normal from the mean of its tile, if possible
-constexpr double kMostCurvature = 1e4;   // local: what curves more has no end of it
-constexpr double kShrink = 1 - 0x1p-16;  // of the samples' domain: off the sides
+constexpr double kMostTurn = 0.2;       // rad, of a normal from the mean of its tile, if possible
+constexpr double kMostCurvature = 1e4;  // local: what curves more has no end of it
 constexpr double kLeastTurn = 2e-3;  // rad: more than what two patches that meet smoothly differ by
 constexpr std::uint32_t kTurnShift = 24;  // of its bits in a tile's axis
 

@@ -13,7 +13,6 @@ namespace {
 using Vec2 = Eigen::Vector2d;
 
 constexpr std::uint32_t kMostTiles = 512;  // of a patch of few sides
-constexpr double kShrink = 1 - 0x1p-16;    // of the samples' domain: off the sides
 
 std::uint32_t padded(std::uint32_t count) { return (count + kCutPad - 1) / kCutPad * kCutPad; }
 

@@ -21,6 +21,9 @@ struct TileCut {
   std::vector<double> transform;      // [kCutTransforms][padded]
 };
 
+// The size of the samples' domain, off the sides.
+inline constexpr double kShrink = 1 - 0x1p-16;
+
 // From the fewest tiles to the most.
 std::vector<TileCut> tile_cuts_of(std::uint32_t n);
 

@@ -16,7 +16,7 @@
 namespace gliss {
 namespace {
 
-constexpr std::size_t kPointGrain = 4096, kHipGrain = 1024;
+constexpr std::size_t kPointBlock = 4096, kHipBlock = 1024;
 // At once on a processor: fewer and they wait for each other more, more and they leave its caches.
 constexpr std::size_t kPoints = 1 << 18, kHips = 1 << 16;
 constexpr std::size_t kGridPoints = 1 << 22;
@@ -280,7 +280,7 @@ class OpenClSurface final : public ResidentSurface {
 
   template <class Body>
   void for_pieces(std::size_t count, Body body) const {
-    shared_.host->for_each(count, kHipGrain, [&](std::size_t begin, std::size_t end) {
+    shared_.host->for_each(count, kHipBlock, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) body(i);
     });
   }
@@ -315,10 +315,10 @@ class OpenClSurface final : public ResidentSurface {
   template <class T>
   void start_evaluate(Turn& turn, const PointArrays<T>& points, std::size_t from,
                       std::size_t size) const {
-    const std::size_t pieces = (size + kPointGrain - 1) / kPointGrain;
+    const std::size_t pieces = (size + kPointBlock - 1) / kPointBlock;
     turn.blocks.resize(pieces);
-    shared_.host->for_each(size, kPointGrain, [&](std::size_t begin, std::size_t end) {
-      block_points(points, from + begin, end - begin, turn.blocks[begin / kPointGrain]);
+    shared_.host->for_each(size, kPointBlock, [&](std::size_t begin, std::size_t end) {
+      block_points(points, from + begin, end - begin, turn.blocks[begin / kPointBlock]);
     });
     std::vector<std::size_t> first(pieces + 1, 0);  // block of each piece
     for (std::size_t i = 0; i < pieces; ++i)
@@ -365,9 +365,9 @@ class OpenClSurface final : public ResidentSurface {
       first[i + 1] = first[i] + turn.blocks[i].block_patch.size() * lanes_;
     const Real* all = turn.out.data();
     const std::size_t stride = row_stride(first.back());
-    shared_.host->for_each(count, kPointGrain, [&](std::size_t begin, std::size_t end) {
-      const Blocks& b = turn.blocks[begin / kPointGrain];
-      const Real* there = all + first[begin / kPointGrain];
+    shared_.host->for_each(count, kPointBlock, [&](std::size_t begin, std::size_t end) {
+      const Blocks& b = turn.blocks[begin / kPointBlock];
+      const Real* there = all + first[begin / kPointBlock];
       constexpr std::size_t kRows = 256, kStride = row_stride(kRows);
       Real rows[9 * kStride];
       for (std::size_t at = begin; at < end; at += kRows) {

@@ -12,7 +12,7 @@ struct Columns {
   bool colours = false;
 };
 
-Columns read_header(TextCursor& cursor, Report& report) {
+Columns read_off_header(TextCursor& cursor, Report& report) {
   const std::string_view header = cursor.next() ? cursor.word() : std::string_view();
   Columns columns;
   std::string_view prefix = header;
@@ -53,7 +53,7 @@ std::size_t skip_colour(TextCursor& cursor, bool of_face, Report& report) {
 
 void read_off(std::string_view text, Mesh& mesh, Report& report) {
   TextCursor cursor(text, {.comment = '#'}, report);
-  const Columns columns = read_header(cursor, report);
+  const Columns columns = read_off_header(cursor, report);
 
   // The counts may follow the keyword on its line.
   std::string_view first = cursor.word();

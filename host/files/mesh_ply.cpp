@@ -203,7 +203,7 @@ bool is_binary_ply(std::string_view text) {
 
 void read_ply(std::string_view text, Mesh& mesh, Report& report) {
   TextCursor cursor(text, {}, report);
-  const Header header = read_header(cursor, report);
+  const Header header = read_ply_header(cursor, report);
   Body body(cursor, header.encoding, report);
   for (const Element& element : header.elements) {
     if (element.name == "vertex") {

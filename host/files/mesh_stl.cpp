@@ -66,7 +66,7 @@ void read_ascii(std::string_view text, Mesh& mesh, Report& report) {
   std::string open;  // the statement that has to end
   const auto expect = [&](std::string_view within, const std::string& keyword) {
     if (open == within) return;
-    report.fail("syntax", {.line = cursor.line()}, "{} {}", quoted(keyword),
+    report.fail("syntax", {.line = cursor.line()}, "{} {}", detail::quoted(keyword),
                 open.empty() ? "before 'solid'" : fmt::format("within '{}'", open));
   };
   while (cursor.next()) {
@@ -86,7 +86,8 @@ void read_ascii(std::string_view text, Mesh& mesh, Report& report) {
       expect(keyword.substr(3), keyword);
       open = keyword == "endfacet" ? "solid" : "";
     } else {
-      report.fail("syntax", {.line = cursor.line()}, "{} is no word of an STL", quoted(keyword));
+      report.fail("syntax", {.line = cursor.line()}, "{} is no word of an STL",
+                  detail::quoted(keyword));
     }
   }
   if (!open.empty()) report.fail("truncated", {}, "the file ends within '{}'", open);

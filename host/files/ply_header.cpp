@@ -63,7 +63,7 @@ Element read_element(TextCursor& cursor, const Header& header, Report& report) {
 
 }  // namespace
 
-Header read_header(TextCursor& cursor, Report& report) {
+Header read_ply_header(TextCursor& cursor, Report& report) {
   if (!cursor.next() || cursor.word() != "ply") {
     report.fail("syntax", {.line = 1}, "the first line must be 'ply'");
   }

@@ -35,6 +35,6 @@ struct Header {
 
 // Fails unless the text starts with a whole header; leaves the cursor on its last line. The names
 // are views of the text.
-Header read_header(TextCursor& cursor, Report& report);
+Header read_ply_header(TextCursor& cursor, Report& report);
 
 }  // namespace gliss::detail::ply

@@ -14,8 +14,6 @@
 namespace gliss {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
-
 // A ring of `around` vertices about `centre`, anticlockwise from e1 to e2.
 void add_ring(Mesh& mesh, int around, const Vec3& centre, const Vec3& e1, const Vec3& e2,
               double radius, bool with_normals) {

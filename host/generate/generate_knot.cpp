@@ -14,8 +14,6 @@
 namespace gliss {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
-
 class KnotCurve {
  public:
   struct Jet {

@@ -3,16 +3,15 @@
 
 #include <cstdint>
 #include <initializer_list>
-#include <stdexcept>
+#include <numbers>
 #include <string>
 
+#include "gliss/base/require.h"
 #include "gliss/mesh/mesh.h"
 
 namespace gliss {
 
-inline void require(bool condition, const char* what) {
-  if (!condition) throw std::invalid_argument(what);
-}
+inline constexpr double kTurn = 2 * std::numbers::pi;
 
 inline Mesh make_mesh(std::string source) {
   Mesh mesh;

@@ -19,7 +19,7 @@ namespace {
 constexpr double kLeastTurn = std::numbers::pi / 180;  // rad, of an edge that is worth a strip
 constexpr double kRoom = 0.99;  // of the radius at which a face has no room left
 // Sines and cosines below which a direction is not followed.
-constexpr double kNarrow = 0.25, kLeastSeen = 0.2;
+constexpr double kLeastSine = 0.25, kLeastCosine = 0.2;
 
 // A length in m, not longer, in three digits.
 std::string in_mm(double length) {
@@ -124,7 +124,7 @@ class Rounder {
     if (sector.first.cross(sector.last).norm() > kCollinear) return;
     Vec3& n = s_.normals[s_.group[sector.corners.front()]];
     const Vec3 turned = across(tau, n);
-    if (turned.norm() > kLeastSeen) n = turned.normalized();
+    if (turned.norm() > kLeastCosine) n = turned.normalized();
   }
 
   Move move_of(const Sector& sector) const {
@@ -140,7 +140,7 @@ class Rounder {
     const double c = from_a.dot(from_b), both = 0.5 * (wide_[first] + wide_after(last)),
                  apart = 0.5 * (wide_[first] - wide_after(last));
     const Vec3 step = both * (from_a + from_b) / std::max(1 + c, kCollinear) +
-                      apart * (from_a - from_b) / std::max(1 - c, kNarrow);
+                      apart * (from_a - from_b) / std::max(1 - c, kLeastSine);
     return carried(sector, step, a, from_a);
   }
 
@@ -153,7 +153,7 @@ class Rounder {
     const Vec3& n = normal(first);
     const Vec3 a = across(n, sector.first).stableNormalized(),
                b = across(n, sector.last).stableNormalized();
-    if (a.cross(b).dot(n) > -kNarrow) return;
+    if (a.cross(b).dot(n) > -kLeastSine) return;
     // Along the creases, to the corners beyond them.
     const std::uint32_t after = next_around(mesh_, topology_, last);
     const auto beyond = [&](std::uint32_t corner) -> const Vec3& {
@@ -161,7 +161,7 @@ class Rounder {
       return m.opened == kNone ? m.first.step : m.between;
     };
     const double along_a = a.dot(beyond(right_of(first))), along_b = b.dot(beyond(after));
-    if (!(along_a > kNarrow * wide_[first] && along_b > kNarrow * wide_[after])) return;
+    if (!(along_a > kLeastSine * wide_[first] && along_b > kLeastSine * wide_[after])) return;
     SectorMoves& m = moves_[i];
     m.opened = m.first.corner;
     m.between = m.first.step;
@@ -179,7 +179,7 @@ class Rounder {
     Move m;
     m.corner = corner;
     const double sine = from.dot(border);
-    m.step = sine > kNarrow * border.norm() ? Vec3(wide / sine * border) : Vec3(wide * from);
+    m.step = sine > kLeastSine * border.norm() ? Vec3(wide / sine * border) : Vec3(wide * from);
     return m;
   }
 
@@ -198,7 +198,7 @@ class Rounder {
                                     newell_normal(mesh_, topology_.side_face[m.corner]));
     const Vec3 &n = normal(m.corner), p = ahead(m.corner), q = back(m.corner);
     m.step = step;
-    if (face.dot(n) > kLeastSeen) m.step -= n * (face.dot(step) / face.dot(n));
+    if (face.dot(n) > kLeastCosine) m.step -= n * (face.dot(step) / face.dot(n));
     const Vec3 cross = p.cross(q);
     if (!(cross.norm() > kCollinear * p.norm() * q.norm())) return m;
     m.ahead = std::max(0.0, m.step.cross(q).dot(cross) / cross.squaredNorm());
@@ -277,7 +277,7 @@ class Rounder {
     if (vertex == kNone) vertex = rounded_.add_vertex({}, {});
     rounded_.mesh.positions[vertex] = lifted;
     rounded_.mesh.normals[vertex] =
-        turned.norm() > kNarrow ? turned.normalized() : normal(m.corner);
+        turned.norm() > kLeastSine ? turned.normalized() : normal(m.corner);
     return vertex;
   }
 

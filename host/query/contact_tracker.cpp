@@ -17,8 +17,6 @@ namespace {
 // True if its push is the way to the nearest point, whose size tells its energy.
 bool has_energy(Method method) { return method != Method::kShaded; }
 
-constexpr double kAny = std::numeric_limits<double>::infinity();
-
 }  // namespace
 
 // One tick in the cache's own precision.
@@ -519,7 +517,7 @@ ContactFoot ContactTracker::foot_on(const Surface<Real>& s, const Vec3& hip) con
   for (int axis = 0; axis < 3; ++axis)
     foot.moves.col(axis) = (contact(2 * axis).scp - contact(2 * axis + 1).scp) / (2 * step);
   const double moves = foot.moves.norm();
-  if (!(moves <= kMostMoves)) foot.moves *= moves < kAny ? kMostMoves / moves : 0;
+  if (!(moves <= kMostMoves)) foot.moves *= std::isfinite(moves) ? kMostMoves / moves : 0;
   return foot;
 }
 

@@ -14,22 +14,22 @@ namespace gliss {
 namespace {
 
 // HIPs that the kernels are asked about at once.
-constexpr std::size_t kPiece = 256;
+constexpr std::size_t kHips = 256;
 
 template <class Real>
-struct Piece {
-  std::vector<RawHip<Real>> hips = std::vector<RawHip<Real>>(kPiece);
-  std::vector<RawContact<Real>> contacts = std::vector<RawContact<Real>>(kMethods * kPiece);
+struct HipPiece {
+  std::vector<RawHip<Real>> hips = std::vector<RawHip<Real>>(kHips);
+  std::vector<RawContact<Real>> contacts = std::vector<RawContact<Real>>(kMethods * kHips);
 };
 template <class Real>
-Piece<Real>& own_piece() {
-  thread_local Piece<Real> piece;
+HipPiece<Real>& own_hips() {
+  thread_local HipPiece<Real> piece;
   return piece;
 }
 
 template <class Real, class T>
 void take_hips(const PatchCache& cache, const HipArrays<T>& hips, std::size_t begin,
-               std::size_t count, Piece<Real>& piece) {
+               std::size_t count, HipPiece<Real>& piece) {
   for (std::size_t i = 0; i < count; ++i)
     piece.hips[i] = raw_hip<Real>(cache, hip_at(hips, begin + i));
 }
@@ -43,9 +43,9 @@ void find_nearest(const PatchCache& cache, const HipArrays<T>& hips,
   require_room(out.size(), methods.size());
   const PlainArithmetic plain;
   with_surface(cache, [&]<class Real>(const Surface<Real>& s) {
-    Piece<Real>& piece = own_piece<Real>();
-    for (std::size_t begin = 0; begin < hips.count; begin += kPiece) {
-      const std::size_t count = std::min(kPiece, hips.count - begin);
+    HipPiece<Real>& piece = own_hips<Real>();
+    for (std::size_t begin = 0; begin < hips.count; begin += kHips) {
+      const std::size_t count = std::min(kHips, hips.count - begin);
       take_hips(cache, hips, begin, count, piece);
       kernels<Real>().nearest(s, methods.data(), methods.size(), track_options<Real>(options),
                               piece.hips.data(), count, piece.contacts.data());
@@ -64,9 +64,9 @@ void track_from(const PatchCache& cache, const HipArrays<T>& hips, const PointAr
   require_room(starts.count, hips.count);
   const PlainArithmetic plain;
   with_surface(cache, [&]<class Real>(const Surface<Real>& s) {
-    Piece<Real>& piece = own_piece<Real>();
-    for (std::size_t begin = 0; begin < hips.count; begin += kPiece) {
-      const std::size_t count = std::min(kPiece, hips.count - begin);
+    HipPiece<Real>& piece = own_hips<Real>();
+    for (std::size_t begin = 0; begin < hips.count; begin += kHips) {
+      const std::size_t count = std::min(kHips, hips.count - begin);
       take_hips(cache, hips, begin, count, piece);
       for (std::size_t i = 0; i < count; ++i) {
         piece.contacts[i] = {};

@@ -16,7 +16,7 @@ constexpr double kWays = 8, kAtRest = 1.0 / 32;
 // The error of a force that is held for a tick, over the way squared: half of the largest
 // curvature of the energy, which is 1, and 5 / 3 on a rim (kernels/contact.h, past_border).
 constexpr double kError = 1.0 / 2, kRimError = 5.0 / 6;
-constexpr double kAny = std::numeric_limits<double>::infinity();  // of energy
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();  // of energy
 
 bool is_guess(const Contact& contact) { return (contact.flags & kUnfinished) != 0; }
 bool is_rim(const Contact& contact) { return (contact.flags & kOnBorder) != 0; }
@@ -85,7 +85,7 @@ double Settling::paid(const Contact& now) const {
 void Settling::feel(Contact& now, bool has_energy) noexcept {
   if (!now.push.allFinite()) return begin_free(hip_);
   const double wanted = energy_of(now);
-  const double most = has_energy ? paid(now) : kAny, available = std::max(0.0, most);
+  const double most = has_energy ? paid(now) : kUnbounded, available = std::max(0.0, most);
   is_short_ = wanted > available && wanted > available + tiny_ * now.push.norm();
   if (is_short_) settle_at(std::sqrt(available / wanted) * now.push, now);
   if (!is_leap(now.push)) {
@@ -98,7 +98,7 @@ void Settling::feel(Contact& now, bool has_energy) noexcept {
   }
   felt_ = now.push;
   // Energy that a straight way saves is kept for its end, and all until a search has ended.
-  energy_ = std::min(most, is_guess(now) ? kAny : std::max(energy_of(now), wanted));
+  energy_ = std::min(most, is_guess(now) ? kUnbounded : std::max(energy_of(now), wanted));
 }
 
 // The contact point is held while the HIP moves, comes as near as the energy asks, and then goes

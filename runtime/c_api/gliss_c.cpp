@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "gliss/base/require.h"
 #include "gliss/contact/tracker.h"
 #include "gliss/device/guard.h"
 #include "gliss/engine/engine.h"
@@ -39,7 +40,7 @@ struct gliss_guard {
 
 namespace {
 
-using gliss::Vec3;
+using gliss::require, gliss::Vec3;
 
 constexpr std::int32_t kInternal = 1, kBadInput = 2, kBadCache = 3;
 constexpr std::size_t kBlock = 65536;  // points that are asked for at once
@@ -74,9 +75,6 @@ std::int32_t attempt(const Act& act) noexcept {
   }
 }
 
-void require(bool condition, const char* what) {
-  if (!condition) throw std::invalid_argument(what);
-}
 void need(const void* pointer, const char* what) { require(pointer != nullptr, what); }
 
 Vec3 vector_of(const double* v) { return {v[0], v[1], v[2]}; }

@@ -13,7 +13,7 @@ namespace gliss {
 namespace {
 
 // Tells where a hand is and goes, from where it is seen now and then.
-class Motion {
+class HandMotion {
  public:
   // The velocity, in units a second.
   Vec3 see(const Vec3& hip, Nanoseconds now) {
@@ -67,7 +67,7 @@ void LazyWorker::work() {
   const sched_param ordinary{};
   pthread_setschedparam(pthread_self(), SCHED_OTHER, &ordinary);
   prctl(PR_SET_TIMERSLACK, 1);
-  Motion motion;
+  HandMotion motion;
   std::uint64_t number = 0;
   while (!stop_.load(std::memory_order_relaxed)) {
     const auto posted = posted_.load();

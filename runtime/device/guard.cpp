@@ -7,6 +7,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "gliss/base/require.h"
 #include "gliss/thread/clock.h"
 
 namespace gliss {
@@ -34,10 +35,6 @@ bool is_finite(const Vec3& v) {
 }
 
 std::uint32_t bit_of(GuardReason reason) { return 1u << static_cast<unsigned>(reason); }
-
-void require(bool condition, const char* what) {
-  if (!condition) throw std::invalid_argument(what);
-}
 
 GuardLimits checked(const GuardLimits& limits) {
   using namespace std::chrono_literals;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "gliss/base/require.h"
 #include "gliss/device/guard.h"
 
 namespace gliss {
@@ -12,10 +13,6 @@ namespace {
 constexpr double kStepSeconds = in_seconds(SimDevice::kStep);
 // A reader that was away for longer finds the hand where it would have been after this.
 constexpr std::uint64_t kMostSteps = 2000;
-
-void require(bool condition, const char* what) {
-  if (!condition) throw std::invalid_argument(what);
-}
 
 SimOptions checked(const SimOptions& options) {
   const auto positive = [](double x) { return x > 0 && std::isfinite(x); };
