@@ -194,7 +194,12 @@ class Reader {
 
 }  // namespace
 
-void save_cache(const PatchCache& cache, const std::string& path) {
+void save_cache(const PatchCache& cache, const std::string& path,
+                const std::function<void()>& poll) {
+  constexpr std::size_t kPiece = std::size_t{1} << 24;  // bytes
+  const auto ask = [&] {
+    if (poll) poll();
+  };
   require_patches(cache);
   AtomicFile file(path);
   std::array<Section, kSections> table;
@@ -203,6 +208,7 @@ void save_cache(const PatchCache& cache, const std::string& path) {
   for_each_section(cache, [&]<class T, class A>(const char* name, const std::vector<T, A>& values) {
     Section& section = table.at(next++) = section_of<T>(name, values.size(), end);
     section.checksum = checksum(values.data(), values.size() * sizeof(T));
+    ask();
     end += values.size() * sizeof(T);
   });
   Header header = header_of(cache);
@@ -217,7 +223,12 @@ void save_cache(const PatchCache& cache, const std::string& path) {
   std::memcpy(&head[offsetof(Header, checksum)], &sum, sizeof(sum));
   file.write(head.data(), head.size());
   for_each_section(cache, [&]<class T, class A>(const char*, const std::vector<T, A>& values) {
-    file.write(values.data(), values.size() * sizeof(T));
+    const auto* bytes = reinterpret_cast<const char*>(values.data());
+    const std::size_t count = values.size() * sizeof(T);
+    for (std::size_t at = 0; at < count; at += kPiece) {
+      file.write(bytes + at, std::min(kPiece, count - at));
+      ask();
+    }
   });
   file.commit();
 }

@@ -21,8 +21,9 @@ struct GLISS_EXPORT CacheError : std::runtime_error {
 // Written to a temporary beside `path`, synced and renamed: a reader sees a whole cache or none.
 // Throws std::system_error. Reading checks every section's checksum, size, index and number; throws
 // CacheError, or NoFileError (host/files/open_file.h) of what is no regular file. `poll` is asked
-// many times a second, and what it throws ends the reading.
-GLISS_EXPORT void save_cache(const PatchCache& cache, const std::string& path);
+// many times a second, and what it throws ends the reading, and the writing without a file.
+GLISS_EXPORT void save_cache(const PatchCache& cache, const std::string& path,
+                             const std::function<void()>& poll = nullptr);
 GLISS_EXPORT PatchCache load_cache(const std::string& path,
                                    const std::function<void()>& poll = nullptr);
 // The properties that a cache has to have, each if it is given.

@@ -216,7 +216,7 @@ void bind_surface(py::module_& module) {
       .def_property_readonly("path", [](const OpenSurface& s) { return s.path; })
       .def_property_readonly("findings", [](const OpenSurface& s) { return list_of(s.findings); })
       .def("save", [](const OpenSurface& s, const std::string& path) {
-        released([&] { save_cache(*s.cache, path); });
+        released([&] { save_cache(*s.cache, path, poll); });
       });
   module.def("load", load);
   module.def("from_arrays", from_arrays);

@@ -155,6 +155,24 @@ CacheError refused(const std::string& path) {
 }
 std::string refusal(const std::string& path) { return refused(path).what(); }
 
+// Wherever the writing ends, what was there before stays.
+TEST(CacheFile, IsAsBeforeWhereWritingIsEnded) {
+  const ScratchFolder folder;
+  int asked = 0, last = 0;
+  const auto poll = [&] {
+    if (++asked == last) throw std::runtime_error("ended");
+  };
+  save_cache(triangle_cache(), folder / "whole", poll);
+  const int all = std::exchange(asked, 0);
+  EXPECT_GT(all, 10);
+  const std::string path = folder.write("scene.gliss", "before");
+  for (last = 1; last <= all; ++last, asked = 0) {
+    EXPECT_THROW(save_cache(triangle_cache(), path, poll), std::runtime_error);
+    EXPECT_EQ(folder.read("scene.gliss"), "before");
+  }
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder / ""), {}), 2);
+}
+
 TEST(CacheFile, EveryTruncationIsRefused) {
   const ScratchFolder folder;
   const std::string path = folder / "scene.gliss";

@@ -11,6 +11,7 @@
 #include "tools/cli/outputs.h"
 #include "tools/cli/slips.h"
 #include "tools/cli/surface_input.h"
+#include "tools/cli/watch.h"
 
 namespace gliss::tools {
 namespace {
@@ -88,7 +89,10 @@ void run(const BakeOptions& options) {
   if (!options.faces.empty()) build_options.faces = parse_faces(mesh, options.faces);
   BuildReport found;
   const PatchCache cache = build(mesh, options, *engine, build_options, &found);
-  save_cache(cache, options.output);
+  {
+    const Watch watch(options, "write " + options.output);
+    save_cache(cache, options.output, stop_if_interrupted);
+  }
   tell_tight_curvature(options, cache, usual_depth(cache), "0.5 % of the diagonal");
 
   const std::size_t faces =
