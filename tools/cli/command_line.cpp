@@ -108,9 +108,9 @@ std::string unknown_option(const CLI::App& program) {
       const std::size_t edits = edits_between(name, other);
       if (edits < least) least = edits, nearest = other;
     }
-    return fmt::format("there is no option '{}'{}", name,
-                       nearest.empty() ? owners_of(program, name)
-                                       : fmt::format("; did you mean {}?", nearest));
+    return fmt::format(
+        "there is no option '{}'{}", name,
+        nearest.empty() ? owners_of(program, name) : fmt::format("; did you mean {}?", nearest));
   }
   return "";
 }
