@@ -106,7 +106,7 @@ class cGlissObject : public chai3d::cGenericObject {
     return drawing_;
   }
 
-  // What a tick could last not do, in words; null: nothing. Any thread may ask.
+  // Says in words what a tick could last not do; null: nothing. Any thread may ask.
   const char* fault() const { return fault_; }
 
  protected:

@@ -64,7 +64,7 @@ with tempfile.TemporaryDirectory() as name:
         sys.exit("a point in the ball does not touch")
     lib.gliss_surface_release(surface)
 
-    # What the page shows of it.
+    # The page shows a program for ctypes, which runs.
     shown = re.search(r"^```python\n(.*?)^```", page.read_text(), flags=re.M | re.S)[1]
     told = subprocess.run([sys.executable, "-c", shown], cwd=folder, capture_output=True, text=True, check=False,
                           env={**os.environ, "LD_LIBRARY_PATH": str(library.parent)})

@@ -96,14 +96,14 @@ struct Window {
   Touch& touch(std::size_t method, std::size_t hip) { return touches[method * hips.size() + hip]; }
 };
 
-// Where a part begins, and how many samples are before it over all depths.
+// The beginning of a part: its first chunk, and the samples before it over all depths.
 struct Bound {
   std::size_t chunk = 0;
   std::uint64_t samples = 0;
 };
 
-// Of all parts, and the end. Parts are the same whatever computes them: which is why they end where
-// they are full, and not where an engine's batch does.
+// Lists the beginnings of all parts, and the end. Parts are the same whatever computes them: which
+// is why they end where they are full, and not where an engine's batch does.
 std::vector<Bound> bounds_of_parts(const SweepGrid& grid, const SweepOptions& options) {
   const std::size_t end = grid.chunks().size();
   std::vector<Bound> bounds(1);

@@ -128,8 +128,8 @@ GLISS_EXPORT SweepResult sweep(const PatchCache& cache, const Engine& engine,
 // no further: a sweep() with these parts takes them from there. Shards do so at the same time, in
 // whatever processes, and may do a part twice. Progress counts all samples that stand before what
 // is done in the order of the grid, whoever did them. The statistics are of the parts done here.
-// With a sink it is a sweep(): the source has to name every part, but may wait until others have
-// done one.
+// A sink makes it a sweep(): the source has to name every part, but may wait until others have done
+// one.
 GLISS_EXPORT SweepResult sweep_parts(const PatchCache& cache, const Engine& engine,
                                      const SweepOptions& options, const PartSource& source,
                                      SweepParts& parts, const SweepProgress& progress = nullptr,

@@ -57,4 +57,38 @@ py::array_t<double> array_of(const Vec3& vector) {
   return py::array_t<double>(py::ssize_t{3}, vector.data());
 }
 
+NewContacts::NewContacts(std::size_t n)
+    : point_(n, 3), normal_(n, 3), distance_(n), domain_(n, 2), face_(n), flags_(n), touching_(n) {}
+
+ContactArrays<double> NewContacts::columns() {
+  return {.touching = touching_.column(),
+          .face = face_.column(),
+          .xi = domain_.column(0),
+          .eta = domain_.column(1),
+          .scp = point_.vectors(),
+          .normal = normal_.vectors(),
+          .distance = distance_.column(),
+          .flags = flags_.column()};
+}
+
+void NewContacts::set(std::size_t i, const Contact& contact) {
+  point_.row(i) = contact.scp;
+  normal_.row(i) = contact.normal;
+  distance_.data()[i] = contact.distance;
+  domain_.data()[2 * i] = contact.at.xi;
+  domain_.data()[2 * i + 1] = contact.at.eta;
+  face_.data()[i] = contact.at.face;
+  flags_.data()[i] = contact.flags;
+  touching_.data()[i] = contact.touching;
+}
+
+void NewContacts::put(py::dict& out) const {
+  out["point"] = point_.array();
+  out["normal"] = normal_.array();
+  out["distance"] = distance_.array();
+  out["face"] = face_.array();
+  out["domain"] = domain_.array();
+  out["touching"] = touching_.array();
+}
+
 }  // namespace gliss::python

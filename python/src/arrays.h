@@ -11,6 +11,7 @@
 
 #include "gliss/base/strided.h"
 #include "gliss/base/vector.h"
+#include "gliss/query/query.h"
 
 namespace gliss::python {
 
@@ -48,6 +49,7 @@ class NewArray {
     return {data() + i, static_cast<std::ptrdiff_t>(columns_ * sizeof(T))};
   }
   StridedVectors<T> vectors() { return {column(0), column(1), column(2)}; }
+  Eigen::Map<Vec3> row(std::size_t i) { return Eigen::Map<Vec3>(data() + 3 * i); }  // of 3 columns
   const py::array_t<T>& array() const { return array_; }
 
  private:
@@ -56,5 +58,23 @@ class NewArray {
 };
 
 py::array_t<double> array_of(const Vec3& vector);
+
+// Contacts as new arrays: what answers about many points and ticks have in common.
+class NewContacts {
+ public:
+  explicit NewContacts(std::size_t n);
+
+  // The columns that it has; valid as long as the arrays.
+  ContactArrays<double> columns();
+  void set(std::size_t i, const Contact& contact);
+  // Puts all but the flags, which come later, under their names.
+  void put(py::dict& out) const;
+  const py::array_t<std::uint32_t>& flags() const { return flags_.array(); }
+
+ private:
+  NewArray<double> point_, normal_, distance_, domain_;
+  NewArray<std::uint32_t> face_, flags_;
+  NewArray<bool> touching_;
+};
 
 }  // namespace gliss::python

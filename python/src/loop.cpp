@@ -130,7 +130,7 @@ class Loop {
     if (is_running()) return std::nullopt;
     return loop_end_text(end_);
   }
-  // What the system refused: nothing before the first tick.
+  // Lists what the system refused: nothing before the first tick.
   std::vector<std::string> refusals() const {
     return has_begun_ ? refusals_ : std::vector<std::string>();
   }

@@ -41,7 +41,7 @@ Value choice(const char* name, const std::string& wanted, const Named<Value> (&n
   return tools::parse_name(name, wanted, names);
 }
 
-// What follows a path or a hand: the options of Surface.trace and Surface.hand.
+// The options of Surface.trace and Surface.hand.
 struct TouchOptions {
   double stiffness = 500;  // N/m
   QueryOptions query{};

@@ -23,48 +23,27 @@ void find(const OpenSurface& surface, const HipArrays<double>& hips, Method meth
   released([&] { surface.resident->nearest(hips, {&method, 1}, {}, {&out, 1}); });
 }
 
-// What Surface.nearest gives.
+// The arrays that Surface.nearest gives.
 class NearestArrays {
  public:
-  explicit NearestArrays(std::size_t n)
-      : point_(n, 3),
-        normal_(n, 3),
-        distance_(n),
-        domain_(n, 2),
-        face_(n),
-        flags_(n),
-        iterations_(n),
-        touching_(n) {}
+  explicit NearestArrays(std::size_t n) : contacts_(n), iterations_(n) {}
 
   ContactArrays<double> columns() {
-    return {.touching = touching_.column(),
-            .face = face_.column(),
-            .xi = domain_.column(0),
-            .eta = domain_.column(1),
-            .scp = point_.vectors(),
-            .normal = normal_.vectors(),
-            .distance = distance_.column(),
-            .iterations = iterations_.column(),
-            .flags = flags_.column()};
+    ContactArrays<double> columns = contacts_.columns();
+    columns.iterations = iterations_.column();
+    return columns;
   }
   py::dict dict() const {
     py::dict out;
-    out["point"] = point_.array();
-    out["normal"] = normal_.array();
-    out["distance"] = distance_.array();
-    out["face"] = face_.array();
-    out["domain"] = domain_.array();
-    out["touching"] = touching_.array();
-    out["flags"] = flags_.array();
+    contacts_.put(out);
+    out["flags"] = contacts_.flags();
     out["iterations"] = iterations_.array();
     return out;
   }
 
  private:
-  NewArray<double> point_, normal_, distance_, domain_;
-  NewArray<std::uint32_t> face_, flags_;
+  NewContacts contacts_;
   NewArray<int> iterations_;
-  NewArray<bool> touching_;
 };
 
 py::dict nearest(const OpenSurface& surface, const Reals& points, const std::string& method) {
@@ -93,7 +72,7 @@ py::array_t<double> force(const OpenSurface& surface, const Reals& points, py::h
   NewArray<double> push(hips.count, 3);
   find(surface, hips, choice("method", method, kMethodNames), {.push = push.vectors()});
   for (std::size_t i = 0; i < hips.count; ++i) {
-    Eigen::Map<Vec3> row(push.data() + 3 * i);
+    auto row = push.row(i);
     row = push_force(*surface.cache, row, stiffness_of_it);
   }
   return push.array();

@@ -21,54 +21,28 @@ namespace {
 // The ticks of a path as arrays.
 class TickArrays {
  public:
-  explicit TickArrays(std::size_t n)
-      : force_(n, 3),
-        point_(n, 3),
-        normal_(n, 3),
-        distance_(n),
-        domain_(n, 2),
-        cone_share_(n),
-        face_(n),
-        flags_(n),
-        touching_(n),
-        slipping_(n) {}
+  explicit TickArrays(std::size_t n) : contacts_(n), force_(n, 3), cone_share_(n), slipping_(n) {}
 
   void set(std::size_t i, const TraceStep& step) {
-    const Contact& contact = step.contact;
-    row(force_, i) = step.force;
-    row(point_, i) = contact.scp;
-    row(normal_, i) = contact.normal;
-    distance_.data()[i] = contact.distance;
-    domain_.data()[2 * i] = contact.at.xi;
-    domain_.data()[2 * i + 1] = contact.at.eta;
+    contacts_.set(i, step.contact);
+    force_.row(i) = step.force;
     cone_share_.data()[i] = step.cone_share;
-    face_.data()[i] = contact.at.face;
-    flags_.data()[i] = contact.flags;
-    touching_.data()[i] = contact.touching;
-    slipping_.data()[i] = is_slipping(contact.flags);
+    slipping_.data()[i] = is_slipping(step.contact.flags);
   }
   py::dict dict() const {
     py::dict out;
     out["force"] = force_.array();
-    out["point"] = point_.array();
-    out["normal"] = normal_.array();
-    out["distance"] = distance_.array();
-    out["face"] = face_.array();
-    out["domain"] = domain_.array();
-    out["touching"] = touching_.array();
+    contacts_.put(out);
     out["slipping"] = slipping_.array();
     out["cone_share"] = cone_share_.array();
-    out["flags"] = flags_.array();
+    out["flags"] = contacts_.flags();
     return out;
   }
 
  private:
-  static Eigen::Map<Vec3> row(NewArray<double>& array, std::size_t i) {
-    return Eigen::Map<Vec3>(array.data() + 3 * i);
-  }
-  NewArray<double> force_, point_, normal_, distance_, domain_, cone_share_;
-  NewArray<std::uint32_t> face_, flags_;
-  NewArray<bool> touching_, slipping_;
+  NewContacts contacts_;
+  NewArray<double> force_, cone_share_;
+  NewArray<bool> slipping_;
 };
 
 py::object figures_of(const TraceStatistics& statistics) {

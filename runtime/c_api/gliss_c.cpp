@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 #include <new>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -80,14 +81,22 @@ void need(const void* pointer, const char* what) { require(pointer != nullptr, w
 Vec3 vector_of(const double* v) { return {v[0], v[1], v[2]}; }
 void store(const Vec3& v, double* to) { std::copy_n(v.data(), 3, to); }
 
-// The rotation of w, x, y, z at a position.
-gliss::Pose pose_of(const double* rotation, const double* position) {
+constexpr char kNoRotation[] = "rotation: is no unit quaternion w, x, y, z";
+
+// The rotation of w, x, y, z at a position; nothing where that is none.
+std::optional<gliss::Pose> find_pose(const double* rotation, const double* position) noexcept {
   const gliss::Turn turn(rotation[0], rotation[1], rotation[2], rotation[3]);
-  require(std::abs(turn.norm() - 1) < 1e-3, "rotation: is no unit quaternion w, x, y, z");
+  if (!(std::abs(turn.norm() - 1) < 1e-3)) return std::nullopt;
   gliss::Pose pose = gliss::Pose::Identity();
   pose.linear() = turn.normalized().toRotationMatrix();
   pose.translation() = vector_of(position);
   return pose;
+}
+// The same. Throws std::invalid_argument.
+gliss::Pose pose_of(const double* rotation, const double* position) {
+  const std::optional<gliss::Pose> pose = find_pose(rotation, position);
+  require(pose.has_value(), kNoRotation);
+  return *pose;
 }
 
 gliss::Method method_of(std::uint32_t method) {
@@ -369,13 +378,9 @@ std::int32_t gliss_hand_tick_tool(gliss_hand* hand, const double position[3],
       torque == nullptr)
     return fail(kBadInput, "hand, position, rotation, force or torque: is NULL");
   last_error[0] = 0;
-  const gliss::Turn turn(rotation[0], rotation[1], rotation[2], rotation[3]);
-  if (!(std::abs(turn.norm() - 1) < 1e-3))
-    return fail(kBadInput, "rotation: is no unit quaternion w, x, y, z");
-  gliss::Pose tool = gliss::Pose::Identity();
-  tool.linear() = turn.normalized().toRotationMatrix();
-  tool.translation() = vector_of(position);
-  const gliss::Wrench wrench = hand->tracker.step(tool);
+  const std::optional<gliss::Pose> tool = find_pose(rotation, position);
+  if (!tool) return fail(kBadInput, kNoRotation);
+  const gliss::Wrench wrench = hand->tracker.step(*tool);
   store(wrench.force, force);
   store(wrench.torque, torque);
   return 0;

@@ -1,4 +1,4 @@
-// What gliss/chai3d.h uses of CHAI3D's public interface, written for the tests: the names and
+// A stub of CHAI3D's public interface, as far as gliss/chai3d.h uses it: the names and
 // calls of a program with CHAI3D 3, and the order in which a world asks an object for its force.
 // Nothing is drawn.
 #pragma once

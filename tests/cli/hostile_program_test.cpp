@@ -23,12 +23,6 @@ class HostileProgram : public test::RunTest {
     folder_.write("path.csv", "x_mm,y_mm,z_mm\n0,0,11\n0,0,9\n0,0,8\n");
     EXPECT_EQ(gliss("bake ball.obj --unit mm -o ball.gliss --quiet").code, 0);
   }
-
-  // "bake ball.obj -o ball.gliss": words without spaces.
-  Outcome gliss(const std::string& words) const {
-    const auto end = words.find(' ');
-    return start(words.substr(0, end), words.substr(end + 1))->wait();
-  }
 };
 
 TEST_F(HostileProgram, refuses_pipes_and_devices_as_inputs) {

@@ -47,7 +47,7 @@ class Mpi : public test::RunTest {
       setenv(name, "1", 1);
     if (Process(folder_ / "", "mpirun", {"--version"}).wait().code == test::kNotStarted)
       GLISS_SKIP_UNLESS_REQUIRED("mpirun is absent");
-    // What an mpirun that is killed leaves goes with the test.
+    // An mpirun that is killed leaves files, which go with the test.
     for (const char* name :
          {"TMPDIR", "OMPI_MCA_btl_vader_backing_directory", "OMPI_MCA_osc_sm_backing_directory"})
       setenv(name, folder_.path().c_str(), 1);
@@ -56,9 +56,6 @@ class Mpi : public test::RunTest {
     EXPECT_EQ(gliss("bake ball.obj --unit mm -o ball.gliss").code, 0);
   }
 
-  Outcome gliss(const std::string& words) const {
-    return Process(folder_ / "", test::kProgram, words_of(words)).wait();
-  }
   std::unique_ptr<Process> start(int ranks, const std::string& words) const {
     return std::make_unique<Process>(
         folder_ / "", "mpirun",
@@ -231,7 +228,7 @@ TEST_F(Mpi, refuses_ranks_that_do_not_fit_together) {
                  "the version of the program is not the same everywhere: rank 0 on ");
 }
 
-// As on machines that have disks of their own.
+// Machines that have disks of their own have such folders.
 TEST_F(Mpi, refuses_folders_that_are_not_shared) {
   fs::create_directory(folder_ / "here");
   fs::create_directory(folder_ / "there");

@@ -18,9 +18,6 @@ using ::testing::Not;
 
 class Shards : public test::RunTest {
  protected:
-  Outcome gliss(const std::string& words) const {
-    return Process(folder_ / "", test::kProgram, test::split(words, ' ')).wait();
-  }
   void expect_refused(const std::string& words, const std::string& what) const {
     const Outcome outcome = gliss(words);
     EXPECT_EQ(outcome.code, 2) << words;

@@ -240,7 +240,7 @@ TEST(Tracker, goes_on_with_the_material_that_it_is_given) {
   EXPECT_FALSE(changed.set_material(0, 500, {0.1, 0.2}));
   for (const Vec3& hip : wandering(500, 0.012)) EXPECT_EQ(changed.step(hip), same.step(hip));
 
-  // Of an object whose patches are built near the hand too.
+  // An object whose patches are built near the hand has materials too.
   SceneObject lazy;
   lazy.lazy = std::make_shared<const LazyMesh>(goldberg().mesh);
   lazy.method = Method::kGregory;

@@ -240,7 +240,7 @@ TEST_F(SweepShards, know_their_folder_by_a_mark) {
   EXPECT_FALSE(here.has_mark(7));
 }
 
-// As rank 0 of a team puts the result together while others do the parts.
+// Rank 0 of a team puts the result together so, while others do the parts.
 TEST_F(SweepShards, are_read_in_order_as_they_come) {
   std::thread other;
   SweepParts parts = open(PartsAccess::kShared);

@@ -74,6 +74,10 @@ class RunTest : public ::testing::Test {
                               more_of_ball, more));
   }
 
+  // "bake ball.obj -o ball.gliss": words without spaces.
+  Outcome gliss(const std::string& words) const {
+    return Process(folder_ / "", test::kProgram, split(words, ' ')).wait();
+  }
   // "scene.toml --device sim": words without spaces.
   std::unique_ptr<Process> start(
       const std::string& command, const std::string& words,
