@@ -99,9 +99,10 @@ FN void try_base(surface_view view, hip_point h, uint patch, base_search* s) {
 // Nearest point of all base polygons, of those as near the first patch's; that on patch 0 where the
 // HIP is not a number or so far away that its distance may overflow. Where patches are asked for,
 // also those that may hold a point as near as the patch there is expected to. `guess`: a patch that
-// may be near; it makes the walk shorter, and no difference to what is found.
-FN_LARGE base_point nearest_base(surface_view view, hip_point h, uint guess, int keeps,
-                                 near_patches* near) {
+// may be near; it makes the walk shorter, and no difference to what is found. `part`: the patches
+// of that part alone, which `guess` is one of; NONE: all.
+FN_LARGE base_point nearest_base_of(surface_view view, hip_point h, uint guess, uint part,
+                                    int keeps, near_patches* near) {
   near->count = 0;
   near->complete2 = K(0);
   if (!(reach_of_hip(h) <= FAR_AWAY)) return base_point_on(view, h, 0u);
@@ -112,6 +113,7 @@ FN_LARGE base_point nearest_base(surface_view view, hip_point h, uint guess, int
     const real limit2 = keeps ? s.reach2 : s.nearer2;
     const uint p = next_patch(view, &w, h.high, limit2);
     if (p == NONE) break;
+    if (part != NONE && part_of(view, p) != part) continue;
     const real box2 = larger(patch_box_distance2(view, h, p), last_box_distance2(&w));
     if (!(box2 < limit2)) continue;
     if (p != guess && box2 < s.nearer2) try_base(view, h, p, &s);
@@ -119,6 +121,10 @@ FN_LARGE base_point nearest_base(surface_view view, hip_point h, uint guess, int
   }
   if (keeps) near->complete2 = smaller(near->complete2, s.reach2);
   return s.at;
+}
+FN base_point nearest_base(surface_view view, hip_point h, uint guess, int keeps,
+                           near_patches* near) {
+  return nearest_base_of(view, h, guess, NONE, keeps, near);
 }
 
 // A base polygon that is nearer to the HIP than `from`, across the side or round the corner that
@@ -320,7 +326,7 @@ FN real fall_of(surface_view view, foot f, newton_model model) {
 // A descent falls by no more than so many times what its model says. It is asked after so many
 // steps, or, where it is nearer than what is known, whether it creeps.
 #define MOST_FALL K(3)
-#define STEPS_AT_ONCE 2
+#define STEPS_AT_ONCE 1
 #define STEPS_NEARER 16
 
 // Descends from the middle of a tile for as long as that may lead to a nearer minimum. From where
@@ -330,6 +336,7 @@ FN_LARGE foot descend_from_tile(surface_view view, hip_point h, foot f, track_op
   // A minimum that is its patch's only one needs no search there.
   const int is_sole = is_sole_minimum(view, best);
   const known_minimum known = {is_sole ? best.patch : NONE, best.distance2};
+  const uint own = f.patch;
   track_options some = options;
   int steps = STEPS_AT_ONCE;
   while (f.iterations < options.max_iterations) {
@@ -338,6 +345,9 @@ FN_LARGE foot descend_from_tile(surface_view view, hip_point h, foot f, track_op
     if (some.max_iterations > options.max_iterations) some = options;
     f = end_foot(view, h, f, some, known);
     if ((f.flags & FOOT_CONVERGED) || f.iterations == from.iterations) break;
+    // Out of its patch for more than one step: others are searched from places of their own.
+    const int has_left = f.patch != own && from.patch != own;
+    if (has_left && !(f.distance2 < best.distance2)) break;
     const newton_model model = model_of(first_form(f.at), f.bend);
     const int fell = f.distance2 < from.distance2;
     if (fell && !model.is_sound) f = leap_ahead(view, h, from, f, options.max_iterations);

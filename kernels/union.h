@@ -6,8 +6,7 @@
 
 // A point of a part that the contact may rest against.
 typedef struct {
-  domain_point at;
-  real3 scp;     // local frame
+  foot at;       // of the HIP moved by the push before this one
   real3 normal;  // outward, unit
   real3 out;     // point - HIP, mesh frame
   real weight;   // of its normal in the push
@@ -18,9 +17,12 @@ typedef struct {
 typedef struct {
   int count, iterations, is_spent;  // is_spent: the budget did not suffice
   union_rest rest[UNION_RESTS];
-  real3 push;  // contact point - HIP, mesh frame
-  int state;   // CONTACT_*, or UNION_LOST
-  foot only;   // of the HIP, where there is one rest
+  real3 push;   // contact point - HIP, mesh frame
+  int state;    // CONTACT_*, or UNION_LOST
+  foot only;    // of the HIP, where there is one rest
+  real3 known;  // push of the nearest contact point found before
+  real known2;  // its square; INFINITY: there is none
+  uint beside;  // the patch last found on a burying part; NONE: there is none
 } union_search;
 #define UNION_LOST 2
 
@@ -28,7 +30,6 @@ typedef struct {
 // bury each other.
 #define UNION_GAP (sizeof(scalar) == 4 ? K(0x1p-17f) : K(0x1p-32f))
 
-FN uint part_of(surface_view view, uint patch) { return view.part[patch] & PART_MASK; }
 FN int is_exposed(surface_view view, uint patch) {
   return !(view.part[patch] & (PATCH_BURIED | PATCH_MIXED));
 }
@@ -64,35 +65,44 @@ FN int may_hold_nearer(surface_view view, base_point b, real distance2) {
   return !(least > K(0) && least * least >= distance2);
 }
 
+// Goes on with the nearest point of a part on another patch of it, from one start.
+FN foot try_patch_of_part(surface_view view, hip_point h, uint patch, foot best, union_search* u,
+                          track_options options) {
+  const base_point b = base_point_on(view, h, patch);
+  if (!may_hold_nearer(view, b, best.distance2)) return best;
+  const known_minimum known = {best.patch, best.distance2};
+  const foot f =
+      end_foot(view, h, begin_foot(view, h, start_on_base(view, b), options), options, known);
+  u->iterations += f.iterations + 1;
+  return is_nearer(f, best) ? f : best;
+}
+
 // Nearest point of one part's surface: each patch is searched from one start, which tells inside
 // from outside well enough far from a surface as well. Any point of it where the budget is spent.
 FN_LARGE foot nearest_on_part(surface_view view, hip_point h, uint part, union_search* u,
                               track_options options) {
-  walk w = start_walk(view);
-  base_point base = base_point_on(view, h, view.part_table[PART_UINTS * part + PART_FIRST]);
-  for (uint p = next_patch(view, &w, h.high, base.distance2); p != NONE;
-       p = next_patch(view, &w, h.high, base.distance2)) {
-    if (part_of(view, p) != part || !(patch_box_distance2(view, h, p) < base.distance2)) continue;
-    const base_point b = base_point_on(view, h, p);
-    if (b.distance2 < base.distance2) base = b;
-  }
+  const int is_beside = u->beside != NONE && part_of(view, u->beside) == part;
+  const uint guess = is_beside ? u->beside : view.part_table[PART_UINTS * part + PART_FIRST];
+  near_patches near;
+  const base_point base = nearest_base_of(view, h, guess, part, 1, &near);
+  u->beside = base.patch;
   const known_minimum none = {NONE, K(0)};
   foot best =
       end_foot(view, h, begin_foot(view, h, start_on_base(view, base), options), options, none);
   u->iterations += best.iterations + 1;
-  w = start_walk(view);
+  if (best.distance2 <= near.complete2) {
+    for (int i = 0; i < near.count && near.box2[i] < best.distance2; ++i) {
+      if (near.patch[i] != base.patch && !is_union_spent(u, options))
+        best = try_patch_of_part(view, h, near.patch[i], best, u, options);
+    }
+    return best;
+  }
+  walk w = start_walk(view);
   for (uint p = next_patch(view, &w, h.high, best.distance2);
        p != NONE && !is_union_spent(u, options); p = next_patch(view, &w, h.high, best.distance2)) {
-    if (p == base.patch || part_of(view, p) != part ||
-        !(patch_box_distance2(view, h, p) < best.distance2))
-      continue;
-    const base_point b = base_point_on(view, h, p);
-    if (!may_hold_nearer(view, b, best.distance2)) continue;
-    const known_minimum known = {best.patch, best.distance2};
-    const foot f =
-        end_foot(view, h, begin_foot(view, h, start_on_base(view, b), options), options, known);
-    u->iterations += f.iterations + 1;
-    if (is_nearer(f, best)) best = f;
+    if (p != base.patch && part_of(view, p) == part &&
+        patch_box_distance2(view, h, p) < best.distance2)
+      best = try_patch_of_part(view, h, p, best, u, options);
   }
   return best;
 }
@@ -118,10 +128,7 @@ FN_LARGE int is_in_partner(surface_view view, hip_point h, uint patch, union_sea
 FN union_rest rest_of(surface_view view, foot f, real3 push, track_options options) {
   const real unscale = numbers_of(view, f.patch)[PATCH_UNSCALE];
   union_rest r;
-  r.at.patch = f.patch;
-  r.at.xi = f.xi;
-  r.at.eta = f.eta;
-  r.scp = f.at.g;
+  r.at = f;
   r.normal = normal_of_foot(view, f);
   r.out = fma3(unscale, f.r, push);
   r.weight = K(0);
@@ -254,14 +261,38 @@ FN real3 along_seam(const union_search* u) {
   return unit3(cross3(u->rest[first].normal, u->rest[second].normal));
 }
 
-// Moves the rests to the feet of the HIP moved by the push.
+// Where a foot lies, and that point as a foot of another HIP.
+FN domain_point point_of(foot f) {
+  domain_point r = {f.patch, f.xi, f.eta};
+  return r;
+}
+FN foot foot_seen_from(surface_view view, hip_point h, foot f, track_options options) {
+  if (f.starts == 0) {  // not evaluated yet
+    f = begin_foot(view, h, point_of(f), options);
+    f.iterations = 1;
+    return f;
+  }
+  const real unscale = numbers_of(view, f.patch)[PATCH_UNSCALE];
+  f.r = sub3(f.at.g, local_hip(view, h, f.patch));
+  f.distance2 = dot3(f.r, f.r) * unscale * unscale;
+  f.iterations = f.crossings = f.walked = 0;
+  f.flags = 0u;
+  f.last2 = f.before2 = -K(1);
+  f.bend = start_bend(view, f, options);
+  return f;
+}
+
+// Moves the rests towards the feet of the HIP moved by the push, by a step each: their planes are
+// then as good as the push is, and where that stays the rests lie on the contact point.
 FN void move_rests(surface_view view, hip_point h, union_search* u, track_options options) {
   const hip_point x = moved_hip(h, u->push);
   const known_minimum none = {NONE, K(0)};
+  options.max_iterations = options.max_iterations < 1 ? options.max_iterations : 1;
   for (int i = 0; i < u->count; ++i) {
     const real weight = u->rest[i].weight;
-    const foot f = end_foot(view, x, begin_foot(view, x, u->rest[i].at, options), options, none);
-    u->iterations += f.iterations + 1;
+    const foot f =
+        end_foot(view, x, foot_seen_from(view, x, u->rest[i].at, options), options, none);
+    u->iterations += f.iterations;
     u->rest[i] = rest_of(view, f, u->push, options);
     u->rest[i].weight = weight;
   }
@@ -285,8 +316,9 @@ FN int is_seam_buried(surface_view view, hip_point h, union_search* u, track_opt
 FN int settle_on_one(surface_view view, hip_point h, union_search* u, track_options options) {
   const known_minimum none = {NONE, K(0)};
   keep_pressed(u);
-  u->only = end_foot(view, h, begin_foot(view, h, u->rest[0].at, options), options, none);
-  u->iterations += u->only.iterations + 1;
+  u->only = end_foot(view, h, foot_seen_from(view, h, u->rest[0].at, options), options, none);
+  u->iterations += u->only.iterations;
+  if (u->only.distance2 > u->known2) return 1;  // nor is anything nearer that it leads to
   u->rest[0] = rest_of(view, u->only, make3(K(0), K(0), K(0)), options);
   u->push = u->rest[0].out;
   u->state = is_within(view, u->only) ? CONTACT_TOUCHING : CONTACT_FREE;
@@ -297,13 +329,28 @@ FN int settle_on_one(surface_view view, hip_point h, union_search* u, track_opti
   return 0;
 }
 
-// From rests and a push to a contact point that no part buries. Along the seam of two parts the
-// step is the secant's, for there the planes know nothing of its curvature.
+// True if a search whose last step had this length ends at the contact point that is known, or
+// farther away: steps shrink.
+FN int leads_nowhere_new(const union_search* u, real length) {
+  const real3 apart = sub3(u->push, u->known);
+  const real nearest = norm3(u->push) - K(4) * length;
+  return (nearest > K(0) && nearest * nearest > u->known2) ||
+         K(64) * dot3(apart, apart) < length * length;
+}
+
+// From rests and a push to a contact point that no part buries; it is given up where what is known
+// is as near. Along the seam of two parts the step is the secant's, for there the planes know
+// nothing of its curvature.
 FN_LARGE void settle(surface_view view, hip_point h, union_search* u, track_options options) {
   real last_slope = K(0), last_step = K(0);
   int last_pressed = 0;
+  real3 before = u->push, mark = u->push;
   u->state = UNION_LOST;
   for (int i = 0; i < UNION_STEPS && !is_union_spent(u, options); ++i) {
+    // Back by a long step to where it was: it goes round (Brent 1980).
+    if (K(16) * norm3(sub3(u->push, mark)) < norm3(sub3(u->push, before))) return;
+    if ((i & (i - 1)) == 0) mark = u->push;
+    before = u->push;
     real3 push;
     if (!shortest_push(u, &push)) return;
     const int pressed = count_pressed(u);
@@ -341,6 +388,7 @@ FN_LARGE void settle(surface_view view, hip_point h, union_search* u, track_opti
     }
     u->push = push;
     move_rests(view, h, u, options);
+    if (leads_nowhere_new(u, length)) return;
     const real close =
         larger(options.tolerance * numbers_of(view, u->rest[0].at.patch)[PATCH_UNSCALE],
                K(16) * EPSILON * norm3(push));
@@ -365,13 +413,12 @@ FN contact contact_of_union(surface_view view, hip_point h, union_search* u) {
     for (int i = 1; i < u->count; ++i) {
       if (u->rest[i].weight > u->rest[most].weight) most = i;
     }
-    const domain_point at = u->rest[most].at;
-    c = contact_at(METHOD_GREGORY, at.patch, at.xi, at.eta, u->rest[most].scp, unit3(u->push),
-                   u->push);
+    const foot at = u->rest[most].at;
+    c = contact_at(METHOD_GREGORY, at.patch, at.xi, at.eta, at.at.g, unit3(u->push), u->push);
     c.clear = norm3(u->push);
     c.flags |= FOOT_CREASE;
     for (int i = 0; i < u->count; ++i) {
-      if (i != most && c.held_count < 2) c.held[c.held_count++] = u->rest[i].at;
+      if (i != most && c.held_count < 2) c.held[c.held_count++] = point_of(u->rest[i].at);
     }
   }
   c.iterations = u->iterations;
@@ -380,26 +427,41 @@ FN contact contact_of_union(surface_view view, hip_point h, union_search* u) {
   return within_reach(h, c);
 }
 
-FN union_search start_union(contact c) {
+FN union_search start_union(int iterations) {
   union_search u;
-  u.count = 1;
-  u.iterations = c.iterations;
+  u.count = 0;
+  u.iterations = iterations;
   u.is_spent = 0;
+  u.state = UNION_LOST;
+  u.known = make3(K(INFINITY), K(INFINITY), K(INFINITY));
+  u.known2 = K(INFINITY);
+  u.beside = NONE;
+  return u;
+}
+FN union_search start_union_at(contact c) {
+  union_search u = start_union(c.iterations);
+  u.count = 1;
   u.rest[0].at.patch = c.patch;
   u.rest[0].at.xi = c.xi;
   u.rest[0].at.eta = c.eta;
-  u.rest[0].scp = c.scp;
+  u.rest[0].at.at.g = c.scp;
+  u.rest[0].at.starts = 0;
   u.rest[0].normal = c.normal;
   u.rest[0].out = u.push = c.offset;
   u.rest[0].weight = K(1);
-  u.state = UNION_LOST;
   return u;
+}
+
+// Takes the contact point that a search has found for the nearest that is known.
+FN void know_push(union_search* u) {
+  u->known = u->push;
+  u->known2 = dot3(u->push, u->push);
 }
 
 // Seeks the nearest point on one patch, or on the seams there, for a HIP inside: from the point of
 // its base polygon that is nearest to the HIP.
-FN_LARGE void seek_on_patch(surface_view view, hip_point h, base_point base, real nearer2,
-                            union_search* u, track_options options) {
+FN_LARGE void seek_on_patch(surface_view view, hip_point h, base_point base, union_search* u,
+                            track_options options) {
   const foot first = begin_foot(view, h, start_on_base(view, base), options);
   u->count = 1;
   u->state = UNION_LOST;
@@ -410,7 +472,7 @@ FN_LARGE void seek_on_patch(surface_view view, hip_point h, base_point base, rea
     u->iterations += u->only.iterations;
     u->rest[0] = rest_of(view, u->only, make3(K(0), K(0), K(0)), options);
     u->push = u->rest[0].out;
-    if (u->only.distance2 < nearer2 &&
+    if (u->only.distance2 < u->known2 &&
         !join_burier(view, h, u->only.patch, u->rest[0].normal, u, 0, options))
       u->state = CONTACT_TOUCHING;
     return;
@@ -432,7 +494,7 @@ FN_LARGE contact unite_nearest(surface_view view, hip_point h, contact c, track_
   const real reach = reach_of_hip(h);
   if (is_exposed(view, c.patch) || !(reach <= FAR_OUTSIDE) || (c.flags & FOOT_UNFINISHED)) return c;
   const int was_touching = c.state == CONTACT_TOUCHING;
-  union_search u = start_union(c);
+  union_search u = start_union_at(c);
   const int is_buried = join_burier(view, h, c.patch, c.normal, &u, 0, options) &&
                         (was_touching || is_in_partner(view, h, c.patch, &u, options));
   if (!is_buried) {
@@ -442,18 +504,17 @@ FN_LARGE contact unite_nearest(surface_view view, hip_point h, contact c, track_
   }
   settle(view, h, &u, options);
   union_search best = u;
-  real nearest2 = u.state == CONTACT_TOUCHING ? dot3(u.push, u.push) : K(0x1p126f);
+  if (u.state == CONTACT_TOUCHING) know_push(&u);
   walk w = start_walk(view);
-  for (uint p = next_patch(view, &w, h.high, nearest2); p != NONE && !is_union_spent(&u, options);
-       p = next_patch(view, &w, h.high, nearest2)) {
-    if ((view.part[p] & PATCH_BURIED) || !(patch_box_distance2(view, h, p) < nearest2)) continue;
+  for (uint p = next_patch(view, &w, h.high, u.known2); p != NONE && !is_union_spent(&u, options);
+       p = next_patch(view, &w, h.high, u.known2)) {
+    if ((view.part[p] & PATCH_BURIED) || !(patch_box_distance2(view, h, p) < u.known2)) continue;
     const base_point b = base_point_on(view, h, p);
-    if (!may_hold_nearer(view, b, nearest2)) continue;
-    seek_on_patch(view, h, b, nearest2, &u, options);
-    const real distance2 = dot3(u.push, u.push);
-    if (u.state == CONTACT_TOUCHING && distance2 < nearest2) {
+    if (!may_hold_nearer(view, b, u.known2)) continue;
+    seek_on_patch(view, h, b, &u, options);
+    if (u.state == CONTACT_TOUCHING && dot3(u.push, u.push) < u.known2) {
       best = u;
-      nearest2 = distance2;
+      know_push(&u);
     }
   }
   best.iterations = u.iterations;
@@ -486,9 +547,7 @@ FN_LARGE contact search_union(surface_view view, hip_point h, int iterations,
 
 // The contact that was on a seam.
 FN_LARGE contact follow_seam(surface_view view, hip_point h, contact last, track_options options) {
-  union_search u;
-  u.count = 0;
-  u.iterations = u.is_spent = 0;
+  union_search u = start_union(0);
   for (int i = 0; i <= last.held_count; ++i) {
     const domain_point own = {last.patch, last.xi, last.eta};
     const domain_point at = i == 0 ? own : last.held[i - 1];
@@ -504,7 +563,7 @@ FN_LARGE contact follow_seam(surface_view view, hip_point h, contact last, track
 // From a part that the HIP has left within another: on from above the HIP, where the contact was.
 FN_LARGE contact hand_over(surface_view view, hip_point h, contact last, contact c,
                            track_options options) {
-  union_search u = start_union(c);
+  union_search u = start_union_at(c);
   if (!is_in_partner(view, h, last.patch, &u, options)) return c;
   const foot f = start_foot(view, h, last.patch, last.xi, last.eta);
   const union_rest left = rest_of(view, f, make3(K(0), K(0), K(0)), options);
@@ -534,7 +593,7 @@ FN_LARGE contact unite_tracked(surface_view view, hip_point h, contact last, con
   if (last.held_count > 0) return follow_seam(view, h, last, options);
   if (is_exposed(view, c.patch)) return c;
   if (c.state != CONTACT_TOUCHING) return hand_over(view, h, last, c, options);
-  union_search u = start_union(c);
+  union_search u = start_union_at(c);
   if (!join_burier(view, h, c.patch, c.normal, &u, 0, options)) return c;
   settle(view, h, &u, options);
   return u.state == CONTACT_TOUCHING ? contact_of_union(view, h, &u)

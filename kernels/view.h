@@ -43,6 +43,7 @@ typedef struct {
 FN int valence_of(surface_view view, uint patch) {
   return (int)(view.side_begin[patch + 1] - view.side_begin[patch]);
 }
+FN uint part_of(surface_view view, uint patch) { return view.part[patch] & PART_MASK; }
 FN GLOBAL scalar* domain_of(surface_view view, int n) { return view.domain + view.domain_begin[n]; }
 FN GLOBAL scalar* control_of(surface_view view, uint patch) {
   return view.control + 3 * (ulong)view.control_begin[patch];
