@@ -160,15 +160,31 @@ std::size_t Hdf5Reader::rows(const std::string& column) const {
 LargeArray<double> Hdf5Reader::numbers(const std::string& column, std::size_t stride) const {
   hdf5::Quiet quiet;
   const Dataset d = open(column);
-  LargeArray<double> values((d.rows + stride - 1) / stride);
-  for (hsize_t begin = 0, next = 0; begin < d.rows; begin += d.block) {
+  return read(d, 0, d.rows, stride);
+}
+
+LargeArray<double> Hdf5Reader::numbers(const std::string& column, std::size_t begin,
+                                       std::size_t end) const {
+  hdf5::Quiet quiet;
+  const Dataset d = open(column);
+  if (begin > end || end > d.rows)
+    throw std::runtime_error(fmt::format("{}: {} rows, not {}", d.action, d.rows, end));
+  return read(d, begin, end, 1);
+}
+
+LargeArray<double> Hdf5Reader::read(const Dataset& d, std::uint64_t begin, std::uint64_t end,
+                                    std::uint64_t stride) const {
+  LargeArray<double> values((end - begin + stride - 1) / stride);
+  hsize_t next = 0;
+  for (hsize_t done = begin; done < end;) {
     poll();
-    const hsize_t end = std::min(d.rows, begin + d.block);
-    const hsize_t count = (end + stride - 1) / stride - next;
+    // Up to whole chunks.
+    done = std::min<hsize_t>(end, (done / d.block + 1) * d.block);
+    const hsize_t count = (done - begin + stride - 1) / stride - next;
     if (count == 0) continue;
     const Handle memory(H5Screate_simple(1, &count, nullptr), H5Sclose, d.action);
     hdf5::check(H5Dread(d.dataset, H5T_NATIVE_DOUBLE, memory,
-                        d.select(next * stride, stride, count), H5P_DEFAULT, &values[next]),
+                        d.select(begin + next * stride, stride, count), H5P_DEFAULT, &values[next]),
                 d.action);
     next += count;
   }
