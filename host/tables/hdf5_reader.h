@@ -28,6 +28,8 @@ class Hdf5Reader {
 
   bool has(const std::string& name) const;  // "ticks/x"
   std::size_t rows(const std::string& column) const;
+  // Rows that are unpacked together; 1 where they lie in the file as they are.
+  std::size_t chunk_rows(const std::string& column) const;
   // A column's entries in every `stride`-th row, from the first; in the rows [begin, end), which it
   // must have.
   LargeArray<double> numbers(const std::string& column, std::size_t stride = 1) const;

@@ -104,6 +104,7 @@ class Hdf5Table final : public TableReader {
   }
 
   std::size_t rows() const override { return head_.rows; }
+  std::size_t chunk_rows() const { return chunk_rows_; }  // the most of a column
 
   InputTable read(std::size_t begin, std::size_t end) override {
     InputTable table = head_;
@@ -137,6 +138,7 @@ class Hdf5Table final : public TableReader {
     head_.names_.push_back(name);
     head_.units_.push_back(file_.unit(name).value_or(""));
     set_rows(name, file_.rows(name));
+    chunk_rows_ = std::max(chunk_rows_, file_.chunk_rows(name));
   }
 
   void set_rows(const std::string& name, std::size_t rows) {
@@ -152,9 +154,20 @@ class Hdf5Table final : public TableReader {
   InputTable head_;                              // all but the values
   std::vector<std::vector<std::string>> texts_;  // whole
   bool has_rows_ = false;
+  std::size_t chunk_rows_ = 1;
 };
 
 namespace {
+
+constexpr std::size_t kMostChunkRows = 1 << 17;  // that are unpacked for each part again
+
+std::unique_ptr<Hdf5Table> open_hdf5(const std::string& path, const TableRequest& request) {
+  try {
+    return std::make_unique<Hdf5Table>(path, request);
+  } catch (const std::runtime_error& error) {
+    throw RecordingError(error.what());
+  }
+}
 
 // A table that was read as a whole.
 class WholeTable final : public TableReader {
@@ -172,19 +185,18 @@ class WholeTable final : public TableReader {
 bool is_hdf5(const std::string& path) { return path.ends_with(".h5") || path.ends_with(".hdf5"); }
 
 InputTable read_table(const std::string& path, const TableRequest& request) {
-  if (!is_npy(path) && !is_hdf5(path)) return read_csv(path, request);
-  const auto reader = open_table(path, request);
-  return reader->read(0, reader->rows());
+  const auto whole = [](TableReader& reader) { return reader.read(0, reader.rows()); };
+  if (is_npy(path)) return whole(*open_npy(path, request));
+  return is_hdf5(path) ? whole(*open_hdf5(path, request)) : read_csv(path, request);
 }
 
 std::unique_ptr<TableReader> open_table(const std::string& path, const TableRequest& request) {
   if (is_npy(path)) return open_npy(path, request);
-  if (!is_hdf5(path)) return std::make_unique<WholeTable>(read_csv(path, request));
-  try {
-    return std::make_unique<Hdf5Table>(path, request);
-  } catch (const std::runtime_error& error) {
-    throw RecordingError(error.what());
+  if (is_hdf5(path)) {
+    auto reader = open_hdf5(path, request);
+    if (reader->chunk_rows() <= kMostChunkRows) return reader;
   }
+  return std::make_unique<WholeTable>(read_table(path, request));
 }
 
 }  // namespace gliss

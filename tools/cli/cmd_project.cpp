@@ -64,7 +64,7 @@ class Projecting final : public PartedWork {
   void close_parts() override { parts_.reset(); }
   void agree_on_work(const Team& team) const override {
     agree(team, "the surface", hash_name(surface_hash_), "give all the same file");
-    agree(team, "the HIPs", hash_name(hips_hash_), "give all the same file");
+    agree(team, "the file of HIPs", hash_name(hips_hash_), "give all the same file");
     agree(team, "the work", hash_name(parts_->hash()), "start the same with the same options");
   }
   std::uint64_t do_parts(const PartSource& source, const PartProgress& progress) override {
