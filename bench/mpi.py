@@ -3,8 +3,8 @@
 gliss-mpi on one rank and on as many ranks of one thread as there are cores, in turns.
 
 Prints a line a measurement and two tables: seconds of a whole command and those that processors worked for it, which tell
-more where others use them too, of --repeats the median, of sweeps with statistics alone (--summary) and with samples (-o), and of projections (project -o); and where the seconds of the ranks went: parts, the counter, and rank 0 at waiting and
-at the result. From these it fits a model, and prints what it says of --ranks ranks and --large samples.
+more where others use them too, of --repeats the median, of sweeps with statistics alone (--summary) and with samples (-o), and of
+projections; and where the seconds of the ranks went: parts, the counter, and rank 0 at waiting and at the result. From these it fits a model, and prints what it says of --ranks ranks and --large samples.
 Usage: bench/mpi.py build/gliss build/gliss-mpi [--samples 1e6,1e7] [--repeats 3] [--ranks 1000] [--large 1e12]
        [--mpirun "mpirun --oversubscribe"]
 """

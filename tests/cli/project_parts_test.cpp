@@ -2,6 +2,7 @@
 // the folder end in the same bytes.
 #include <gmock/gmock.h>
 
+#include <cstring>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -20,11 +21,13 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 constexpr std::size_t kPartRows = 1 << 17;
+// Offsets in a part's file, whose header two counts and the columns follow.
+constexpr std::size_t kDoneAt = 24, kBegunAt = 32, kColumnsAt = 56;
 
 class ProjectParts : public test::RunTest {
  protected:
-  // Three parts and a bit.
-  static constexpr std::size_t kRows = 3 * kPartRows + 1000;
+  // Two parts and a bit.
+  static constexpr std::size_t kRows = 2 * kPartRows + 1000;
 
   ProjectParts() { test::write_hips(folder_ / "hips.npy", kRows); }
 
@@ -41,6 +44,9 @@ class ProjectParts : public test::RunTest {
       if (file.path().extension() == ".part") found.push_back(file.path());
     std::sort(found.begin(), found.end());
     return found;
+  }
+  std::string project_of(const std::string& hips) const {
+    return project_.substr(0, project_.rfind(' ') + 1) + hips;
   }
   nlohmann::json json_of(const std::string& words) const {
     const Outcome outcome = gliss(words + " --json");
@@ -75,10 +81,8 @@ TEST_F(ProjectParts, are_those_of_a_whole) {
 
 TEST_F(ProjectParts, are_the_same_whatever_the_input_is) {
   const std::string from_npy = whole(project_, "p.npy");
-  for (const char* name : {"hips.h5", "hips.csv"}) {
-    test::write_hips(folder_ / name, kRows);
-    EXPECT_TRUE(whole(project_.substr(0, project_.size() - 8) + name, "p.npy") == from_npy) << name;
-  }
+  test::write_hips(folder_ / "hips.h5", kRows);
+  EXPECT_TRUE(whole(project_of("hips.h5"), "p.npy") == from_npy);
 }
 
 TEST_F(ProjectParts, of_shards_wait_for_the_command_that_writes_the_result) {
@@ -87,18 +91,18 @@ TEST_F(ProjectParts, of_shards_wait_for_the_command_that_writes_the_result) {
   const Outcome first = gliss(words_ + " --shard 2/2");
   EXPECT_EQ(first.code, 0) << first.err;
   EXPECT_EQ(first.out,
-            "shard 2/2 is done: 2 of 4 parts are in 'p.h5.parts'; once the others are, the result "
+            "shard 2/2 is done: 1 of 3 parts are in 'p.h5.parts'; once the others are, the result "
             "comes by\ngliss " +
                 words_ + "\n");
   EXPECT_FALSE(fs::exists(folder_ / "p.h5"));
   const auto json = json_of(words_ + " --shard 1/3 --threads 1");
   EXPECT_EQ(json["shard"], "1/3");
-  EXPECT_EQ(json["parts"], 4);
-  EXPECT_EQ(json["parts_done"], 3);
-  EXPECT_EQ(json["contacts_computed"], kPartRows);  // the last was there
+  EXPECT_EQ(json["parts"], 3);
+  EXPECT_EQ(json["parts_done"], 2);
+  EXPECT_EQ(json["contacts_computed"], kPartRows);
   const Outcome last = gliss(words_);
   EXPECT_EQ(last.code, 0) << last.err;
-  EXPECT_THAT(last.err, HasSubstr("goes on from 3 parts in 'p.h5.parts'"));
+  EXPECT_THAT(last.err, HasSubstr("goes on from 2 parts in 'p.h5.parts'"));
   EXPECT_THAT(last.out, StartsWith(fmt::format("{} HIPs, ", kRows)));
   EXPECT_TRUE(folder_.read("p.h5") == want);
   EXPECT_FALSE(fs::exists(folder_ / "p.h5.parts"));
@@ -121,44 +125,63 @@ TEST_F(ProjectParts, outlive_a_kill_and_an_interruption) {
     EXPECT_EQ(outcome.code, 130);
     EXPECT_THAT(outcome.err, HasSubstr("parts are in 'p.h5.parts': the same command goes on"));
   }
-  const auto json = json_of(words_);
-  EXPECT_LE(json["contacts_computed"], kRows - 2 * kPartRows);
-  EXPECT_EQ(json["hips"], kRows);
+  EXPECT_THAT(gliss(words_).err, HasSubstr("goes on from 2 parts in 'p.h5.parts'"));
   EXPECT_TRUE(folder_.read("p.h5") == want);
   EXPECT_FALSE(fs::exists(folder_ / "p.h5.parts"));
 }
 
 // Where a part takes long, as here, where HIPs are as near to all of a ball.
 TEST_F(ProjectParts, that_take_long_are_kept_on_the_way) {
-  folder_.write("centre.csv", [] {
-    std::string rows = "x_mm,y_mm,z_mm\n";
-    for (int i = 0; i < 20000; ++i) rows += fmt::format("0,0,{}e-9\n", i);
-    return rows;
-  }());
-  const std::string words =
-      "project ball.obj --unit mm --hip centre.csv -o p.h5 --threads 1 --shard 1/1";
-  Process job(folder_ / "", test::kProgram, test::split(words, ' '));
-  ASSERT_TRUE(test::await([&] { return !parts().empty() || job.over(); }));
-  ASSERT_FALSE(job.over());
-  job.kill(SIGKILL);
-  job.wait();
-  const std::string begun = test::read_file(parts()[0]);
-  EXPECT_LT(json_of(words)["contacts_computed"], 20000);
+  std::string rows = "x_mm,y_mm,z_mm\n";
+  for (int i = 0; i < 20000; ++i) rows += fmt::format("0,0,{}e-9\n", i);
+  folder_.write("centre.csv", rows);
+  Process job(folder_ / "", test::kProgram,
+              test::split("project ball.obj --unit mm --hip centre.csv -o p.h5 --shard 1/1", ' '));
+  EXPECT_TRUE(test::await([&] { return !parts().empty(); }));
+  const std::string part = test::read_file(parts().at(0));
+  EXPECT_GT(test::number_at(part, kDoneAt), 0u);
+  EXPECT_EQ(test::number_at(part, kDoneAt) + test::number_at(part, kBegunAt), 20000u);
+}
+
+// As they were when their command was killed.
+TEST_F(ProjectParts, that_are_not_whole_are_gone_on_from) {
+  const std::string want = whole(project_, "p.h5");
+  ASSERT_EQ(gliss(words_ + " --shard 1/3").code, 0);
+  const std::string sound = test::read_file(parts().at(0));
+  constexpr std::uint64_t kThere = 1000;
+  std::string begun = sound.substr(0, kColumnsAt);
+  std::memcpy(&begun[kDoneAt], &kThere, sizeof kThere);
+  const std::uint64_t rest = kPartRows - kThere;
+  std::memcpy(&begun[kBegunAt], &rest, sizeof rest);
+  std::memset(&begun[kBegunAt + 8], 0, 16);  // counts of rows
+  std::size_t at = kColumnsAt;
+  for (const std::size_t bytes : {4, 8, 8, 8, 8, 8, 8, 8, 8, 8, 4, 4, 8, 8, 8, 8}) {
+    begun += sound.substr(at, bytes * kThere);
+    at += bytes * kPartRows;
+  }
+  ASSERT_EQ(at, sound.size());
+  test::set_part_checksum(begun);
+  std::ofstream(parts()[0], std::ios::binary) << begun;
+  EXPECT_EQ(json_of(words_ + " --shard 1/3")["contacts_computed"], rest);
+  const Outcome outcome = gliss(words_);
+  EXPECT_EQ(outcome.err.find("damaged"), std::string::npos);
+  EXPECT_TRUE(folder_.read("p.h5") == want);
 }
 
 TEST_F(ProjectParts, that_are_damaged_or_forged_are_done_again) {
   const std::string want = whole(project_, "p.h5");
   ASSERT_EQ(gliss(words_ + " --shard 1/1").code, 0);
   const auto all = parts();
-  ASSERT_EQ(all.size(), 4u);
+  ASSERT_EQ(all.size(), 3u);
   const std::string sound = test::read_file(all[0]);
   std::ofstream(all[1], std::ios::app) << "damage";
   std::ofstream(all[2], std::ios::binary) << sound;  // of another number
-  // Behind a header of 40 bytes and two counts; 4 + 8 x 8 bytes a row come before the distance.
+  // 4 + 8 x 8 bytes a row come before the distance.
   std::string forged = sound;
   for (std::size_t row = 0; row < kPartRows; ++row) {
     const double distance = -0.777;
-    std::memcpy(&forged[56 + (4 + 8 * 8) * kPartRows + 8 * row], &distance, sizeof distance);
+    std::memcpy(&forged[kColumnsAt + (4 + 8 * 8) * kPartRows + 8 * row], &distance,
+                sizeof distance);
   }
   test::set_part_checksum(forged);
   std::ofstream(all[0], std::ios::binary) << forged;
@@ -172,7 +195,7 @@ TEST_F(ProjectParts, that_are_damaged_or_forged_are_done_again) {
 TEST_F(ProjectParts, of_other_hips_or_options_are_left_alone) {
   ASSERT_EQ(gliss(words_ + " --shard 1/4").code, 0);
   test::write_hips(folder_ / "hips.npy", kRows, 1);
-  for (const std::string& other : {std::string(), std::string(" --max-iterations 9")}) {
+  for (const std::string& other : {std::string(), std::string(" --tolerance 1e-9")}) {
     const Outcome outcome = gliss(words_ + other);
     EXPECT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_THAT(outcome.err, HasSubstr("1 files of other work in 'p.h5.parts' are left alone"));
@@ -184,12 +207,12 @@ TEST_F(ProjectParts, of_other_hips_or_options_are_left_alone) {
 TEST_F(ProjectParts, are_not_begun_where_a_row_is_no_hip) {
   for (const char* name : {"hips.npy", "hips.h5"}) {
     test::write_hips(folder_ / name, kRows, 0, kRows - 1);
-    const std::string words = project_.substr(0, project_.size() - 8) + name;
+    const std::string words = project_of(name);
     for (const char* more : {" -o p.h5", " -o p.h5 --shard 4/4", ""}) {
       const Outcome outcome = gliss(words + more);
       EXPECT_EQ(outcome.code, 2);
       EXPECT_EQ(outcome.out, "");
-      EXPECT_THAT(outcome.err, HasSubstr(fmt::format("{}: row {}: column 'y': nan is not finite",
+      EXPECT_THAT(outcome.err, HasSubstr(fmt::format("{}: row {}: column 'y_mm': nan is not finite",
                                                      name, kRows - 1)));
     }
     EXPECT_FALSE(fs::exists(folder_ / "p.h5"));
@@ -200,13 +223,13 @@ TEST_F(ProjectParts, are_not_begun_where_a_row_is_no_hip) {
 // A folder cannot be made there, and one is needed for what has two parts.
 TEST_F(ProjectParts, need_no_folder_where_there_is_one) {
   test::write_hips(folder_ / "few.npy", kPartRows);
-  const std::string words =
-      "project ball.obj --unit mm --method flat -o p.npy --parts no/where --hip ";
-  EXPECT_EQ(gliss(words + "few.npy").code, 0);
-  const Outcome outcome = gliss(words + "hips.npy");
+  const std::string few = project_of("few.npy") + " -o p.npy --parts ",
+                    many = project_ + " -o p.npy --parts ";
+  EXPECT_EQ(gliss(few + "no/where").code, 0);
+  const Outcome outcome = gliss(many + "no/where");
   EXPECT_EQ(outcome.code, 1);
   EXPECT_THAT(outcome.err, HasSubstr("no/where"));
-  EXPECT_EQ(gliss(words + "hips.npy --parts none").code, 0);
+  EXPECT_EQ(gliss(many + "none").code, 0);
 }
 
 }  // namespace
