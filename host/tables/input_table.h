@@ -80,8 +80,8 @@ GLISS_EXPORT bool is_hdf5(const std::string& path);
 // where a file cannot be read.
 GLISS_EXPORT InputTable read_table(const std::string& path, const TableRequest& request);
 // The same some rows at a time: HDF5 and .npy come from the file then, and CSV, whose rows are
-// found by reading all, is held in memory; so is HDF5 in chunks of over 131,072 rows, which would be
-// unpacked time and again. For one thread.
+// found by reading all, is held in memory; so is HDF5 in chunks of over 131,072 rows, which would
+// be unpacked time and again. For one thread.
 GLISS_EXPORT std::unique_ptr<TableReader> open_table(const std::string& path,
                                                      const TableRequest& request);
 
