@@ -134,7 +134,8 @@ std::string check_files(PartedOptions& options, const CommandFiles& files, const
   const bool leads = team.rank() == 0;
   options.quiet = options.quiet || !leads;
   if (options.threads == 0) options.threads = team.threads();
-  agree(team, "the version of the program", GLISS_VERSION, "start the same one everywhere");
+  agree(team, "the version of the program", fmt::format("gliss {}", GLISS_VERSION),
+        "start the same one everywhere");
   if (leads) check_outputs(files.outputs, files.inputs);
   return folder;
 }
