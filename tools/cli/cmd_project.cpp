@@ -5,7 +5,6 @@
 #include <optional>
 
 #include "gliss/files/cache_format.h"
-#include "tools/cli/outputs.h"
 #include "tools/cli/parted_work.h"
 #include "tools/cli/projection.h"
 #include "tools/cli/slips.h"
