@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Measures what ranks are worth: sweeps of the knot by gliss on one and on all threads, and by gliss-mpi on one rank and on
-as many ranks of one thread as there are cores, in turns.
+"""Measures what ranks are worth: sweeps of the knot and projections of HIPs beneath it by gliss on one and on all threads, and by
+gliss-mpi on one rank and on as many ranks of one thread as there are cores, in turns.
 
 Prints a line a measurement and two tables: seconds of a whole command and those that processors worked for it, which tell
-more where others use them too, of --repeats the median, with samples (-o) and with statistics alone (--summary); and where the seconds of the ranks went: parts, the counter, and rank 0 at waiting and
-at the result. From these it fits a model, and prints what it says of --ranks ranks and --large samples.
+more where others use them too, of --repeats the median, of sweeps with statistics alone (--summary) and with samples (-o), and of
+projections; and where the seconds of the ranks went: parts, the counter, and rank 0 at waiting and at the result. From these it fits a model, and prints what it says of --ranks ranks and --large samples.
 Usage: bench/mpi.py build/gliss build/gliss-mpi [--samples 1e6,1e7] [--repeats 3] [--ranks 1000] [--large 1e12]
        [--mpirun "mpirun --oversubscribe"]
 """
@@ -21,8 +21,11 @@ import subprocess
 import tempfile
 import time
 
-DEPTHS, METHODS = "2mm,4mm", 3  # all methods
-OUTPUTS = {"statistics": ["--summary", "s.json"], "samples": ["-o", "s.h5"]}
+import numpy
+
+SWEEP = ["sweep", "knot.gliss", "--depth", "2mm,4mm", "--samples"]  # half as many as HIPs
+OUTPUTS = {"statistics": "--summary s.json", "samples": "-o s.h5", "projections": "-o p.h5"}
+METHODS = {"statistics": 3, "samples": 3, "projections": 1}
 
 
 def processor_seconds():
@@ -46,11 +49,23 @@ class Bench:
         out = subprocess.run(words, cwd=self.folder, env=self.environment, check=True, capture_output=True, text=True)
         return time.perf_counter() - start, processor_seconds() - used, out.stdout
 
-    def sweep(self, samples, output, threads, ranks):
+    def place_hips(self, count):
+        """As many HIPs, in a file of their own: those of a sweep."""
+        samples, hips = self.folder / "s.npy", self.folder / f"hips_{count}.npy"
+        if hips.exists():
+            return hips.name
+        self.run([self.options.gliss, *SWEEP, str(math.ceil(count / 2)), "--method", "flat", "--unit", "mm", "-o", "s.npy"])
+        swept = numpy.load(samples, mmap_mode="r")[:count]
+        numpy.save(hips, numpy.stack([swept[f"hip_{axis}"] for axis in "xyz"], axis=1).astype(float))
+        samples.unlink()
+        return hips.name
+
+    def measure(self, hips, output, threads, ranks):
         launch = [*shlex.split(self.options.mpirun), "-n", str(ranks), self.options.gliss_mpi] if ranks else [
             self.options.gliss]
-        seconds, used, out = self.run([*launch, "sweep", "knot.gliss", "--depth", DEPTHS, "--samples", str(samples), "--threads",
-                                 str(threads), *OUTPUTS[output], "--json"])
+        work = (["project", "knot.gliss", "--unit", "mm", "--hip", self.place_hips(hips)] if output == "projections" else
+                [*SWEEP, str(math.ceil(hips / 2))])
+        seconds, used, out = self.run([*launch, *work, "--threads", str(threads), *OUTPUTS[output].split(), "--json"])
         return {**json.loads(out), "whole": seconds, "used": used}
 
 
@@ -59,9 +74,8 @@ def median(runs):
     return sorted(runs, key=lambda run: run["whole"])[len(runs) // 2]
 
 
-def model(startup, at, ranks, samples):
-    """Seconds of a sweep by so many ranks, by what each of them does."""
-    contacts = samples * METHODS
+def model(startup, at, ranks, contacts):
+    """Seconds of a command by so many ranks, by what each of them does."""
     parts = math.ceil(contacts / at["part_contacts"])
     return {"parts": parts,
             "start": startup,
@@ -75,8 +89,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("gliss", type=os.path.abspath)
     parser.add_argument("gliss_mpi", type=os.path.abspath)
-    parser.add_argument("--samples", default="1e6,1e7", help="HIPs of a sweep, over both depths; default 1e6,1e7")
-    parser.add_argument("--outputs", default=",".join(OUTPUTS), help="of the sweeps; default both")
+    parser.add_argument("--samples", default="1e6,1e7", help="HIPs, of a sweep over both depths; default 1e6,1e7")
+    parser.add_argument("--outputs", default=",".join(OUTPUTS), help="which; default all")
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--ranks", type=float, default=1000, help="of the model")
     parser.add_argument("--large", type=float, default=1e12, help="HIPs of the model")
@@ -95,7 +109,7 @@ def main():
                 runs = {kind: [] for kind in kinds}
                 for _ in range(options.repeats):
                     for kind, (threads, ranks) in kinds.items():
-                        runs[kind].append(bench.sweep(math.ceil(size / 2), output, threads, ranks))
+                        runs[kind].append(bench.measure(math.ceil(size), output, threads, ranks))
                         print(f"{output}, {size:.0e}, {kind}: {runs[kind][-1]['whole']:.2f} s, "
                               f"{runs[kind][-1]['used']:.2f} s of processors", flush=True)
                 best = {kind: median(of) for kind, of in runs.items()}
@@ -121,7 +135,7 @@ def main():
               f"| {mpi['counter_rank_seconds'] / cores:.4f} | {mpi['wait_seconds']:.2f} | {mpi['result_seconds']:.2f} |")
     print("\nThe ratios leave out how long mpirun takes to begin.\n")
     for output, at in models.items():
-        said = model(startup, at, options.ranks, options.large)
+        said = model(startup, at, options.ranks, options.large * METHODS[output])
         print(f"{output}: {at['contact'] * 1e9:.0f} ns of a processor a contact with its part, {at['ask'] * 1e6:.0f} us a number of the counter, "
               f"{at['write'] * 1e3:.2f} ms a part at the result")
         print(f"{options.ranks:.0f} ranks, {options.large:.0e} HIPs: " +

@@ -58,6 +58,7 @@
 #include "gliss/scene/scene.h"
 #include "gliss/study/compare.h"
 #include "gliss/study/fidelity.h"
+#include "gliss/study/part_folder.h"
 #include "gliss/study/surface_picture.h"
 #include "gliss/study/sweep.h"
 #include "gliss/study/sweep_parts.h"

@@ -66,10 +66,12 @@ void OpenFile::fail() const {
   throw std::system_error(error_, std::generic_category(), action);
 }
 
-std::size_t OpenFile::read(void* to, std::size_t bytes) {
+// read(to, bytes, done): reads more, behind what is done.
+template <class Read>
+std::size_t OpenFile::read_by(void* to, std::size_t bytes, const Read& read) {
   std::size_t done = 0;
   while (done < bytes) {
-    const ssize_t count = ::read(descriptor_, static_cast<char*>(to) + done, bytes - done);
+    const ssize_t count = read(static_cast<char*>(to) + done, bytes - done, done);
     if (count == 0) break;
     if (count > 0) {
       done += static_cast<std::size_t>(count);
@@ -79,6 +81,17 @@ std::size_t OpenFile::read(void* to, std::size_t bytes) {
     }
   }
   return done;
+}
+
+std::size_t OpenFile::read(void* to, std::size_t bytes) {
+  return read_by(to, bytes,
+                 [&](char* at, std::size_t rest, auto) { return ::read(descriptor_, at, rest); });
+}
+
+std::size_t OpenFile::read_at(std::uint64_t at, void* to, std::size_t bytes) {
+  return read_by(to, bytes, [&](char* next, std::size_t rest, std::size_t done) {
+    return pread(descriptor_, next, rest, static_cast<off_t>(at + done));
+  });
 }
 
 std::string OpenFile::read_all(const std::function<void(std::string_view)>& each_block) {

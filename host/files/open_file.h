@@ -39,10 +39,15 @@ class GLISS_EXPORT OpenFile {
 
   // Reads what is left, at most so many bytes; fewer only at the end of the file. Throws as fail().
   std::size_t read(void* to, std::size_t bytes);
+  // The same from a place of the file, wherever read() is.
+  std::size_t read_at(std::uint64_t at, void* to, std::size_t bytes);
   // Reads all that is left; hands it to `each_block` whenever a block has been added.
   std::string read_all(const std::function<void(std::string_view so_far)>& each_block = nullptr);
 
  private:
+  template <class Read>
+  std::size_t read_by(void* to, std::size_t bytes, const Read& read);
+
   std::string path_;
   int descriptor_ = -1, error_ = 0;
   const char* kind_ = nullptr;  // of what is no regular file

@@ -627,8 +627,4 @@ std::size_t part_count(const PatchCache& cache, const SweepOptions& options) {
   return bounds_of_parts(SweepGrid(cache, options.rings), options).size() - 1;
 }
 
-PartSource every_part(std::size_t first, std::size_t step) {
-  return [next = first, step]() mutable { return std::exchange(next, next + step); };
-}
-
 }  // namespace gliss

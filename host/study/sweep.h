@@ -11,6 +11,7 @@
 
 #include "gliss/base/export.h"
 #include "gliss/engine/engine.h"
+#include "gliss/study/part_folder.h"
 
 namespace gliss {
 
@@ -97,9 +98,9 @@ struct SweepBlock {
 // Blocks arrive in order (chunk, depth, method), always from one thread at a time; null: only
 // statistics are kept.
 using SweepSink = std::function<void(const SweepBlock&)>;
-// Called after each window of chunks, and several times a second where one takes long; false stops
-// the sweep.
-using SweepProgress = std::function<bool(std::uint64_t done, std::uint64_t total)>;
+// Called after each window of chunks, and several times a second where one takes long; counts
+// samples.
+using SweepProgress = PartProgress;
 
 struct SweepResult {
   std::vector<SweepStatistics> statistics;  // [depth][method]
@@ -109,11 +110,6 @@ struct SweepResult {
 
 class SweepParts;
 GLISS_EXPORT std::size_t part_count(const PatchCache& cache, const SweepOptions& options);
-// Names the next part to do, from 0 on, each beyond the one before. The first that is not there,
-// because its number is the number of parts or more, is the end. It may take its time, and throw.
-using PartSource = std::function<std::size_t()>;
-// The parts `first`, first + step, first + 2 step ...: a shard of `step` that share a sweep.
-GLISS_EXPORT PartSource every_part(std::size_t first = 0, std::size_t step = 1);
 
 // Memory is bounded by the part under way, whatever the number of samples; the result is the same
 // at any thread count. With `parts` (host/study/sweep_parts.h, made of the same cache and options),

@@ -1,63 +1,26 @@
 #include "gliss/study/sweep_parts.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <cstddef>
-#include <cstdio>
 #include <cstring>
-#include <filesystem>
-#include <system_error>
 #include <type_traits>
-#include <utility>
-
-#include "gliss/files/atomic_file.h"
-#include "gliss/files/cache_format.h"
-#include "gliss/files/open_file.h"
-#include "gliss/surface/revision.h"
 
 namespace gliss {
 namespace {
 
-constexpr std::uint32_t kPartFormat = 5;
-constexpr std::string_view kMagic = "GLSPART\n", kEnding = ".part";
+// The body of a part: the statistics, the blocks, the contacts of chunks that are begun.
 static_assert(std::is_trivially_copyable_v<SweepStatistics>);
 
-// A file: this, the statistics, the blocks, the contacts of chunks that are begun.
-struct PartHeader {
-  char magic[8];
-  std::uint64_t checksum;  // of all that follows
-  std::uint64_t part, chunks, begun;
-};
-constexpr std::size_t kChecked = offsetof(PartHeader, part);
-
-std::string told_of(const PatchCache& cache) {
-  std::string told =
-      fmt::format(" mesh {} {} {} {} {} {} {}", cache.mesh_hash, cache.mesh_face_count, cache.scale,
-                  cache.origin[0], cache.origin[1], cache.origin[2], cache.surface.index());
-  cache_format::for_each_section(cache, [&](const char* name, const auto& values) {
-    told += fmt::format(" {} {}", name,
-                        cache_format::checksum(values.data(), values.size() * sizeof(values[0])));
-  });
-  return told;
-}
-
-std::uint64_t hash_of_sweep(const std::string& surface, const PatchCache& cache,
-                            const SweepOptions& o, bool samples) {
-  std::string told =
-      fmt::format("{} {} {} {} {} {} {} {} {} {} {}", kNumbersRevision, kPartFormat,
-                  sizeof(SweepStatistics), samples, o.part_contacts, o.rings, o.stiffness,
-                  static_cast<int>(o.solver), o.max_iterations, o.tolerance, cache.unit);
+std::uint64_t hash_of_sweep(std::uint64_t surface, const SweepOptions& o, bool samples) {
+  std::string told = fmt::format("sweep {} {} {} {} {} {} {} {}", sizeof(SweepStatistics), samples,
+                                 o.part_contacts, o.rings, o.stiffness, static_cast<int>(o.solver),
+                                 o.max_iterations, o.tolerance);
   for (const double depth : o.depths) told += fmt::format(" depth {}", depth);
   for (const Method method : o.methods) told += fmt::format(" method {}", static_cast<int>(method));
-  told += surface;
-  return cache_format::checksum(told.data(), told.size());
+  return work_hash(surface, told);
 }
 
 // Calls f(column) for each column of a block.
@@ -121,119 +84,42 @@ bool is_in_range(const SweepBlock& block, const PatchCache& cache) {
   return faces && finite(block.xi) && finite(block.eta);
 }
 
-// A part under way has chunks that are begun. The checksum is left to who reads it.
-bool has_whole_head(const std::string& path) {
-  OpenFile opened(path, O_RDONLY | O_NOFOLLOW);
-  PartHeader header{};
-  return opened.descriptor() >= 0 && opened.read(&header, sizeof header) == sizeof header &&
-         header.begun == 0;
-}
-
-std::uint64_t checksum_of(std::string_view file) {
-  return cache_format::checksum(file.data() + kChecked, file.size() - kChecked);
-}
-
 }  // namespace
 
 SweepParts::SweepParts(const std::string& folder, const PatchCache& cache,
                        const SweepOptions& options, bool samples, double patience,
                        PartsAccess access)
-    : cache_(cache),
-      folder_(folder),
-      access_(access),
+    : SweepParts(folder, gliss::surface_hash(cache), cache, options, samples, patience, access) {}
+
+SweepParts::SweepParts(const std::string& folder, std::uint64_t surface, const PatchCache& cache,
+                       const SweepOptions& options, bool samples, double patience,
+                       PartsAccess access)
+    : PartFolder(folder, hash_of_sweep(surface, options, samples), patience, access),
+      cache_(cache),
+      surface_hash_(surface),
       samples_(samples),
       depths_(options.depths),
-      methods_(options.methods),
-      patience_(patience) {
-  const std::string surface = told_of(cache);
-  surface_hash_ = cache_format::checksum(surface.data(), surface.size());
-  hash_ = hash_of_sweep(surface, cache, options, samples);
-  key_ = fmt::format("{:016x}-", hash_);
-  open_folder();
-  for (const auto& file : std::filesystem::directory_iterator(folder)) {
-    const std::string name = file.path().filename();
-    if (!name.starts_with(key_))
-      ++foreign_;
-    else if (name.ends_with(kEnding))
-      ++kept_;
-  }
-}
-
-// A sweep that ended may remove the folder before it is locked here; then there is another one.
-void SweepParts::open_folder() {
-  constexpr int kTries = 100;
-  for (int i = 0; i < kTries; ++i) {
-    if (open_once()) return;
-    if (lock_ >= 0) close(std::exchange(lock_, -1));
-  }
-  errno = ENOENT;
-  fail("cannot keep");
-}
-
-// Folders that a sweep made are told by their sticky bit, which means nothing in a folder of one
-// user: a sweep that goes on may remove them, and nobody else's. False where it is gone again.
-bool SweepParts::open_once() {
-  const bool is_new = mkdir(folder_.c_str(), S_ISVTX | S_IRWXU) == 0;
-  if (!is_new && errno != EEXIST) fail("cannot create");
-  struct stat status {};
-  if (lstat(folder_.c_str(), &status) == 0 && S_ISLNK(status.st_mode))
-    refuse("it is a symbolic link; name the folder that it leads to");
-  lock_ = open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
-  if (lock_ < 0 && errno == ENOENT) return false;
-  if (lock_ < 0 || fstat(lock_, &status) != 0) fail("cannot open");
-  if (!is_new && status.st_uid != geteuid()) refuse("it belongs to another user");
-  if ((status.st_mode & S_IWOTH) != 0) refuse("all may write to it; chmod o-w is the cure");
-  // Let go of by the system when this process ends, however it does.
-  const auto is_taken = [&](int kind) {
-    return flock(lock_, kind | LOCK_NB) != 0 && errno == EWOULDBLOCK;
-  };
-  if (is_taken(access_ == PartsAccess::kAlone ? LOCK_EX : LOCK_SH)) {
-    refuse(is_taken(LOCK_SH) ? "another sweep is at work here"
-                             : "shards of a sweep are at work here; go on when they are done");
-  }
-  made_ = is_new || (status.st_mode & S_ISVTX) != 0;
-  return fstat(lock_, &status) == 0 && status.st_nlink > 0;
-}
-
-SweepParts::~SweepParts() {
-  if (made_ && access_ == PartsAccess::kAlone)
-    rmdir(folder_.c_str());  // refused while anything is there
-  close(lock_);
-}
+      methods_(options.methods) {}
 
 std::optional<SweepPart> SweepParts::load(std::size_t part) {
   // Room for what comes before the blocks, should it have to be done.
-  file_.assign(sizeof(PartHeader) + depths_.size() * methods_.size() * sizeof(SweepStatistics),
-               '\0');
-  saved_ = clock_.seconds();
-  struct stat status {};
-  is_there_ = lstat(path_of(part).c_str(), &status) == 0 || errno != ENOENT;
-  if (!is_there_) return {};
-  auto found = read(part);
+  file_.bytes.assign(
+      PartFile::kHeaderBytes + depths_.size() * methods_.size() * sizeof(SweepStatistics), '\0');
+  const auto file = PartFolder::load(part);
+  if (!file) return {};
+  auto found = parse(*file);
   if (!found) discard(part);
   return found;
 }
 
-std::optional<SweepPart> SweepParts::read(std::size_t part) const {
-  OpenFile opened(path_of(part), O_RDONLY | O_NOFOLLOW);
-  std::string file;
-  try {
-    file = opened.read_all();
-  } catch (const std::runtime_error&) {  // a pipe, a folder, one that cannot be read
-    return {};
-  }
-  std::string_view rest = file;
-  PartHeader header{};
+std::optional<SweepPart> SweepParts::parse(const PartFile& file) const {
+  std::string_view rest = file.body();
   SweepPart found;
   found.statistics.resize(depths_.size() * methods_.size());
-  if (!take(rest, &header, sizeof header) ||
-      std::string_view(header.magic, sizeof header.magic) != kMagic || header.part != part ||
-      header.checksum != checksum_of(file) ||
-      !take(rest, found.statistics.data(), found.statistics.size() * sizeof(SweepStatistics))) {
+  if (!take(rest, found.statistics.data(), found.statistics.size() * sizeof(SweepStatistics)))
     return {};
-  }
-  found.chunks = header.chunks;
-  found.begun = header.begun;
+  found.chunks = file.done;
+  found.begun = file.begun;
   const std::size_t kinds = found.statistics.size(), blocks = samples_ ? found.chunks * kinds : 0;
   while (found.blocks.size() < blocks) {
     if (!take(rest, found.blocks.emplace_back(), depths_.size(), methods_.size())) return {};
@@ -269,101 +155,25 @@ bool SweepParts::is_in_range(const SweepPart& part) const {
                      [&](const SweepBlock& block) { return gliss::is_in_range(block, cache_); });
 }
 
-// Network file systems look for new files when the folder is opened, and late otherwise.
-bool SweepParts::is_whole(std::size_t part) const {
-  const int folder = open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (folder >= 0) close(folder);
-  return has_whole_head(path_of(part));
-}
-
-std::size_t SweepParts::whole() const {
-  std::size_t count = 0;
-  for (const auto& file : std::filesystem::directory_iterator(folder_)) {
-    const std::string name = file.path().filename();
-    count += name.starts_with(key_) && name.ends_with(kEnding) && has_whole_head(file.path());
-  }
-  return count;
-}
-
-// By remove(3), which takes empty folders as well.
-void SweepParts::discard(std::size_t part) {
-  const std::string path = path_of(part);
-  damaged_.push_back(path);
-  if (std::remove(path.c_str()) != 0 && errno != ENOENT) {  // another shard has done so
-    throw std::system_error(errno, std::generic_category(),
-                            fmt::format("'{}' is no part of a sweep and cannot be removed", path));
-  }
-  --kept_;
-  is_there_ = false;
-}
-
 void SweepParts::add(const SweepBlock& block) {
   if (!samples_) return;
   const BlockHeader header{block.depth_index, block.method_index, block.face.size()};
-  put(file_, &header, sizeof header);
+  put(file_.bytes, &header, sizeof header);
   for_each_column(block, [&](const auto& column) {
-    put(file_, column.data(), column.size() * sizeof(column[0]));
+    put(file_.bytes, column.data(), column.size() * sizeof(column[0]));
   });
 }
 
 void SweepParts::save(std::size_t part, const std::vector<SweepStatistics>& statistics,
                       std::size_t chunks, std::size_t begun, std::span<const double> contacts) {
-  PartHeader header{};
-  kMagic.copy(header.magic, sizeof header.magic);
-  header.part = part;
-  header.chunks = chunks;
-  header.begun = begun;
-  const std::size_t whole = file_.size();
-  put(file_, contacts.data(), contacts.size_bytes());
-  std::memcpy(file_.data(), &header, sizeof header);
-  std::memcpy(file_.data() + sizeof header, statistics.data(),
+  file_.done = chunks;
+  file_.begun = begun;
+  const std::size_t whole = file_.bytes.size();
+  put(file_.bytes, contacts.data(), contacts.size_bytes());
+  std::memcpy(&file_.bytes[PartFile::kHeaderBytes], statistics.data(),
               statistics.size() * sizeof(SweepStatistics));
-  header.checksum = checksum_of(file_);
-  std::memcpy(file_.data(), &header, sizeof header);
-  AtomicFile file(path_of(part));
-  file.write(file_);
-  file.commit();
-  file_.resize(whole);
-  kept_ += !std::exchange(is_there_, true);
-  saved_ = clock_.seconds();
-}
-
-bool SweepParts::remove() {
-  if (access_ == PartsAccess::kShared) {
-    if (flock(lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return false;
-    access_ = PartsAccess::kAlone;
-  }
-  for (const auto& file : std::filesystem::directory_iterator(folder_)) {
-    if (file.path().filename().string().starts_with(key_)) unlink(file.path().c_str());
-  }
-  return true;
-}
-
-void SweepParts::leave_mark(std::uint64_t mark) const { AtomicFile(path_of_mark(mark)).commit(); }
-
-bool SweepParts::has_mark(std::uint64_t mark) const {
-  return access(path_of_mark(mark).c_str(), F_OK) == 0;
-}
-
-void SweepParts::remove_mark(std::uint64_t mark) const { unlink(path_of_mark(mark).c_str()); }
-
-std::string SweepParts::path_of_mark(std::uint64_t mark) const {
-  return fmt::format("{}/{}{:016x}.mark", folder_, key_, mark);
-}
-
-std::string SweepParts::path_of(std::size_t part) const {
-  return fmt::format("{}/{}{:06}{}", folder_, key_, part, kEnding);
-}
-
-void SweepParts::fail(const char* action) const {
-  const int error = errno;
-  if (lock_ >= 0) close(lock_);
-  throw std::system_error(error, std::generic_category(), fmt::format("{} '{}'", action, folder_));
-}
-
-void SweepParts::refuse(const char* why) const {
-  if (lock_ >= 0) close(lock_);
-  throw std::runtime_error(fmt::format("parts folder '{}': {}", folder_, why));
+  PartFolder::save(part, file_);
+  file_.bytes.resize(whole);
 }
 
 }  // namespace gliss

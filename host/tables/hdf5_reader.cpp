@@ -68,7 +68,7 @@ std::string text_at(const char* place, std::size_t bytes) {
 struct Hdf5Reader::Dataset {
   std::string action;
   Handle dataset, space, creation, type;
-  hsize_t rows, block;  // rows to read at once: whole chunks
+  hsize_t rows, chunk, block;  // rows; of a chunk, or 1; to read at once: whole chunks
 
   hid_t select(hsize_t begin, hsize_t stride, hsize_t count) const {
     hdf5::check(H5Sselect_hyperslab(space, H5S_SELECT_SET, &begin, &stride, &count, nullptr),
@@ -104,7 +104,7 @@ bool Hdf5Reader::has(const std::string& name) const {
 }
 
 Hdf5Reader::Dataset Hdf5Reader::open(const std::string& column) const {
-  Dataset d{fmt::format("{}: column '{}'", action_, column), {}, {}, {}, {}, 0, 0};
+  Dataset d{fmt::format("{}: column '{}'", action_, column), {}, {}, {}, {}, 0, 1, 0};
   if (!has(column)) throw std::runtime_error(d.action + ": it is not there");
   std::string elsewhere;
   const Handle access = within_file(H5P_DATASET_ACCESS, elsewhere);
@@ -125,23 +125,23 @@ Hdf5Reader::Dataset Hdf5Reader::open(const std::string& column) const {
 void Hdf5Reader::check_size(Dataset& d) const {
   d.type = {H5Dget_type(d.dataset), H5Tclose, d.action};
   const hsize_t row_bytes = std::max<hsize_t>(H5Tget_size(d.type), 1);
-  hsize_t stored = H5Dget_storage_size(d.dataset) / row_bytes, chunk = 1;
+  hsize_t stored = H5Dget_storage_size(d.dataset) / row_bytes;
   if (H5Pget_layout(d.creation) == H5D_CHUNKED) {
-    hdf5::check(H5Pget_chunk(d.creation, 1, &chunk), d.action);
+    hdf5::check(H5Pget_chunk(d.creation, 1, &d.chunk), d.action);
     hdf5::check(H5Dget_num_chunks(d.dataset, d.space, &stored), d.action);
-    stored *= chunk;
+    stored *= d.chunk;
   }
   if (d.rows > stored) {
     throw std::runtime_error(
         fmt::format("{}: {} rows, of which {} are stored", d.action, d.rows, stored));
   }
   const std::uint64_t bytes =
-      std::max(d.rows * std::max<hsize_t>(row_bytes, sizeof(double)), chunk * row_bytes);
+      std::max(d.rows * std::max<hsize_t>(row_bytes, sizeof(double)), d.chunk * row_bytes);
   if (bytes > most_bytes()) {
     throw std::runtime_error(fmt::format("{}: {} bytes unpacked, too many for a file of {}",
                                          d.action, bytes, file_bytes_));
   }
-  d.block = (kBlockRows + chunk - 1) / chunk * chunk;
+  d.block = (kBlockRows + d.chunk - 1) / d.chunk * d.chunk;
 }
 
 std::uint64_t Hdf5Reader::most_bytes() const {
@@ -157,18 +157,39 @@ std::size_t Hdf5Reader::rows(const std::string& column) const {
   return open(column).rows;
 }
 
+std::size_t Hdf5Reader::chunk_rows(const std::string& column) const {
+  hdf5::Quiet quiet;
+  return open(column).chunk;
+}
+
 LargeArray<double> Hdf5Reader::numbers(const std::string& column, std::size_t stride) const {
   hdf5::Quiet quiet;
   const Dataset d = open(column);
-  LargeArray<double> values((d.rows + stride - 1) / stride);
-  for (hsize_t begin = 0, next = 0; begin < d.rows; begin += d.block) {
+  return read(d, 0, d.rows, stride);
+}
+
+LargeArray<double> Hdf5Reader::numbers(const std::string& column, std::size_t begin,
+                                       std::size_t end) const {
+  hdf5::Quiet quiet;
+  const Dataset d = open(column);
+  if (begin > end || end > d.rows)
+    throw std::runtime_error(fmt::format("{}: {} rows, not {}", d.action, d.rows, end));
+  return read(d, begin, end, 1);
+}
+
+LargeArray<double> Hdf5Reader::read(const Dataset& d, std::uint64_t begin, std::uint64_t end,
+                                    std::uint64_t stride) const {
+  LargeArray<double> values((end - begin + stride - 1) / stride);
+  hsize_t next = 0;
+  for (hsize_t done = begin; done < end;) {
     poll();
-    const hsize_t end = std::min(d.rows, begin + d.block);
-    const hsize_t count = (end + stride - 1) / stride - next;
+    // Up to whole chunks.
+    done = std::min<hsize_t>(end, (done / d.block + 1) * d.block);
+    const hsize_t count = (done - begin + stride - 1) / stride - next;
     if (count == 0) continue;
     const Handle memory(H5Screate_simple(1, &count, nullptr), H5Sclose, d.action);
     hdf5::check(H5Dread(d.dataset, H5T_NATIVE_DOUBLE, memory,
-                        d.select(next * stride, stride, count), H5P_DEFAULT, &values[next]),
+                        d.select(begin + next * stride, stride, count), H5P_DEFAULT, &values[next]),
                 d.action);
     next += count;
   }

@@ -28,8 +28,12 @@ class Hdf5Reader {
 
   bool has(const std::string& name) const;  // "ticks/x"
   std::size_t rows(const std::string& column) const;
-  // A column's entries in every `stride`-th row, from the first.
+  // Rows that are unpacked together; 1 where they lie in the file as they are.
+  std::size_t chunk_rows(const std::string& column) const;
+  // A column's entries in every `stride`-th row, from the first; in the rows [begin, end), which it
+  // must have.
   LargeArray<double> numbers(const std::string& column, std::size_t stride = 1) const;
+  LargeArray<double> numbers(const std::string& column, std::size_t begin, std::size_t end) const;
   // Texts of a fixed length alone: of others, which HDF5 cannot read safely, a column is refused
   // and an attribute is taken for none.
   std::vector<std::string> texts(const std::string& column) const;
@@ -41,6 +45,8 @@ class Hdf5Reader {
  private:
   struct Dataset;
   Dataset open(const std::string& column) const;
+  LargeArray<double> read(const Dataset& dataset, std::uint64_t begin, std::uint64_t end,
+                          std::uint64_t stride) const;
   void check_size(Dataset& dataset) const;
   std::optional<std::string> text_attribute(const hdf5::Handle& of, const std::string& name) const;
   std::uint64_t most_bytes() const;

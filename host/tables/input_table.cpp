@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
+#include <utility>
 
 #include "gliss/tables/csv_reader.h"
 #include "gliss/tables/hdf5_reader.h"
@@ -49,16 +51,37 @@ std::string InputTable::unit(std::string_view name) const {
 }
 
 std::string InputTable::place(std::size_t row) const {
-  if (first_line_ == 0) return fmt::format("{}: row {}", source_, row);
-  return fmt::format("{}:{}", source_, first_line_ + row);
+  if (first_line_ == 0) return fmt::format("{}: row {}", source_, first_row_ + row);
+  return fmt::format("{}:{}", source_, first_line_ + first_row_ + row);
 }
 
-// Fills a table from HDF5.
-class TableColumns {
+InputTable InputTable::part(std::size_t begin, std::size_t end) const {
+  InputTable part;
+  part.rows = end - begin;
+  part.alternative = alternative;
+  part.source_ = source_;
+  part.first_line_ = first_line_;
+  part.first_row_ = first_row_ + begin;
+  part.names_ = names_;
+  part.units_ = units_;
+  part.text_names_ = text_names_;
+  const auto rows_of = [&](const auto& columns) {
+    std::decay_t<decltype(columns)> some;
+    for (const auto& column : columns)
+      some.emplace_back(column.data() + begin, column.data() + end);
+    return some;
+  };
+  part.values_ = rows_of(values_);
+  part.texts_ = rows_of(texts_);
+  return part;
+}
+
+// Columns of HDF5.
+class Hdf5Table final : public TableReader {
  public:
-  TableColumns(const std::string& path, const TableRequest& request)
+  Hdf5Table(const std::string& path, const TableRequest& request)
       : file_(path, "a table", request.poll) {
-    table_.source_ = path;
+    head_.source_ = path;
     const auto is_there = [this](const std::string& name) { return file_.has(name); };
     const auto found = request.choose(is_there);
     if (found == request.alternatives.end() && !request.alternatives.empty()) {
@@ -66,7 +89,7 @@ class TableColumns {
           fmt::format("{}: missing columns: wanted {}", path, request.wanted()));
     }
     if (found != request.alternatives.end()) {
-      table_.alternative = static_cast<std::size_t>(found - request.alternatives.begin());
+      head_.alternative = static_cast<std::size_t>(found - request.alternatives.begin());
       for (const std::string& name : *found) add(name);
     }
     for (const std::string& name : request.optional) {
@@ -74,53 +97,106 @@ class TableColumns {
     }
     for (const std::string& name : request.texts) {
       if (!is_there(name)) continue;
-      table_.text_names_.push_back(name);
-      table_.texts_.push_back(file_.texts(name));
-      set_rows(name, table_.texts_.back().size());
+      head_.text_names_.push_back(name);
+      texts_.push_back(file_.texts(name));
+      set_rows(name, texts_.back().size());
     }
   }
 
-  InputTable take() { return std::move(table_); }
+  std::size_t rows() const override { return head_.rows; }
+  std::size_t chunk_rows() const { return chunk_rows_; }  // the most of a column
+
+  InputTable read(std::size_t begin, std::size_t end) override {
+    InputTable table = head_;
+    table.rows = end - begin;
+    table.first_row_ = begin;
+    for (const std::string& name : head_.names_) {
+      const LargeArray<double>& values = table.values_.emplace_back(numbers(name, begin, end));
+      const auto bad =
+          std::find_if_not(values.begin(), values.end(), [](double x) { return std::isfinite(x); });
+      if (bad != values.end()) {
+        throw RecordingError(
+            fmt::format("{}: column '{}': {} is not finite",
+                        table.place(static_cast<std::size_t>(bad - values.begin())), name, *bad));
+      }
+    }
+    for (const auto& texts : texts_)
+      table.texts_.emplace_back(texts.data() + begin, texts.data() + end);
+    return table;
+  }
 
  private:
-  void add(const std::string& name) {
-    table_.names_.push_back(name);
-    table_.units_.push_back(file_.unit(name).value_or(""));
-    const LargeArray<double>& values = table_.values_.emplace_back(file_.numbers(name));
-    set_rows(name, values.size());
-    const auto bad =
-        std::find_if_not(values.begin(), values.end(), [](double x) { return std::isfinite(x); });
-    if (bad != values.end()) {
-      throw std::runtime_error(
-          fmt::format("{}: column '{}': {} is not finite",
-                      table_.place(static_cast<std::size_t>(bad - values.begin())), name, *bad));
+  LargeArray<double> numbers(const std::string& name, std::size_t begin, std::size_t end) const {
+    try {
+      return file_.numbers(name, begin, end);
+    } catch (const std::runtime_error& error) {
+      throw RecordingError(error.what());
     }
+  }
+
+  void add(const std::string& name) {
+    head_.names_.push_back(name);
+    head_.units_.push_back(file_.unit(name).value_or(""));
+    set_rows(name, file_.rows(name));
+    chunk_rows_ = std::max(chunk_rows_, file_.chunk_rows(name));
   }
 
   void set_rows(const std::string& name, std::size_t rows) {
-    if (has_rows_ && rows != table_.rows) {
-      throw std::runtime_error(fmt::format("{}: column '{}' has {} rows, others {}", table_.source_,
-                                           name, rows, table_.rows));
+    if (has_rows_ && rows != head_.rows) {
+      throw std::runtime_error(fmt::format("{}: column '{}' has {} rows, others {}", head_.source_,
+                                           name, rows, head_.rows));
     }
     has_rows_ = true;
-    table_.rows = rows;
+    head_.rows = rows;
   }
 
   Hdf5Reader file_;
-  InputTable table_;
+  InputTable head_;                              // all but the values
+  std::vector<std::vector<std::string>> texts_;  // whole
   bool has_rows_ = false;
+  std::size_t chunk_rows_ = 1;
 };
+
+namespace {
+
+constexpr std::size_t kMostChunkRows = 1 << 17;  // that are unpacked for each part again
+
+std::unique_ptr<Hdf5Table> open_hdf5(const std::string& path, const TableRequest& request) {
+  try {
+    return std::make_unique<Hdf5Table>(path, request);
+  } catch (const std::runtime_error& error) {
+    throw RecordingError(error.what());
+  }
+}
+
+// A table that was read as a whole.
+class WholeTable final : public TableReader {
+ public:
+  explicit WholeTable(InputTable table) : table_(std::move(table)) {}
+  std::size_t rows() const override { return table_.rows; }
+  InputTable read(std::size_t begin, std::size_t end) override { return table_.part(begin, end); }
+
+ private:
+  InputTable table_;
+};
+
+}  // namespace
 
 bool is_hdf5(const std::string& path) { return path.ends_with(".h5") || path.ends_with(".hdf5"); }
 
 InputTable read_table(const std::string& path, const TableRequest& request) {
-  if (is_npy(path)) return read_npy(path, request);
-  if (!is_hdf5(path)) return read_csv(path, request);
-  try {
-    return TableColumns(path, request).take();
-  } catch (const std::runtime_error& error) {
-    throw RecordingError(error.what());
+  const auto whole = [](TableReader& reader) { return reader.read(0, reader.rows()); };
+  if (is_npy(path)) return whole(*open_npy(path, request));
+  return is_hdf5(path) ? whole(*open_hdf5(path, request)) : read_csv(path, request);
+}
+
+std::unique_ptr<TableReader> open_table(const std::string& path, const TableRequest& request) {
+  if (is_npy(path)) return open_npy(path, request);
+  if (is_hdf5(path)) {
+    auto reader = open_hdf5(path, request);
+    if (reader->chunk_rows() <= kMostChunkRows) return reader;
   }
+  return std::make_unique<WholeTable>(read_table(path, request));
 }
 
 }  // namespace gliss

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -46,17 +47,29 @@ class GLISS_EXPORT InputTable {
   std::string unit(std::string_view name) const;
   // "points.csv:17" or "points.h5: row 17" (from 0), for messages about a value.
   std::string place(std::size_t row) const;
+  // The rows [begin, end).
+  InputTable part(std::size_t begin, std::size_t end) const;
 
  private:
   friend class CsvParser;
   friend class NpyTable;
-  friend class TableColumns;
+  friend class Hdf5Table;
   std::string source_;
   std::size_t first_line_ = 0;  // 0: the file has no lines
+  std::size_t first_row_ = 0;   // of what was read
   std::vector<std::string> names_, units_;
   std::vector<LargeArray<double>> values_;
   std::vector<std::string> text_names_;
   std::vector<std::vector<std::string>> texts_;
+};
+
+// A table that is read some rows at a time.
+class GLISS_EXPORT TableReader {
+ public:
+  virtual ~TableReader() = default;
+  virtual std::size_t rows() const = 0;
+  // The rows [begin, end), which it must have. Throws as read_table().
+  virtual InputTable read(std::size_t begin, std::size_t end) = 0;
 };
 
 // True if the file's ending is that of HDF5: .h5 or .hdf5.
@@ -66,5 +79,10 @@ GLISS_EXPORT bool is_hdf5(const std::string& path);
 // RecordingError on a missing column and on wanted numbers that are not finite, and what they throw
 // where a file cannot be read.
 GLISS_EXPORT InputTable read_table(const std::string& path, const TableRequest& request);
+// The same some rows at a time: HDF5 and .npy come from the file then, and CSV, whose rows are
+// found by reading all, is held in memory; so is HDF5 in chunks of over 131,072 rows, which would
+// be unpacked time and again. For one thread.
+GLISS_EXPORT std::unique_ptr<TableReader> open_table(const std::string& path,
+                                                     const TableRequest& request);
 
 }  // namespace gliss

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <charconv>
 #include <cmath>
@@ -156,21 +157,19 @@ double number_at(const char* from, NumberType type) {
 
 }  // namespace
 
-class NpyTable {
+class NpyTable final : public TableReader {
  public:
   NpyTable(const std::string& path, const TableRequest& request)
-      : path_(path), poll_(request.poll) {
-    table_.source_ = path;
-    OpenFile file(path);
-    file.check();
-    bytes_ = file.read_all([&](std::string_view) { poll_(); });
+      : path_(path), poll_(request.poll), file_(path) {
+    head_.source_ = path;
+    file_.check();
     find_fields(request);
     const auto is_there = [&](const std::string& name) { return find(name) != nullptr; };
     const auto found = request.choose(is_there);
     if (found == request.alternatives.end() && !request.alternatives.empty())
       refuse(fmt::format("missing columns: wanted {}", request.wanted()));
     if (found != request.alternatives.end()) {
-      table_.alternative = static_cast<std::size_t>(found - request.alternatives.begin());
+      head_.alternative = static_cast<std::size_t>(found - request.alternatives.begin());
       for (const std::string& name : *found) add(name);
     }
     for (const std::string& name : request.optional) {
@@ -178,7 +177,15 @@ class NpyTable {
     }
   }
 
-  InputTable take() { return std::move(table_); }
+  std::size_t rows() const override { return head_.rows; }
+
+  InputTable read(std::size_t begin, std::size_t end) override {
+    InputTable table = head_;
+    table.rows = end - begin;
+    table.first_row_ = begin;
+    for (const std::string& name : head_.names_) read(name, begin, table);
+    return table;
+  }
 
  private:
   [[noreturn]] void refuse(const std::string& why) const {
@@ -187,18 +194,21 @@ class NpyTable {
 
   // Names all fields and says where they lie.
   void find_fields(const TableRequest& request) {
-    const std::string_view text = bytes_;
     constexpr std::size_t kShort = 10, kLong = 12;
-    if (text.size() < kLong || !text.starts_with(npy::kMagic)) refuse("not an .npy file");
-    const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+    std::string start(kLong, '\0');
+    if (file_.read_at(0, start.data(), kLong) < kLong || !start.starts_with(npy::kMagic))
+      refuse("not an .npy file");
+    const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(start[i]); };
     const bool is_short = byte(6) == 1;
     if (!is_short && byte(6) != 2 && byte(6) != 3) refuse("a version of .npy that is not known");
     std::size_t length = byte(8) | byte(9) << 8;
     if (!is_short)
       length |= static_cast<std::size_t>(byte(10)) << 16 | static_cast<std::size_t>(byte(11)) << 24;
     const std::size_t begin = is_short ? kShort : kLong;
-    if (length > text.size() - begin) refuse("the file ends within its header");
-    HeaderParser header(text.substr(begin, length));
+    if (length > file_.size() - begin) refuse("the file ends within its header");
+    std::string text(length, '\0');
+    read_whole(begin, text);
+    HeaderParser header(text);
     if (!header.parse())
       refuse("a header that NumPy does not write, or fields that are no numbers");
     begin_ = begin + length;
@@ -211,7 +221,7 @@ class NpyTable {
     if (header.shape.size() != (is_plain ? 2u : 1u))
       refuse(is_plain ? "an array without names must have two dimensions"
                       : "a structured array must have one dimension");
-    table_.rows = header.shape[0];
+    head_.rows = header.shape[0];
     if (is_plain) name_columns(header.shape[1], request);
     std::size_t width = 0;
     for (Field& field : fields_) {
@@ -221,14 +231,14 @@ class NpyTable {
       field.offset = width;
       width += bytes;
     }
-    const std::size_t data = bytes_.size() - begin_;
-    if (table_.rows > data || data % width != 0 || data / width != table_.rows)
-      refuse(fmt::format("its header says {} rows of {} bytes, and {} bytes follow", table_.rows,
+    const std::uint64_t data = file_.size() - begin_;
+    if (head_.rows > data || data % width != 0 || data / width != head_.rows)
+      refuse(fmt::format("its header says {} rows of {} bytes, and {} bytes follow", head_.rows,
                          width, data));
     for (Field& field : fields_) {
       const bool by_column = header.is_fortran && is_plain;
       field.stride = by_column ? field.type.bytes : width;
-      if (by_column) field.offset *= table_.rows;
+      if (by_column) field.offset *= head_.rows;
       field.offset += begin_;
     }
   }
@@ -258,30 +268,48 @@ class NpyTable {
     if (field.type.kind == 0)
       refuse(
           fmt::format("column '{}': '{}' is no type of little-endian numbers", name, field.descr));
-    table_.names_.push_back(name);
-    LargeArray<double>& values = table_.values_.emplace_back();
-    values.reserve(table_.rows);
-    for (std::size_t row = 0; row < table_.rows; ++row) {
-      poll_();
-      values.push_back(number_at(&bytes_[field.offset + row * field.stride], field.type));
-      if (!std::isfinite(values.back()))
-        throw CsvError(fmt::format("{}: column '{}': {} is not finite", table_.place(row), name,
-                                   values.back()));
+    head_.names_.push_back(name);
+  }
+
+  // Reads the rows of a table from `begin` on, some at a time.
+  void read(const std::string& name, std::size_t begin, InputTable& table) {
+    constexpr std::size_t kBlock = 1 << 20;  // bytes, about
+    const Field& field = *find(name);
+    const std::size_t most = std::max<std::size_t>(kBlock / field.stride, 1);
+    LargeArray<double>& values = table.values_.emplace_back();
+    values.reserve(table.rows);
+    std::string bytes;
+    while (values.size() < table.rows) {
+      const std::size_t done = values.size(), count = std::min(most, table.rows - done);
+      bytes.resize((count - 1) * field.stride + field.type.bytes);
+      read_whole(field.offset + (begin + done) * field.stride, bytes);
+      for (std::size_t row = 0; row < count; ++row) {
+        poll_();
+        values.push_back(number_at(&bytes[row * field.stride], field.type));
+        if (!std::isfinite(values.back()))
+          throw CsvError(fmt::format("{}: column '{}': {} is not finite", table.place(done + row),
+                                     name, values.back()));
+      }
     }
   }
 
-  const std::string& path_;
+  void read_whole(std::uint64_t at, std::string& bytes) {
+    if (file_.read_at(at, bytes.data(), bytes.size()) < bytes.size())
+      refuse("it became shorter while it was read");
+  }
+
+  const std::string path_;
   Poll poll_;
-  std::string bytes_;
+  OpenFile file_;
   std::size_t begin_ = 0;  // of the data
   std::vector<Field> fields_;
-  InputTable table_;
+  InputTable head_;  // all but the values
 };
 
 bool is_npy(const std::string& path) { return path.ends_with(".npy"); }
 
-InputTable read_npy(const std::string& path, const TableRequest& request) {
-  return NpyTable(path, request).take();
+std::unique_ptr<TableReader> open_npy(const std::string& path, const TableRequest& request) {
+  return std::make_unique<NpyTable>(path, request);
 }
 
 }  // namespace gliss

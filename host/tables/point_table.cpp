@@ -11,6 +11,8 @@
 namespace gliss {
 namespace {
 
+const std::vector<std::vector<std::string>> kNames = {{"x", "y", "z"}, {"x_mm", "y_mm", "z_mm"}};
+
 std::vector<Vec3> read_recording(const Hdf5Reader& file, const std::string& action, Poll poll) {
   const auto x = file.numbers("ticks/x"), y = file.numbers("ticks/y"), z = file.numbers("ticks/z");
   if (y.size() != x.size() || z.size() != x.size())
@@ -61,42 +63,61 @@ std::vector<Turn> turns_of(const InputTable& table) {
   return turns;
 }
 
-PointTable read_points(const std::string& path, double unit,
-                       const std::vector<std::string>& optional,
-                       const std::function<void()>& poll) {
-  PointTable result;
+PointReader::PointReader(const std::string& path, double unit,
+                         const std::vector<std::string>& optional,
+                         const std::function<void()>& poll)
+    : path_(path), unit_(unit) {
   if (is_hdf5(path)) {
     try {
       const Hdf5Reader file(path, "a recording", poll);
       if (!file.has("x") && !file.has("x_mm")) {
         const std::string action = fmt::format("cannot read '{}' as a recording", path);
-        result.points = read_recording(file, action, Poll(poll));
-        result.turns = read_recorded_turns(file, result.points.size(), action);
-        return result;
+        recording_.points = read_recording(file, action, Poll(poll));
+        recording_.turns = read_recorded_turns(file, recording_.points.size(), action);
+        return;
       }
     } catch (const std::runtime_error& error) {
       throw RecordingError(error.what());
     }
   }
-  const std::vector<std::vector<std::string>> names = {{"x", "y", "z"}, {"x_mm", "y_mm", "z_mm"}};
-  result.table = read_table(path, {.alternatives = names, .optional = optional, .poll = poll});
+  reader_ = open_table(path, {.alternatives = kNames, .optional = optional, .poll = poll});
+}
+
+PointTable PointReader::read(std::size_t begin, std::size_t end) {
+  PointTable result;
+  if (!reader_) {
+    const auto rows_of = [&](const auto& all) {
+      return all.empty() ? all : std::decay_t<decltype(all)>(all.data() + begin, all.data() + end);
+    };
+    result.points = rows_of(recording_.points);
+    result.turns = rows_of(recording_.turns);
+    return result;
+  }
+  result.table = reader_->read(begin, end);
   result.turns = turns_of(result.table);
   const std::size_t chosen = result.table.alternative;
-  const std::string named = result.table.unit(names[chosen][0]);
-  result.unit = chosen == 0 ? unit : 1e-3;
+  const std::string named = result.table.unit(kNames[chosen][0]);
+  result.unit = chosen == 0 ? unit_ : 1e-3;
   if (!named.empty()) {
     try {
       result.unit = parse_unit(named);
     } catch (const UnitError& error) {
       throw RecordingError(
-          fmt::format("{}: column '{}': {}", path, names[chosen][0], error.what()));
+          fmt::format("{}: column '{}': {}", path_, kNames[chosen][0], error.what()));
     }
   }
-  const auto &x = *result.table.find(names[chosen][0]), &y = *result.table.find(names[chosen][1]),
-             &z = *result.table.find(names[chosen][2]);
+  const auto &x = *result.table.find(kNames[chosen][0]), &y = *result.table.find(kNames[chosen][1]),
+             &z = *result.table.find(kNames[chosen][2]);
   result.points.reserve(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) result.points.emplace_back(x[i], y[i], z[i]);
   return result;
+}
+
+PointTable read_points(const std::string& path, double unit,
+                       const std::vector<std::string>& optional,
+                       const std::function<void()>& poll) {
+  PointReader reader(path, unit, optional, poll);
+  return reader.read(0, reader.rows());
 }
 
 std::vector<Vec3> points_in_metres(PointTable table) {

@@ -1,6 +1,8 @@
 // Points in files, in whatever unit they come: CSV tables, and recordings of the loop in HDF5.
 #pragma once
 
+#include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -20,6 +22,23 @@ struct PointTable {
   double unit = 1;           // m
   std::vector<Vec3> points;  // in `unit`
   std::vector<Turn> turns;   // of kTurnColumns, where they were asked for and are there; of ticks
+};
+
+// The same some rows at a time, as far as open_table() does; recordings are held in memory.
+class GLISS_EXPORT PointReader {
+ public:
+  // As read_points().
+  PointReader(const std::string& path, double unit, const std::vector<std::string>& optional = {},
+              const std::function<void()>& poll = nullptr);
+  std::size_t rows() const { return reader_ ? reader_->rows() : recording_.points.size(); }
+  // The rows [begin, end), which the file must have.
+  PointTable read(std::size_t begin, std::size_t end);
+
+ private:
+  std::string path_;
+  double unit_;
+  PointTable recording_;
+  std::unique_ptr<TableReader> reader_;  // null: a recording
 };
 
 // The columns of a rotation: a unit quaternion.

@@ -8,9 +8,7 @@ Columns& Columns::add(std::initializer_list<const char*> names, ColumnType type,
   return *this;
 }
 
-ResultTable::ResultTable(ResultFile& file, const std::string& name, const Columns& columns,
-                         const std::vector<Attribute>& attributes, std::uint64_t expected_rows)
-    : file_(file), id_(file.add_table(name, columns.list(), attributes, expected_rows)) {
+TableRows::TableRows(const Columns& columns) {
   for (const Column& column : columns.list()) {
     switch (column.type) {
       case ColumnType::kFloat64:
@@ -32,22 +30,76 @@ ResultTable::ResultTable(ResultFile& file, const std::string& name, const Column
   }
 }
 
-std::size_t ResultTable::rows() const {
+std::size_t TableRows::rows() const {
   return std::visit([](const auto& values) { return values.size(); }, columns_.front());
 }
 
-void ResultTable::write() {
+std::vector<ColumnData> TableRows::block(std::size_t begin, std::size_t end) const {
   std::vector<ColumnData> block;
   for (const Values& column : columns_) {
     std::visit(
         [&](const auto& values) {
           using Value = typename std::decay_t<decltype(values)>::value_type;
-          block.emplace_back(std::span<const Value>(values));
+          block.emplace_back(std::span<const Value>(values).subspan(begin, end - begin));
         },
         column);
   }
-  file_.append(id_, block);
+  return block;
+}
+
+void TableRows::clear() {
   for (Values& column : columns_) std::visit([](auto& values) { values.clear(); }, column);
+}
+
+void TableRows::put(std::string& bytes) const {
+  for (const Values& column : columns_) {
+    std::visit(
+        [&](const auto& values) {
+          using Value = typename std::decay_t<decltype(values)>::value_type;
+          if constexpr (std::is_arithmetic_v<Value>)
+            bytes.append(reinterpret_cast<const char*>(values.data()),
+                         values.size() * sizeof(Value));
+        },
+        column);
+  }
+}
+
+bool TableRows::take(std::string_view bytes, std::size_t rows) {
+  clear();
+  const auto each = [&](const auto& f) {
+    for (Values& column : columns_) {
+      std::visit(
+          [&](auto& values) {
+            using Value = typename std::decay_t<decltype(values)>::value_type;
+            if constexpr (std::is_arithmetic_v<Value>) f(values, sizeof(Value));
+          },
+          column);
+    }
+  };
+  std::size_t row_bytes = 0;
+  each([&](auto&, std::size_t size) { row_bytes += size; });
+  if (rows > bytes.size() / row_bytes || bytes.size() != rows * row_bytes) return false;
+  each([&](auto& values, std::size_t size) {
+    values.resize(rows);
+    bytes.copy(reinterpret_cast<char*>(values.data()), rows * size);
+    bytes.remove_prefix(rows * size);
+  });
+  return true;
+}
+
+ResultTable::ResultTable(ResultFile& file, const std::string& name, const Columns& columns,
+                         const std::vector<Attribute>& attributes, std::uint64_t expected_rows)
+    : TableRows(columns),
+      file_(file),
+      id_(file.add_table(name, columns.list(), attributes, expected_rows)) {}
+
+void ResultTable::write() {
+  append(*this, 0, rows());
+  clear();
+}
+
+void ResultTable::append(const TableRows& rows, std::size_t begin, std::size_t end) {
+  file_.append(id_, rows.block(begin, end));
 }
 
 }  // namespace gliss

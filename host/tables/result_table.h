@@ -6,6 +6,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <variant>
 #include <vector>
@@ -26,11 +27,10 @@ class GLISS_EXPORT Columns {
   std::vector<Column> columns_;
 };
 
-// Rows that wait for the next write(). The file must outlive the table.
-class GLISS_EXPORT ResultTable {
+// Rows of a table in memory.
+class GLISS_EXPORT TableRows {
  public:
-  ResultTable(ResultFile& file, const std::string& name, const Columns& columns,
-              const std::vector<Attribute>& attributes = {}, std::uint64_t expected_rows = 0);
+  explicit TableRows(const Columns& columns);
 
   // Appends get(0) ... get(rows - 1) to the next column, from the first on, round and round.
   template <class Get>
@@ -52,7 +52,8 @@ class GLISS_EXPORT ResultTable {
     next_ = (next_ + 1) % columns_.size();
   }
 
-  // Room for so many rows in the next column, whose numbers are Values; lasts until write().
+  // Room for so many rows in the next column, whose numbers are Values; lasts until the next
+  // change.
   template <class Value>
   std::span<Value> extend(std::size_t rows) {
     auto& values = std::get<std::vector<Value>>(columns_[next_]);
@@ -71,16 +72,36 @@ class GLISS_EXPORT ResultTable {
   }
 
   std::size_t rows() const;
-  void write();  // all that was filled in
+  // The rows [begin, end) of all columns; lasts until the next change.
+  std::vector<ColumnData> block(std::size_t begin, std::size_t end) const;
+  void clear();
+
+  // Appends all columns of numbers, one behind the other, as they lie in memory; and takes so many
+  // rows from there: false, and no rows, where these are not all that `bytes` holds.
+  void put(std::string& bytes) const;
+  bool take(std::string_view bytes, std::size_t rows);
 
  private:
   using Values = std::variant<std::vector<double>, std::vector<float>, std::vector<std::uint32_t>,
                               std::vector<std::uint8_t>, std::vector<std::string>>;
 
-  ResultFile& file_;
-  ResultFile::TableId id_;
   std::vector<Values> columns_;
   std::size_t next_ = 0;
+};
+
+// Rows that wait for the next write(). The file must outlive the table.
+class GLISS_EXPORT ResultTable : public TableRows {
+ public:
+  ResultTable(ResultFile& file, const std::string& name, const Columns& columns,
+              const std::vector<Attribute>& attributes = {}, std::uint64_t expected_rows = 0);
+
+  void write();  // all that was filled in
+  // Writes rows [begin, end) of others with these columns.
+  void append(const TableRows& rows, std::size_t begin, std::size_t end);
+
+ private:
+  ResultFile& file_;
+  ResultFile::TableId id_;
 };
 
 }  // namespace gliss

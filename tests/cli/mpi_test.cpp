@@ -4,9 +4,11 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "tests/support/part_files.h"
 #include "tests/support/require.h"
 #include "tests/support/run_files.h"
 
@@ -73,24 +75,17 @@ class Mpi : public test::RunTest {
   std::size_t parts() const {
     std::error_code none;
     std::size_t count = 0;
-    for (const auto& file : fs::directory_iterator(folder_ / "s.json.parts", none))
+    for (const auto& file : fs::directory_iterator(folder_ / parts_folder_, none))
       count += file.path().extension() == ".part";
     return count;
   }
-  std::string first_part() const {
-    return fs::directory_iterator(folder_ / "s.json.parts")->path();
-  }
+  std::string first_part() const { return fs::directory_iterator(folder_ / parts_folder_)->path(); }
   // True once no rank works in the folder for parts.
   bool is_left() const {
-    const int folder = open((folder_ / "s.json.parts").c_str(), O_RDONLY);
+    const int folder = open((folder_ / parts_folder_).c_str(), O_RDONLY);
     const bool left = folder < 0 || flock(folder, LOCK_EX | LOCK_NB) == 0;
     if (folder >= 0) close(folder);
     return left;
-  }
-  static std::string read(const std::string& path) {
-    std::ostringstream text;
-    text << std::ifstream(path, std::ios::binary).rdbuf();
-    return text.str();
   }
   nlohmann::json statistics() const {
     return nlohmann::json::parse(folder_.read("s.json"))["statistics"];
@@ -103,6 +98,39 @@ class Mpi : public test::RunTest {
     EXPECT_EQ(parts(), 0u);
   }
 
+  // One of the ranks or mpirun itself, by kill -9, at some moment; each time other ranks go on.
+  // What is there then is no result or the whole one.
+  void expect_survives_kills(const std::string& words, const std::string& file, int rounds,
+                             const std::function<std::string()>& result) {
+    ASSERT_EQ(gliss(words).code, 0);
+    const std::string want = result();
+    fs::remove(folder_ / file);
+    std::mt19937_64 rng(4);
+    if (std::getenv("GLISS_LONG_TESTS") != nullptr) rounds = 20;
+    int kills = 0;
+    for (int round = 0; round < rounds; ++round) {
+      const auto job = start(1 + static_cast<int>(rng() % 4), words);
+      ASSERT_TRUE(test::await([&] { return job->over() || !ranks_of(job->id()).empty(); }));
+      std::this_thread::sleep_for(std::chrono::milliseconds(rng() % 900));
+      const auto ranks = ranks_of(job->id());
+      if (round % 2 == 0 || ranks.empty())
+        job->kill(SIGKILL);
+      else
+        kill(ranks[rng() % ranks.size()], SIGKILL);
+      kills += job->wait().code != 0;
+      EXPECT_TRUE(test::await([&] { return is_left(); }));
+      if (!fs::exists(folder_ / file)) continue;
+      EXPECT_TRUE(result() == want);
+      fs::remove(folder_ / file);
+    }
+    EXPECT_GT(kills, 0);
+    EXPECT_EQ(run(2, words).code, 0);
+    EXPECT_FALSE(fs::exists(folder_ / parts_folder_));
+    EXPECT_TRUE(result() == want);
+    fmt::print("  gliss-mpi: killed {} times\n", kills);
+  }
+
+  std::string parts_folder_ = "s.json.parts";
   // Four parts without samples, and eight.
   const std::string sweep_ =
       "sweep ball.gliss --depth 1mm --method flat --samples 1.7e6 --summary s.json --quiet";
@@ -149,35 +177,8 @@ TEST_F(Mpi, gives_the_statistics_of_gliss_by_any_number_of_ranks) {
   }
 }
 
-// One of its ranks or mpirun itself, by kill -9, at some moment; each time other ranks go on. What
-// is there then is no result or the whole one.
 TEST_F(Mpi, survives_kills) {
-  ASSERT_EQ(gliss(long_sweep_).code, 0);
-  const auto want = statistics();
-  fs::remove(folder_ / "s.json");
-  std::mt19937_64 rng(4);
-  const int rounds = std::getenv("GLISS_LONG_TESTS") != nullptr ? 20 : 4;
-  int kills = 0;
-  for (int round = 0; round < rounds; ++round) {
-    const auto job = start(1 + static_cast<int>(rng() % 4), long_sweep_);
-    ASSERT_TRUE(test::await([&] { return job->over() || !ranks_of(job->id()).empty(); }));
-    std::this_thread::sleep_for(std::chrono::milliseconds(rng() % 900));
-    const auto ranks = ranks_of(job->id());
-    if (round % 2 == 0 || ranks.empty())
-      job->kill(SIGKILL);
-    else
-      kill(ranks[rng() % ranks.size()], SIGKILL);
-    kills += job->wait().code != 0;
-    EXPECT_TRUE(test::await([&] { return is_left(); }));
-    if (!fs::exists(folder_ / "s.json")) continue;
-    EXPECT_TRUE(statistics() == want);
-    fs::remove(folder_ / "s.json");
-  }
-  EXPECT_GT(kills, 0);
-  EXPECT_EQ(run(2, long_sweep_).code, 0);
-  EXPECT_FALSE(fs::exists(folder_ / "s.json.parts"));
-  EXPECT_TRUE(statistics() == want);
-  fmt::print("  gliss-mpi: killed {} times\n", kills);
+  expect_survives_kills(long_sweep_, "s.json", 4, [&] { return statistics().dump(); });
 }
 
 TEST_F(Mpi, leaves_parts_when_it_is_interrupted_and_shards_and_gliss_go_on_from_them) {
@@ -218,7 +219,7 @@ TEST_F(Mpi, refuses_ranks_that_do_not_fit_together) {
   expect_refused(run_both(mpi(sweep_), mpi("sweep none" + sweep_.substr(10))), 1, "rank 1 on ");
 
   // The same program, and says that it is another version.
-  std::string program = read(test::kMpiProgram);
+  std::string program = test::read_file(test::kMpiProgram);
   const std::string version = words_of(gliss("--version").out).back().substr(0, 5);
   for (auto at = program.find(version); at != program.npos; at = program.find(version, at))
     program.replace(at, version.size(), version.size(), '9');
@@ -260,6 +261,59 @@ TEST_F(Mpi, refuses_words_that_make_no_sense_once_for_all_ranks) {
     const Outcome outcome = run(2, words);
     expect_refused(outcome, 2, what);
     EXPECT_EQ(outcome.err.find(what), outcome.err.rfind(what)) << outcome.err;
+  }
+}
+
+class MpiProject : public Mpi {
+ protected:
+  static constexpr std::size_t kRows = (2 << 17) + 1000;  // two parts and a bit
+
+  void SetUp() override {
+    Mpi::SetUp();
+    parts_folder_ = "p.h5.parts";
+    if (!IsSkipped()) test::write_hips(folder_ / "hips.npy", kRows);
+  }
+
+  const std::string words_ =
+      "project ball.gliss --unit mm --method flat --keep id --hip hips.npy -o p.h5 --threads 1";
+};
+
+TEST_F(MpiProject, gives_the_bytes_of_gliss_by_any_number_of_ranks) {
+  ASSERT_EQ(gliss(words_).code, 0);
+  const std::string want = folder_.read("p.h5");
+  for (const int ranks : {1, 4}) {
+    fs::remove(folder_ / "p.h5");
+    const Outcome outcome = run(ranks, words_);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_THAT(outcome.out, HasSubstr(fmt::format("{} HIPs, ", kRows)));
+    EXPECT_TRUE(folder_.read("p.h5") == want) << ranks;
+    EXPECT_FALSE(fs::exists(folder_ / "p.h5.parts"));
+  }
+  const auto json = nlohmann::json::parse(run(2, words_ + " --json").out);  // of one rank alone
+  EXPECT_EQ(json["hips"], kRows);
+  EXPECT_EQ(json["contacts_computed"], kRows);
+  EXPECT_EQ(json["mpi"]["ranks"], 2);
+  EXPECT_EQ(json["mpi"]["parts"], 3);
+}
+
+TEST_F(MpiProject, survives_kills) {
+  expect_survives_kills(words_, "p.h5", 2, [&] { return folder_.read("p.h5"); });
+}
+
+TEST_F(MpiProject, refuses_other_hips_and_options) {
+  test::write_hips(folder_ / "other.npy", kRows, 1);
+  const auto other = [&](const std::string& from, const std::string& to) {
+    std::string words = words_;
+    return words.replace(words.find(from), from.size(), to);
+  };
+  for (const auto& [words, what] : std::vector<std::pair<std::string, std::string>>{
+           {other("hips.npy", "other.npy"),
+            "the file of HIPs is not the same everywhere: rank 0 on "},
+           {other("flat", "shaded"), "the work is not the same everywhere: rank 0 on "}}) {
+    const Outcome outcome = run_both(mpi(words_), mpi(words));
+    EXPECT_EQ(outcome.code, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("gliss-mpi: " + what));
+    EXPECT_FALSE(fs::exists(folder_ / "p.h5"));
   }
 }
 

@@ -90,7 +90,7 @@ TEST_F(Shards, and_a_whole_sweep_do_not_work_in_one_folder_at_once) {
   shard.kill(SIGSTOP);
   const Outcome outcome = gliss(words + " --parts p");
   EXPECT_EQ(outcome.code, 1);
-  EXPECT_THAT(outcome.err, HasSubstr("shards of a sweep are at work here; go on when they are"));
+  EXPECT_THAT(outcome.err, HasSubstr("shards are at work here; go on when they are"));
   EXPECT_EQ(gliss(words + " --parts p --shard 4/4").code, 0);
   shard.kill(SIGCONT);
   EXPECT_EQ(shard.wait().code, 0);

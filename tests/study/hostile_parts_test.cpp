@@ -15,6 +15,7 @@
 #include "gliss/generate/generate.h"
 #include "gliss/study/sweep_parts.h"
 #include "tests/support/bytes.h"
+#include "tests/support/part_files.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/surfaces.h"
 
@@ -28,7 +29,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 // Offsets in a part's file: a name, a checksum of all behind it, three numbers, statistics, blocks.
-constexpr std::size_t kChecksumAt = 8, kCheckedFrom = 16, kStatisticsAt = 40;
+constexpr std::size_t kStatisticsAt = 40;
 
 class HostileParts : public ::testing::Test {
  protected:
@@ -50,16 +51,10 @@ class HostileParts : public ::testing::Test {
         [&] { SweepParts(folder, cache_, options_, true); });
   }
 
-  std::string read(std::size_t part) const {
-    std::ostringstream text;
-    text << std::ifstream(paths_[part], std::ios::binary).rdbuf();
-    return text.str();
-  }
+  std::string read(std::size_t part) const { return test::read_file(paths_[part]); }
   // Writes a part with a checksum that is right.
   void write(std::size_t part, std::string bytes) const {
-    const std::uint64_t sum =
-        cache_format::checksum(bytes.data() + kCheckedFrom, bytes.size() - kCheckedFrom);
-    std::memcpy(bytes.data() + kChecksumAt, &sum, sizeof sum);
+    test::set_part_checksum(bytes);
     std::ofstream(paths_[part], std::ios::binary) << bytes;
   }
   // The block of a part of one: behind its number of depth, method and rows.
@@ -133,7 +128,7 @@ TEST_F(HostileParts, that_cannot_be_removed_are_named) {
   SweepParts parts = open();
   EXPECT_THAT(
       test::message_of<std::system_error>([&] { swept(cache_, *engine_, options_, &parts); }),
-      AllOf(HasSubstr(paths_[1]), HasSubstr("is no part of a sweep and cannot be removed"),
+      AllOf(HasSubstr(paths_[1]), HasSubstr("is no part and cannot be removed"),
             HasSubstr("Directory not empty")));
 }
 

@@ -252,7 +252,7 @@ TEST_F(SweepPartsTest, are_of_one_process_at_a_time) {
   SweepParts parts = open();
   const std::string message = test::message_of<std::runtime_error>([&] { open(); });
   EXPECT_THAT(message, HasSubstr(folder_ / "parts"));
-  EXPECT_THAT(message, HasSubstr("another sweep is at work"));
+  EXPECT_THAT(message, HasSubstr("another command is at work"));
 }
 
 TEST_F(SweepPartsTest, name_the_folder_that_cannot_be) {

@@ -190,12 +190,12 @@ TEST_F(SweepShards, share_the_folder_with_each_other_and_with_no_whole_sweep) {
     const SweepParts shared = open(PartsAccess::kShared);
     EXPECT_EQ(refusal(PartsAccess::kShared), "");
     EXPECT_THAT(refusal(PartsAccess::kAlone),
-                AllOf(HasSubstr(folder_ / "parts"), HasSubstr("shards of a sweep are at work")));
+                AllOf(HasSubstr(folder_ / "parts"), HasSubstr("shards are at work")));
   }
   EXPECT_TRUE(fs::exists(folder_ / "parts"));
   {
     const SweepParts alone = open(PartsAccess::kAlone);
-    EXPECT_THAT(refusal(PartsAccess::kShared), HasSubstr("another sweep is at work here"));
+    EXPECT_THAT(refusal(PartsAccess::kShared), HasSubstr("another command is at work here"));
   }
   EXPECT_FALSE(fs::exists(folder_ / "parts"));
 }

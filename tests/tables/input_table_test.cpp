@@ -1,11 +1,14 @@
 // Tables in HDF5 read as those in CSV are, with the units that they name.
 #include "gliss/tables/input_table.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
+#include "gliss/tables/npy_reader.h"
 #include "gliss/tables/point_table.h"
 #include "gliss/tables/result_table.h"
 #include "tests/support/scratch_folder.h"
@@ -53,6 +56,32 @@ TEST_F(InputTables, of_hdf5_and_csv_are_the_same) {
     EXPECT_EQ(table.find("none"), nullptr) << name;
     EXPECT_EQ(table.unit("x"), is_hdf5(name) ? "mm" : "") << name;
     EXPECT_EQ(table.unit("step"), "") << name;
+  }
+}
+
+// Which is of the file, as messages say.
+TEST_F(InputTables, come_some_rows_at_a_time) {
+  for (const char* name : {"p.h5", "p.npy", "p.csv"}) {
+    const std::string path = write(name, "");
+    const auto reader = open_table(path, {.alternatives = {{"x", "z"}}, .optional = {"step"}});
+    EXPECT_EQ(reader->rows(), 2u) << name;
+    const InputTable second = reader->read(1, 2), none = reader->read(1, 1);
+    EXPECT_EQ(second.rows, 1u) << name;
+    EXPECT_THAT(*second.find("x"), ElementsAre(4)) << name;
+    EXPECT_THAT(*second.find("step"), ElementsAre(8)) << name;
+    EXPECT_THAT(second.place(0), EndsWith(is_hdf5(name) || is_npy(name) ? ": row 1" : ":3"))
+        << name;
+    EXPECT_EQ(none.rows, 0u) << name;
+    EXPECT_TRUE(none.find("x")->empty()) << name;
+    PointReader points(path, 0.5);
+    EXPECT_THAT(points.read(1, 2).points, ElementsAre(Vec3(4, 5, 6))) << name;
+    EXPECT_EQ(points.read(1, 2).unit, 0.5) << name;
+  }
+  for (const char* name : {"p.h5", "p.npy"}) {
+    const auto reader = open_table(write(name, "", std::nan("")), {.alternatives = {{"x", "z"}}});
+    EXPECT_EQ(reader->read(0, 1).rows, 1u) << name;
+    EXPECT_THAT(test::message_of<std::runtime_error>([&] { reader->read(1, 2); }),
+                HasSubstr(fmt::format("{}: row 1: column 'z': nan is not finite", name)));
   }
 }
 

@@ -1,11 +1,12 @@
 // gliss project: the nearest point of the surface to each HIP. Its columns are a contract.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 
-#include "gliss/base/pace.h"
-#include "gliss/tables/result_table.h"
-#include "tools/cli/outputs.h"
+#include "gliss/files/cache_format.h"
+#include "tools/cli/parted_work.h"
+#include "tools/cli/projection.h"
 #include "tools/cli/slips.h"
 #include "tools/cli/surface_input.h"
 #include "tools/cli/watch.h"
@@ -13,7 +14,10 @@
 namespace gliss::tools {
 namespace {
 
-struct ProjectOptions : TableOptions {
+struct ProjectOptions : PartedOptions {
+  ProjectOptions() { output = "-"; }
+  CommandFiles files() const { return {{output}, {surface, hips}}; }
+
   std::string hips;
   std::vector<std::string> keep;
   std::optional<double> stiffness;  // of forces that are written as well
@@ -35,90 +39,142 @@ void describe(Command& command, ProjectOptions& options) {
                  [&options](const std::string& name) {
                    options.query.method = parse_name("--method", name, kMethodNames);
                  });
+  add_parts_options(command, options);
 }
 
-void run(const ProjectOptions& options) {
-  check_outputs({options.output}, {options.surface, options.hips});
-  const auto engine = make_engine(options);
-  const PatchCache cache = open_surface(options, *engine);
-  PointTable hips = read_hips(options, options.hips, options.keep);
-  check_kept(options.keep, hips.table, options.hips);
-  if (options.stiffness) tell_soft_spring(options, *options.stiffness, "--stiffness");
-  const UnitChange inward(hips.unit, cache.unit), outward(cache.unit, options.unit);
-  for (Vec3& hip : hips.points) hip = inward(hip);
-
-  const std::string unit = unit_name(options.unit);
-  const auto file = create_described_file(options.output, cache, options);
-  Columns columns;
-  columns.add({"patch"}, ColumnType::kUint32)
-      .add({"xi", "eta"})
-      .add({"x", "y", "z"}, ColumnType::kFloat64, unit)
-      .add({"nx", "ny", "nz"})
-      .add({"distance"}, ColumnType::kFloat64, unit)
-      .add({"iterations", "flags"}, ColumnType::kUint32);
-  if (options.stiffness) {
-    file->set_attribute({"stiffness_N_per_m", *options.stiffness});
-    columns.add({"fx", "fy", "fz"}, ColumnType::kFloat64, "N");
+class Projecting final : public PartedWork {
+ public:
+  explicit Projecting(const ProjectOptions& from)
+      : options_(from),
+        engine_(make_engine(from)),
+        cache_(open_surface(from, *engine_)),
+        hips_(open_hips(from, from.hips, from.keep)),
+        wanted_{from.query, from.stiffness, from.unit, from.keep},
+        projection_(wanted_, cache_, *engine_, hips_) {
+    check_kept(options_.keep, hips_.read(0, 0).table, options_.hips);
+    examine();
+    if (options_.stiffness) tell_soft_spring(options_, *options_.stiffness, "--stiffness");
   }
-  ResultTable table(*file, "", add_kept(columns, options.keep));
-  const auto surface = engine->reside(cache);
-  std::vector<Contact> found;
-  std::size_t inside = 0, unconverged = 0;
+
+  Size size() const override { return {"project", hips_.rows(), "HIPs"}; }
+  std::size_t part_count() const override { return projection_.part_count(); }
+  bool is_short() const override { return part_count() < 2; }
+  PartFolder& open_parts(const std::string& folder, PartsAccess access) override;
+  void close_parts() override { parts_.reset(); }
+  void agree_on_work(const Team& team) const override {
+    agree(team, "the surface", hash_name(surface_hash_), "give all the same file");
+    agree(team, "the file of HIPs", hash_name(hips_hash_), "give all the same file");
+    agree(team, "the work", hash_name(parts_->hash()), "start the same with the same options");
+  }
+  std::uint64_t do_parts(const PartSource& source, const PartProgress& progress) override {
+    return projection_.run(source, &*parts_, true, progress);
+  }
+  Json report_of_shard(std::uint64_t contacts) const override {
+    return {{"hips", hips_.rows()}, {"contacts_computed", contacts}};
+  }
+  void write_result(const PartsOfResult& come) override;
+
+ private:
+  void examine();
+  void tell_where();
+
+  const ProjectOptions& options_;
+  const std::unique_ptr<Engine> engine_;
+  const PatchCache cache_;
+  PointReader hips_;
+  const ProjectionOptions wanted_;
+  Projection projection_;
+  std::uint64_t surface_hash_ = 0, hips_hash_ = 0;
+  std::optional<PartFolder> parts_;
+  PartsAccess access_ = PartsAccess::kAlone;
+};
+
+// Reads all HIPs once: a row that is no HIP is told before there is a part or a result. Hashes
+// them.
+void Projecting::examine() {
+  Watch watch(options_, "read " + options_.hips, hips_.rows(), "HIPs");
+  std::string told;
+  projection_.for_each_part([&](const PointTable& hips) {
+    const auto put = [&](const auto& values) {
+      told += fmt::format(" {}",
+                          cache_format::checksum(values.data(), values.size() * sizeof(values[0])));
+    };
+    put(hips.points);
+    for (const std::string& name : options_.keep) put(*hips.table.find(name));
+    told = fmt::format("{} {}", cache_format::checksum(told.data(), told.size()), hips.unit);
+    watch.add(hips.points.size());
+  });
+  hips_hash_ = cache_format::checksum(told.data(), told.size());
+}
+
+PartFolder& Projecting::open_parts(const std::string& folder, PartsAccess access) {
+  access_ = access;
+  surface_hash_ = surface_hash(cache_);
+  const QueryOptions& query = options_.query;
+  std::string told = fmt::format(
+      "project {} {} {} {} {} {} {} {} {} {}", Projection::kPartRows, hips_.rows(), hips_hash_,
+      static_cast<int>(query.method), static_cast<int>(query.solver), query.max_iterations,
+      query.tolerance, query.budget, options_.stiffness.value_or(0), options_.unit);
+  for (const std::string& name : options_.keep) told += " " + name;
+  constexpr double kPatience = 3;  // s
+  return parts_.emplace(folder, work_hash(surface_hash_, told), kPatience, access);
+}
+
+// HIPs none of which is inside, and which are far off.
+void Projecting::tell_where() {
+  const Box box = cache_.bounds();
+  Nearness nearness({{box.low * cache_.unit, box.high * cache_.unit}});
+  if (!options_.quiet) {
+    projection_.for_each_part(
+        [&](const PointTable& hips) { nearness.add(points_in_metres(hips)); });
+  }
+  tell_far(options_, options_.hips, nearness, "say so by --unit, or by columns x_mm,y_mm,z_mm");
+}
+
+void Projecting::write_result(const PartsOfResult& come) {
+  constexpr std::size_t kBlockRows = 65536;
+  const auto file = create_described_file(options_.output, cache_, options_);
+  if (options_.stiffness) file->set_attribute({"stiffness_N_per_m", *options_.stiffness});
+  ResultTable table(*file, "", projection_columns(wanted_));
+  std::uint64_t inside = 0, unconverged = 0, computed = 0;
+  const auto write = [&](const ProjectedPart& part) {
+    for (std::size_t begin = 0; begin < part.rows.rows(); begin += kBlockRows)
+      table.append(part.rows, begin, std::min(part.rows.rows(), begin + kBlockRows));
+    inside += part.inside;
+    unconverged += part.unconverged;
+  };
   const Stopwatch clock;
-  Pace pace;
-  for_blocks(options, "project", hips.points.size(), "HIPs",
-             [&](std::size_t begin, std::size_t end, Watch& watch) {
-               const std::size_t rows = end - begin;
-               found.resize(rows);
-               pace.for_pieces(rows, [&](std::size_t from, std::size_t to) {
-                 surface->project(std::span(hips.points).subspan(begin + from, to - from),
-                                  options.query, std::span(found).subspan(from, to - from));
-                 watch.reach(begin + to);
-               });
-               table.fill(rows, [&](std::size_t i) { return found[i].at.face; });
-               table.fill(rows, [&](std::size_t i) { return found[i].at.xi; });
-               table.fill(rows, [&](std::size_t i) { return found[i].at.eta; });
-               table.fill_vectors(rows, [&](std::size_t i) { return outward(found[i].scp); });
-               table.fill_vectors(rows, [&](std::size_t i) { return found[i].normal; });
-               table.fill(rows, [&](std::size_t i) { return outward(found[i].distance); });
-               table.fill(rows, [&](std::size_t i) { return found[i].iterations; });
-               table.fill(rows, [&](std::size_t i) { return found[i].flags; });
-               if (options.stiffness) {
-                 table.fill_vectors(rows, [&](std::size_t i) {
-                   return contact_force(cache, found[i], *options.stiffness);
-                 });
-               }
-               fill_kept(table, options.keep, hips.table, begin, end);
-               table.write();
-               for (const Contact& contact : found) {
-                 inside += contact.touching;
-                 unconverged += (contact.flags & kConverged) == 0;
-               }
-             });
+  const Json of_team = come([&](const PartSource& source, const PartProgress& progress) {
+    return computed = projection_.run(source, parts_ ? &*parts_ : nullptr,
+                                      access_ == PartsAccess::kShared, progress, write);
+  });
   file->close();
   const double seconds = clock.seconds();
-  if (inside == 0 && !hips.points.empty()) {
-    for (Vec3& hip : hips.points) hip *= cache.unit;
-    const Box box = cache.bounds();
-    tell_far(options, options.hips, hips.points, {box.low * cache.unit, box.high * cache.unit},
-             "say so by --unit, or by columns x_mm,y_mm,z_mm");
-  }
-  report(options,
-         fmt::format("{} HIPs, {} inside, {} not converged, {:.2f} s\n", hips.points.size(), inside,
+  if (inside == 0) tell_where();
+  Json json = report_of_shard(of_team.value("contacts_computed", computed));
+  json["inside"] = inside;
+  json["unconverged"] = unconverged;
+  json["seconds"] = seconds;
+  json["peak_memory_bytes"] = peak_memory();
+  if (!of_team.empty()) json["mpi"] = of_team;
+  report(options_,
+         fmt::format("{} HIPs, {} inside, {} not converged, {:.2f} s\n", hips_.rows(), inside,
                      unconverged, seconds),
-         {{"hips", hips.points.size()},
-          {"inside", inside},
-          {"unconverged", unconverged},
-          {"seconds", seconds}},
-         options.output == "-");
+         json, options_.output == "-");
+}
+
+void add(Command& program, const std::function<void(const ProjectOptions&)>& run) {
+  add_command<ProjectOptions>(
+      program, "project", "Find the nearest point of the surface to each HIP.",
+      "gliss project teeth.gliss --hip hips.csv --unit mm -o nearest.csv", describe, run);
 }
 
 }  // namespace
 
-void add_project(Command& program) {
-  add_command<ProjectOptions>(
-      program, "project", "Find the nearest point of the surface to each HIP.",
-      "gliss project teeth.gliss --hip hips.csv --unit mm -o nearest.csv", describe, run);
+void add_project(Command& program) { add(program, run_alone<Projecting, ProjectOptions>); }
+
+void add_shared_project(Command& program, const Team& team) {
+  add(program, [&team](const ProjectOptions& options) { run_in_team<Projecting>(options, team); });
 }
 
 }  // namespace gliss::tools

@@ -1,6 +1,5 @@
 // gliss sweep: what a hand would feel over the whole surface, at some depths, with each method.
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,29 +9,30 @@
 #include "gliss/files/atomic_file.h"
 #include "gliss/study/sweep_parts.h"
 #include "tools/cli/curvature.h"
-#include "tools/cli/outputs.h"
-#include "tools/cli/shard.h"
+#include "tools/cli/parted_work.h"
 #include "tools/cli/slips.h"
 #include "tools/cli/surface_input.h"
 #include "tools/cli/sweep_files.h"
-#include "tools/cli/sweep_member.h"
 #include "tools/cli/sweep_report.h"
 #include "tools/cli/sweep_statistics.h"
-#include "tools/cli/sweep_team.h"
 #include "tools/cli/terminal.h"
-#include "tools/cli/watch.h"
 
 namespace gliss::tools {
 namespace {
 
-struct SweepingOptions : SurfaceOptions {
+struct SweepingOptions : PartedOptions {
   SweepOptions sweep;
   double samples = 0;  // 0: by rings
   int rings = 8;
-  std::string output, picture, summary, parts;
-  std::optional<Shard> shard;
+  std::string picture, summary;
 
   bool keeps_samples() const { return !output.empty() || !picture.empty(); }
+  CommandFiles files() const {
+    CommandFiles files{{output, summary}, {surface}};
+    if (!picture.empty())
+      files.outputs.insert(files.outputs.end(), {picture, SweepPicture::mesh_path(picture)});
+    return files;
+  }
 };
 
 void describe(Command& command, SweepingOptions& options) {
@@ -56,35 +56,7 @@ void describe(Command& command, SweepingOptions& options) {
                    options.picture = path;
                  });
   command.option({"--summary", "FILE", "statistics as a JSON file"}, options.summary);
-  command.option(
-      {"--parts", "FOLDER",
-       "finished parts wait here until all is done, so that the same command goes on from them; "
-       "default OUTPUT.parts; none: nowhere"},
-      options.parts);
-  command.option(
-      {"--shard", "I/N",
-       "do every Nth part from the Ith on, the first being 1, as 3/16, and write no result: the "
-       "same command without --shard does, once all shards are done"},
-      [&options](const std::string& text) { options.shard = parse_shard(text); });
-}
-
-// The folder where parts wait: as asked for, or beside what the sweep leaves.
-std::string parts_folder(const SweepingOptions& options) {
-  if (options.parts == "none") return "";
-  if (!options.parts.empty()) return options.parts;
-  for (const std::string* file : {&options.output, &options.summary, &options.picture}) {
-    if (!file->empty() && *file != "-") return with_ending(*file, ".parts");
-  }
-  return "";
-}
-
-void tell_found(const SweepParts& parts, const SweepingOptions& options) {
-  if (options.quiet) return;
-  if (parts.kept() > 0)
-    tell(fmt::format("gliss: goes on from {} parts in '{}'\n", parts.kept(), parts.folder()));
-  if (parts.foreign() > 0)
-    tell(fmt::format("gliss: {} files of other sweeps in '{}' are left alone\n", parts.foreign(),
-                     parts.folder()));
+  add_parts_options(command, options);
 }
 
 SweepOptions grid_of(const SweepingOptions& options, const PatchCache& cache) {
@@ -99,52 +71,6 @@ SweepOptions grid_of(const SweepingOptions& options, const PatchCache& cache) {
   return grid;
 }
 
-// What is swept, and by what.
-struct Sweeping {
-  explicit Sweeping(const SweepingOptions& from)
-      : options(from),
-        engine(make_engine(options)),
-        cache(open_surface(options, *engine)),
-        grid(grid_of(options, cache)) {}
-
-  SweepParts open_parts(const std::string& folder, PartsAccess access) const {
-    constexpr double kPatience = 3;  // s
-    return {folder, cache, grid, options.keeps_samples(), kPatience, access};
-  }
-
-  const SweepingOptions& options;
-  const std::unique_ptr<Engine> engine;
-  const PatchCache cache;
-  const SweepOptions grid;
-};
-
-// Calls work(progress) with a bar, and says where finished parts are if it is interrupted.
-// `sharers`: among which the samples are dealt out, in turns.
-template <class Work>
-SweepResult watched(const Sweeping& sweeping, const SweepParts* parts, std::size_t sharers,
-                    const Work& work) {
-  const SweepOptions& grid = sweeping.grid;
-  const std::uint64_t total = sample_count(sweeping.cache, grid.rings) * grid.depths.size();
-  SweepResult result;
-  try {
-    Watch watch(sweeping.options, "sweep", total / sharers, "samples");
-    const auto reach = [&](std::uint64_t done, std::uint64_t) {
-      watch.reach(done / sharers);
-      return true;
-    };
-    result = work(reach);
-  } catch (const Interrupted&) {
-    if (parts == nullptr || (parts->kept() == 0 && parts->whole() == 0)) throw;
-    throw Interrupted{
-        fmt::format("parts are in '{}': the same command goes on from them", parts->folder())};
-  }
-  if (parts != nullptr) {
-    for (const std::string& path : parts->damaged())
-      tell(fmt::format("gliss: '{}' was damaged, its part is computed again\n", path));
-  }
-  return result;
-}
-
 // Depths at which most HIPs have come out on the other side, or into another part.
 void tell_beyond_thickness(const SweepingOptions& options, const SweepResult& result) {
   if (options.quiet) return;
@@ -157,84 +83,69 @@ void tell_beyond_thickness(const SweepingOptions& options, const SweepResult& re
   }
 }
 
-std::uint64_t peak_memory() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
-}
+class Sweeping final : public PartedWork {
+ public:
+  explicit Sweeping(const SweepingOptions& from)
+      : options_(from),
+        engine_(make_engine(from)),
+        cache_(open_surface(from, *engine_)),
+        grid_(grid_of(from, cache_)) {}
+
+  Size size() const override {
+    return {"sweep", sample_count(cache_, grid_.rings) * grid_.depths.size(), "samples"};
+  }
+  std::size_t part_count() const override { return gliss::part_count(cache_, grid_); }
+  PartFolder& open_parts(const std::string& folder, PartsAccess access) override {
+    constexpr double kPatience = 3;  // s
+    access_ = access;
+    return parts_.emplace(folder, cache_, grid_, options_.keeps_samples(), kPatience, access);
+  }
+  void close_parts() override { parts_.reset(); }
+  void agree_on_work(const Team& team) const override {
+    agree(team, "the surface", hash_name(parts_->surface_hash()), "give all the same file");
+    agree(team, "the sweep", hash_name(parts_->hash()), "start the same with the same options");
+  }
+  std::uint64_t do_parts(const PartSource& source, const PartProgress& progress) override {
+    return sweep_parts(cache_, *engine_, grid_, source, *parts_, progress).computed;
+  }
+  Json report_of_shard(std::uint64_t contacts) const override;
+  void write_result(const PartsOfResult& come) override;
+
+ private:
+  const SweepingOptions& options_;
+  const std::unique_ptr<Engine> engine_;
+  const PatchCache cache_;
+  const SweepOptions grid_;
+  std::optional<SweepParts> parts_;
+  PartsAccess access_ = PartsAccess::kAlone;
+};
 
 // What shards say as well as whole sweeps.
-Json json_head(const Sweeping& sweeping, std::uint64_t contacts) {
-  const PatchCache& cache = sweeping.cache;
+Json Sweeping::report_of_shard(std::uint64_t contacts) const {
   return {{"program", "gliss"},
           {"version", GLISS_VERSION},
           {"command_line", command_line()},
-          {"surface", sweeping.options.surface},
-          {"mesh_hash", hash_name(cache.mesh_hash)},
-          {"precision", precision_name(cache.precision())},
-          {"stiffness_N_per_m", sweeping.grid.stiffness},
-          {"rings", sweeping.grid.rings},
-          {"samples_per_depth", sample_count(cache, sweeping.grid.rings)},
+          {"surface", options_.surface},
+          {"mesh_hash", hash_name(cache_.mesh_hash)},
+          {"precision", precision_name(cache_.precision())},
+          {"stiffness_N_per_m", grid_.stiffness},
+          {"rings", grid_.rings},
+          {"samples_per_depth", sample_count(cache_, grid_.rings)},
           {"contacts_computed", contacts},
-          {"threads", sweeping.engine->threads()},
-          {"backend", sweeping.engine->name()}};
+          {"threads", engine_->threads()},
+          {"backend", engine_->name()}};
 }
 
-// The folder where those that share a sweep meet.
-std::string shared_folder(const SweepingOptions& options) {
-  const std::string folder = parts_folder(options);
-  if (folder.empty()) {
-    throw InputError(
-        "parts that are shared need a folder; add what the whole command writes, as -o FILE or "
-        "--summary FILE, or --parts FOLDER");
-  }
-  return folder;
-}
-
-void run_shard(const Sweeping& sweeping) {
-  const SweepingOptions& options = sweeping.options;
-  const Shard shard = *options.shard;
-  SweepParts parts = sweeping.open_parts(shared_folder(options), PartsAccess::kShared);
-  tell_found(parts, options);
-  const Stopwatch clock;
-  const SweepResult result = watched(sweeping, &parts, shard.count, [&](const auto& reach) {
-    return sweep_parts(sweeping.cache, *sweeping.engine, sweeping.grid,
-                       every_part(shard.number - 1, shard.count), parts, reach);
-  });
-  const std::size_t whole = parts.whole(), all = part_count(sweeping.cache, sweeping.grid);
-  const std::string rest = command_line_without("--shard");
-  Json json = json_head(sweeping, result.computed);
-  json["seconds"] = clock.seconds();
-  json["shard"] = shard_text(shard);
-  json["parts_folder"] = parts.folder();
-  json["parts"] = all;
-  json["parts_done"] = whole;
-  json["command_of_result"] = rest;
-  report(options,
-         fmt::format("shard {} is done: {} of {} parts are in '{}'; {}the result comes by\n{}\n",
-                     shard_text(shard), whole, all, parts.folder(),
-                     whole < all ? "once the others are, " : "", rest),
-         json);
-}
-
-// How the samples of a result come: from a sweep, to a sink.
-using Sweeper = std::function<SweepResult(const SweepSink& sink)>;
-
-// Writes what was asked for. `team`: what its members did, once all of it is done; without them an
-// empty function.
-void write_result(const Sweeping& sweeping, SweepParts* parts, const Sweeper& sweep,
-                  const std::function<Json()>& team = nullptr) {
-  const SweepingOptions& options = sweeping.options;
-  const PatchCache& cache = sweeping.cache;
-  const SweepOptions& grid = sweeping.grid;
+void Sweeping::write_result(const PartsOfResult& come) {
   std::optional<SampleFile> file;
   std::optional<SweepPicture> picture;
-  if (!options.output.empty()) file.emplace(options.output, cache, grid, provenance_of(options));
-  if (!options.picture.empty()) picture.emplace(cache, grid, options.unit);
+  if (!options_.output.empty())
+    file.emplace(options_.output, cache_, grid_, provenance_of(options_));
+  if (!options_.picture.empty()) picture.emplace(cache_, grid_, options_.unit);
   std::optional<AtomicFile> summary;
-  if (!options.summary.empty()) summary.emplace(options.summary);
+  if (!options_.summary.empty()) summary.emplace(options_.summary);
   SweepSink sink;
-  if (options.keeps_samples()) {
+  if (options_.keeps_samples()) {
     sink = [&](const SweepBlock& block) {
       if (file) file->add(block);
       if (picture) picture->add(block);
@@ -242,96 +153,40 @@ void write_result(const Sweeping& sweeping, SweepParts* parts, const Sweeper& sw
   }
 
   const Stopwatch clock;
-  const SweepResult result = sweep(sink);
+  SweepResult result;
+  const Json of_team = come([&](const PartSource& source, const PartProgress& progress) {
+    SweepParts* const parts = parts_ ? &*parts_ : nullptr;
+    result = access_ == PartsAccess::kShared
+                 ? sweep_parts(cache_, *engine_, grid_, source, *parts, progress, sink)
+                 : sweep(cache_, *engine_, grid_, sink, progress, parts);
+    return result.computed;
+  });
   if (file) file->close(result);
   const double seconds = clock.seconds();
-  const Json of_team = team ? team() : Json::object();
   const std::uint64_t computed = of_team.value("contacts_computed", result.computed),
-                      samples = sample_count(cache, grid.rings);
+                      samples = sample_count(cache_, grid_.rings);
   const double contacts = static_cast<double>(computed), rate = contacts / seconds;
 
-  Json json = json_head(sweeping, computed);
+  Json json = report_of_shard(computed);
   json["seconds"] = seconds;
-  json["device_seconds"] = sweeping.engine->device_seconds();
+  json["device_seconds"] = engine_->device_seconds();
   json["contacts_per_second"] = rate;
   json["peak_memory_bytes"] = peak_memory();
-  if (team) json["mpi"] = of_team;
+  if (!of_team.empty()) json["mpi"] = of_team;
   for (const SweepStatistics& s : result.statistics) json["statistics"].push_back(json_of(s));
-  if (picture) picture->write(options.picture);
+  if (picture) picture->write(options_.picture);
   if (summary) {
     summary->write(printed(json));
     summary->commit();
   }
-  if (parts != nullptr && !parts->remove() && !options.quiet) {
-    tell(fmt::format("gliss: parts stay in '{}', where others are at work\n", parts->folder()));
-  }
-  tell_beyond_thickness(options, result);
-  report(options,
+  tell_beyond_thickness(options_, result);
+  report(options_,
          text_of(result) +
              fmt::format("{} samples a depth ({} rings), {:.4g} contacts computed in {:.2f} s, "
                          "{:.3g} M contacts/s, peak memory {:.0f} MiB\n",
-                         samples, grid.rings, contacts, seconds, rate * 1e-6,
+                         samples, grid_.rings, contacts, seconds, rate * 1e-6,
                          static_cast<double>(peak_memory()) / (1 << 20)),
-         json, options.output == "-");
-}
-
-void check_files(const SweepingOptions& options) {
-  std::vector<std::string> outputs{options.output, options.summary};
-  if (!options.picture.empty()) {
-    outputs.push_back(options.picture);
-    outputs.push_back(SweepPicture::mesh_path(options.picture));
-  }
-  check_outputs(outputs, {options.surface});
-}
-
-void run_whole(const Sweeping& sweeping) {
-  const SweepingOptions& options = sweeping.options;
-  std::unique_ptr<SweepParts> parts;
-  if (const std::string folder = parts_folder(options); !folder.empty()) {
-    parts.reset(new SweepParts(sweeping.open_parts(folder, PartsAccess::kAlone)));
-    tell_found(*parts, options);
-  }
-  write_result(sweeping, parts.get(), [&](const SweepSink& sink) {
-    return watched(sweeping, parts.get(), 1, [&](const auto& reach) {
-      return sweep(sweeping.cache, *sweeping.engine, sweeping.grid, sink, reach, parts.get());
-    });
-  });
-}
-
-void run(const SweepingOptions& options) {
-  if (options.shard) (void)shared_folder(options);
-  check_files(options);
-  const Sweeping sweeping(options);
-  options.shard ? run_shard(sweeping) : run_whole(sweeping);
-}
-
-// Rank 0 speaks, and writes the result.
-void run_in_team(SweepingOptions options, const SweepTeam& team) {
-  if (options.shard) throw InputError("--shard: ranks share the parts without it");
-  const std::string folder = shared_folder(options);
-  const bool leads = team.rank() == 0;
-  options.quiet = options.quiet || !leads;
-  if (options.threads == 0) options.threads = team.threads();
-  agree(team, "the version of the program", GLISS_VERSION, "start the same one everywhere");
-  if (leads) check_files(options);
-  const Sweeping sweeping(options);
-  std::unique_ptr<SweepParts> parts(
-      new SweepParts(sweeping.open_parts(folder, PartsAccess::kShared)));
-  tell_found(*parts, options);
-  SweepMember member({sweeping.cache, *sweeping.engine, sweeping.grid}, team, *parts);
-  if (leads) {
-    const auto sweep = [&](const SweepSink& sink) {
-      return watched(sweeping, parts.get(), 1,
-                     [&](const auto& reach) { return member.do_all(sink, reach); });
-    };
-    return write_result(sweeping, parts.get(), sweep, [&] { return member.report(); });
-  }
-  watched(sweeping, parts.get(), 1, [&](const auto& reach) {
-    member.do_parts(reach);
-    return SweepResult();
-  });
-  parts.reset();  // the leader removes them
-  member.report();
+         json, options_.output == "-");
 }
 
 void add(Command& program, const std::function<void(const SweepingOptions&)>& run) {
@@ -349,10 +204,10 @@ void add(Command& program, const std::function<void(const SweepingOptions&)>& ru
 
 }  // namespace
 
-void add_sweep(Command& program) { add(program, run); }
+void add_sweep(Command& program) { add(program, run_alone<Sweeping, SweepingOptions>); }
 
-void add_shared_sweep(Command& program, const SweepTeam& team) {
-  add(program, [&team](const SweepingOptions& options) { run_in_team(options, team); });
+void add_shared_sweep(Command& program, const Team& team) {
+  add(program, [&team](const SweepingOptions& options) { run_in_team<Sweeping>(options, team); });
 }
 
 }  // namespace gliss::tools

@@ -156,8 +156,10 @@ void add_check(Command& program);
 void add_eval(Command& program);
 void add_project(Command& program);
 void add_sweep(Command& program);
-class SweepTeam;
-void add_shared_sweep(Command& program, const SweepTeam& team);  // by the members of a team
+class Team;
+// The same by the members of a team.
+void add_shared_project(Command& program, const Team& team);
+void add_shared_sweep(Command& program, const Team& team);
 void add_trace(Command& program);
 void add_generate(Command& program);
 void add_devices(Command& program);

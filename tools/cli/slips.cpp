@@ -34,14 +34,6 @@ double distance(const Vec3& p, const Box& box) {
   return (p - p.cwiseMax(box.low).cwiseMin(box.high)).norm();
 }
 
-double least_distance(std::span<const Vec3> points, std::span<const Box> boxes) {
-  double least = std::numeric_limits<double>::infinity();
-  for (const Vec3& p : points) {
-    for (const Box& box : boxes) least = std::min(least, distance(p, box));
-  }
-  return least;
-}
-
 // A unit as it is written on the command line, or in a scene.
 std::string unit_words(const SurfaceOptions& options, const std::string& unit) {
   return fmt::format(fmt::runtime(options.in_scene ? "unit = \"{}\"" : "--unit {}"), unit);
@@ -123,31 +115,46 @@ void tell_soft_spring(const ReportOptions& options, double stiffness, const std:
                   name, stiffness, stiffness * 1e-3));
 }
 
-void tell_untouched(const ReportOptions& options, const std::string& path,
-                    std::span<const Vec3> hips, std::span<const Box> boxes,
+void Nearness::add(std::span<const Vec3> hips) {
+  constexpr double kUnits[] = {1, 1e-3, 1e3};
+  for (const Vec3& hip : hips) {
+    for (const Box& box : boxes_) {
+      for (std::size_t i = 0; i < least_.size(); ++i)
+        least_[i] = std::min(least_[i], distance(kUnits[i] * hip, box));
+    }
+  }
+}
+
+void tell_untouched(const ReportOptions& options, const std::string& path, const Nearness& nearness,
                     const std::string& columns) {
-  if (options.quiet || hips.empty() || boxes.empty()) return;
+  if (options.quiet || !nearness.any()) return;
   std::string text = fmt::format("gliss: {}: no HIP touches the surface", path);
-  const double apart = least_distance(hips, boxes);
+  const double apart = nearness.apart();
   if (apart > 0)
     text += fmt::format(", and none comes nearer to its box than {}", length_text(apart));
   constexpr double kFar = 10;  // sizes of a box: nearer HIPs have the right unit
-  const bool far = apart > kFar * diagonal_of(boxes.front());
-  for (const auto& [name, factor] : {std::pair{"millimetres", 1e-3}, std::pair{"metres", 1e3}}) {
-    std::vector<Vec3> other(hips.begin(), hips.end());
-    for (Vec3& p : other) p *= factor;
-    if (far && least_distance(other, boxes) == 0) {
-      text += fmt::format("; if its numbers are {}, {}", name, columns);
-      break;
-    }
+  if (apart > kFar * diagonal_of(nearness.boxes().front())) {
+    const char* unit = nearness.would_meet_in_millimetres() ? "millimetres"
+                       : nearness.would_meet_in_metres()    ? "metres"
+                                                            : nullptr;
+    if (unit != nullptr) text += fmt::format("; if its numbers are {}, {}", unit, columns);
   }
   tell(text + "\n");
 }
 
-void tell_far(const ReportOptions& options, const std::string& path, std::span<const Vec3> hips,
-              const Box& box, const std::string& columns) {
-  if (least_distance(hips, {&box, 1}) > diagonal_of(box))
-    tell_untouched(options, path, hips, {&box, 1}, columns);
+void tell_untouched(const ReportOptions& options, const std::string& path,
+                    std::span<const Vec3> hips, std::span<const Box> boxes,
+                    const std::string& columns) {
+  if (options.quiet) return;
+  Nearness nearness({boxes.begin(), boxes.end()});
+  nearness.add(hips);
+  tell_untouched(options, path, nearness, columns);
+}
+
+void tell_far(const ReportOptions& options, const std::string& path, const Nearness& nearness,
+              const std::string& columns) {
+  if (nearness.any() && nearness.apart() > diagonal_of(nearness.boxes().front()))
+    tell_untouched(options, path, nearness, columns);
 }
 
 void refuse_cache(const SurfaceOptions& options) {

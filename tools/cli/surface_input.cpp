@@ -103,6 +103,12 @@ PointTable read_hips(const SurfaceOptions& options, const std::string& path,
   return read_points(path, options.unit, further, stop_if_interrupted);
 }
 
+PointReader open_hips(const SurfaceOptions& options, const std::string& path,
+                      const std::vector<std::string>& further) {
+  const Watch watch(options, "read " + path);
+  return {path, options.unit, further, stop_if_interrupted};
+}
+
 void add_keep_option(Command& command, std::vector<std::string>& names) {
   command.option({"--keep", "LIST", "columns of numbers to carry along, as time,id"},
                  [&names](const std::string& text) {
@@ -115,7 +121,7 @@ Columns& add_kept(Columns& columns, const std::vector<std::string>& names) {
   return columns;
 }
 
-void fill_kept(ResultTable& table, const std::vector<std::string>& names, const InputTable& from,
+void fill_kept(TableRows& table, const std::vector<std::string>& names, const InputTable& from,
                std::size_t begin, std::size_t end) {
   for (const std::string& name : names) {
     const LargeArray<double>& values = *from.find(name);

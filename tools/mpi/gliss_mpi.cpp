@@ -12,7 +12,8 @@ int run(int count, char** words) {
       {"gliss-mpi",
        "Gliss on many machines, as: mpirun -n 4 gliss-mpi sweep ... Its ranks share the "
        "work, and rank 0 writes what gliss would."},
-      {[&team](Command& program) { add_shared_sweep(program, team); }});
+      {[&team](Command& program) { add_shared_project(program, team); },
+       [&team](Command& program) { add_shared_sweep(program, team); }});
   return team.end(end);
 }
 

@@ -9,12 +9,12 @@
 #include <vector>
 
 #include "tools/cli/program.h"
-#include "tools/cli/sweep_team.h"
+#include "tools/cli/team.h"
 
 namespace gliss::tools {
 
 // Between MPI_Init and MPI_Finalize. MPI is called by the thread that made it alone.
-class MpiTeam : public SweepTeam {
+class MpiTeam : public Team {
  public:
   MpiTeam();
   ~MpiTeam() override;

@@ -1,4 +1,4 @@
-#include "tools/cli/sweep_team.h"
+#include "tools/cli/team.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 
 namespace gliss::tools {
 
-void agree(const SweepTeam& team, const std::string& what, const std::string& text,
+void agree(const Team& team, const std::string& what, const std::string& text,
            const std::string& cure) {
   const std::vector<std::string> all = team.gather(text);
   for (std::size_t rank = 0; rank < all.size(); ++rank) {
@@ -19,7 +19,7 @@ void agree(const SweepTeam& team, const std::string& what, const std::string& te
 }
 
 // Rank 0 leaves a mark, and the others look for it.
-void agree_on_folder(const SweepTeam& team, const SweepParts& parts) {
+void agree_on_folder(const Team& team, const PartFolder& parts) {
   std::uint64_t mark = 0;
   if (team.rank() == 0) {
     mark = std::random_device()();
@@ -37,7 +37,7 @@ void agree_on_folder(const SweepTeam& team, const SweepParts& parts) {
   }
 }
 
-std::uint64_t sum(const SweepTeam& team, std::uint64_t value) {
+std::uint64_t sum(const Team& team, std::uint64_t value) {
   std::uint64_t total = 0;
   for (const std::string& text : team.gather(std::to_string(value)))
     total += parse_number<std::uint64_t>("sum", text);

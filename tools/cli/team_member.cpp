@@ -1,35 +1,35 @@
-#include "tools/cli/sweep_member.h"
+#include "tools/cli/team_member.h"
 
 #include <algorithm>
 #include <chrono>
 #include <thread>
+#include <utility>
 
 #include "gliss/base/stopwatch.h"
-#include "tools/cli/described_file.h"
 #include "tools/cli/watch.h"
 
 namespace gliss::tools {
 
-SweepMember::SweepMember(const SweepWork& work, const SweepTeam& team, SweepParts& parts)
-    : work_(work), team_(team), parts_(parts), count_(part_count(work.cache, work.grid)) {
-  agree(team, "the surface", hash_name(parts.surface_hash()), "give all the same file");
-  agree(team, "the sweep", hash_name(parts.hash()), "start the same with the same options");
+TeamMember::TeamMember(const Team& team, PartFolder& parts, std::size_t count, PartWork work)
+    : team_(team), parts_(parts), count_(count), work_(std::move(work)) {
   agree_on_folder(team, parts);
 }
 
 // The farthest, for rank 0 goes to and fro between the parts that it does and those that it reads.
-bool SweepMember::reach(std::uint64_t done, std::uint64_t total) {
-  team_.answer();
-  reached_ = std::max(reached_, done);
-  return progress_(reached_, total);
+PartProgress TeamMember::reach() {
+  return [this](std::uint64_t done, std::uint64_t total) {
+    team_.answer();
+    reached_ = std::max(reached_, done);
+    return progress_(reached_, total);
+  };
 }
 
-void SweepMember::do_parts(const SweepProgress& progress) {
+void TeamMember::do_parts(const PartProgress& progress) {
   progress_ = progress;
   do_parts_until([] { return false; });
 }
 
-void SweepMember::do_parts_until(const std::function<bool()>& enough) {
+void TeamMember::do_parts_until(const std::function<bool()>& enough) {
   const Stopwatch clock;
   const auto next_part = [&] {
     if (none_left_ || enough()) return count_;
@@ -39,14 +39,12 @@ void SweepMember::do_parts_until(const std::function<bool()>& enough) {
     none_left_ = part >= count_;
     return part;
   };
-  const auto reach_it = [this](auto done, auto total) { return reach(done, total); };
-  computed_ +=
-      sweep_parts(work_.cache, work_.engine, work_.grid, next_part, parts_, reach_it).computed;
+  computed_ += work_(next_part, reach());
   at_parts_ += clock.seconds();
 }
 
 // What another rank has taken is there before long: if that rank dies, so does the job.
-void SweepMember::wait_for(std::size_t part) {
+void TeamMember::wait_for(std::size_t part) {
   while (!parts_.is_whole(part)) {
     if (!none_left_) {
       do_parts_until([&] { return parts_.is_whole(part); });
@@ -60,22 +58,18 @@ void SweepMember::wait_for(std::size_t part) {
   }
 }
 
-SweepResult SweepMember::do_all(const SweepSink& sink, const SweepProgress& progress) {
+void TeamMember::do_all(const PartWork& whole, const PartProgress& progress) {
   progress_ = progress;
   const Stopwatch clock;
   const auto in_order = [&, next = std::size_t{0}]() mutable {
     if (next < count_) wait_for(next);
     return next++;
   };
-  const auto reach_it = [this](auto done, auto total) { return reach(done, total); };
-  SweepResult result =
-      sweep_parts(work_.cache, work_.engine, work_.grid, in_order, parts_, reach_it, sink);
-  computed_ += result.computed;
+  computed_ += whole(in_order, reach());
   all_ = clock.seconds();
-  return result;
 }
 
-Json SweepMember::report() const {
+Json TeamMember::report() const {
   const auto of_all = [&](double seconds) {
     constexpr double kMicro = 1e6;
     return static_cast<double>(sum(team_, static_cast<std::uint64_t>(seconds * kMicro))) / kMicro;

@@ -1,4 +1,4 @@
-// Processes that share one sweep.
+// Processes that share one piece of work.
 #pragma once
 
 #include <cstddef>
@@ -6,16 +6,16 @@
 #include <string>
 #include <vector>
 
-#include "gliss/study/sweep_parts.h"
+#include "gliss/study/part_folder.h"
 
 namespace gliss::tools {
 
-// The members that do the parts of a sweep together: the ranks of gliss-mpi. All of them call the
+// The members that do the parts of some work together: the ranks of gliss-mpi. All of them call the
 // same functions in the same order; those that wait for others answer Ctrl-C with the exception
 // Interrupted.
-class SweepTeam {
+class Team {
  public:
-  virtual ~SweepTeam() = default;
+  virtual ~Team() = default;
   virtual std::size_t rank() const = 0;       // 0 is the one that writes the result
   virtual std::size_t next_part() const = 0;  // each number once, to whoever asks first
   virtual int threads() const = 0;            // that this member can keep busy
@@ -27,10 +27,10 @@ class SweepTeam {
 };
 
 // Throws InputError, in all members, where a text differs from that of rank 0.
-void agree(const SweepTeam& team, const std::string& what, const std::string& text,
+void agree(const Team& team, const std::string& what, const std::string& text,
            const std::string& cure);
 // Throws InputError, in all members, where one of them has another folder of that name.
-void agree_on_folder(const SweepTeam& team, const SweepParts& parts);
-std::uint64_t sum(const SweepTeam& team, std::uint64_t value);  // of all members
+void agree_on_folder(const Team& team, const PartFolder& parts);
+std::uint64_t sum(const Team& team, std::uint64_t value);  // of all members
 
 }  // namespace gliss::tools
