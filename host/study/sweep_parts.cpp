@@ -247,9 +247,9 @@ std::optional<SweepPart> SweepParts::read(std::size_t part) const {
   return found;
 }
 
-bool SweepParts::is_in_range(const SweepPart& part) const {
-  for (std::size_t kind = 0; kind < part.statistics.size(); ++kind) {
-    const SweepStatistics& s = part.statistics[kind];
+bool SweepParts::is_in_range(const std::vector<SweepStatistics>& statistics) const {
+  for (std::size_t kind = 0; kind < statistics.size(); ++kind) {
+    const SweepStatistics& s = statistics[kind];
     const Histogram* const all[] = {&s.step, &s.edge_step, &s.angle, &s.error, &s.residual};
     if (s.depth != depths_[kind / methods_.size()] ||
         s.method != methods_[kind % methods_.size()] || s.touching > s.samples ||
@@ -260,6 +260,11 @@ bool SweepParts::is_in_range(const SweepPart& part) const {
       return false;
     }
   }
+  return true;
+}
+
+bool SweepParts::is_in_range(const SweepPart& part) const {
+  if (!is_in_range(part.statistics)) return false;
   for (std::size_t i = 0; i < part.contacts.size(); ++i) {
     const double x = part.contacts[i];
     const bool is_count = i % SweepPart::kContactReals >= SweepPart::kContactCounts;
@@ -267,6 +272,19 @@ bool SweepParts::is_in_range(const SweepPart& part) const {
   }
   return std::all_of(part.blocks.begin(), part.blocks.end(),
                      [&](const SweepBlock& block) { return gliss::is_in_range(block, cache_); });
+}
+
+std::vector<SweepStatistics> SweepParts::statistics(std::size_t part) const {
+  OpenFile opened(path_of(part), O_RDONLY | O_NOFOLLOW);
+  PartHeader header{};
+  std::vector<SweepStatistics> found(depths_.size() * methods_.size());
+  const std::size_t bytes = found.size() * sizeof found[0];
+  if (opened.descriptor() < 0 || opened.read(&header, sizeof header) != sizeof header ||
+      header.part != part || header.begun != 0 || opened.read(found.data(), bytes) != bytes ||
+      !is_in_range(found)) {
+    return {};
+  }
+  return found;
 }
 
 // Network file systems look for new files when the folder is opened, and late otherwise.

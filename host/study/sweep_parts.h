@@ -66,6 +66,9 @@ class GLISS_EXPORT SweepParts {
   bool is_whole(std::size_t part) const;
   std::size_t whole() const;  // how many are
 
+  // Those of a part that is whole, without its samples; none where it is not.
+  std::vector<SweepStatistics> statistics(std::size_t part) const;
+
   // Nothing where the part is not there or cannot be used. Then, and where it is not whole, it is
   // under way: blocks are added, those that were loaded first, and it is saved. What a part holds
   // is within range, but need not be finite.
@@ -94,6 +97,7 @@ class GLISS_EXPORT SweepParts {
   void open_folder();
   bool open_once();
   std::optional<SweepPart> read(std::size_t part) const;
+  bool is_in_range(const std::vector<SweepStatistics>& statistics) const;
   bool is_in_range(const SweepPart& part) const;
   std::string path_of(std::size_t part) const;
   std::string path_of_mark(std::uint64_t mark) const;
