@@ -72,6 +72,7 @@ class GLISS_EXPORT ResultTable {
 
   std::size_t rows() const;
   void write();  // all that was filled in
+  ResultFile::TableId id() const { return id_; }
 
  private:
   using Values = std::variant<std::vector<double>, std::vector<float>, std::vector<std::uint32_t>,
