@@ -29,10 +29,10 @@ void SweepMember::do_parts(const SweepProgress& progress) {
   do_parts_until([] { return false; });
 }
 
-void SweepMember::do_parts_until(const std::function<bool()>& enough) {
+void SweepMember::do_parts_until(const std::function<bool()>& enough, const SweepSink& sink) {
   const Stopwatch clock;
   const auto next_part = [&] {
-    if (none_left_ || enough()) return count_;
+    if (enough() || none_left_) return count_;
     const Stopwatch asked;
     const std::size_t part = team_.next_part();
     at_counter_ += asked.seconds();
@@ -40,8 +40,8 @@ void SweepMember::do_parts_until(const std::function<bool()>& enough) {
     return part;
   };
   const auto reach_it = [this](auto done, auto total) { return reach(done, total); };
-  computed_ +=
-      sweep_parts(work_.cache, work_.engine, work_.grid, next_part, parts_, reach_it).computed;
+  computed_ += sweep_parts(work_.cache, work_.engine, work_.grid, next_part, parts_, reach_it, sink)
+                   .computed;
   at_parts_ += clock.seconds();
 }
 
@@ -75,12 +75,30 @@ SweepResult SweepMember::do_all(const SweepSink& sink, const SweepProgress& prog
   return result;
 }
 
+SweepResult SweepMember::do_samples(SampleFile& file, const SweepProgress& progress) {
+  progress_ = progress;
+  const Stopwatch clock;
+  const auto write = [&] {
+    file.write();
+    return false;
+  };
+  do_parts_until(write, [&](const SweepBlock& block) { file.add(block); });
+  const Stopwatch waited;
+  team_.gather("");
+  waiting_ += waited.seconds();
+  SweepResult result;
+  if (team_.rank() == 0) result = kept_statistics(work_.cache, work_.grid, parts_, progress);
+  team_.gather("");
+  all_ = clock.seconds();
+  return result;
+}
+
 Json SweepMember::report() const {
   const auto of_all = [&](double seconds) {
     constexpr double kMicro = 1e6;
     return static_cast<double>(sum(team_, static_cast<std::uint64_t>(seconds * kMicro))) / kMicro;
   };
-  return {{"ranks", team_.gather("").size()},
+  return {{"ranks", team_.size()},
           {"parts", count_},
           {"contacts_computed", sum(team_, computed_)},
           {"part_rank_seconds", of_all(at_parts_ - at_counter_)},

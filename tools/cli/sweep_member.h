@@ -6,6 +6,7 @@
 
 #include "gliss/study/sweep_parts.h"
 #include "tools/cli/json.h"
+#include "tools/cli/sweep_files.h"
 #include "tools/cli/sweep_team.h"
 
 namespace gliss::tools {
@@ -26,12 +27,16 @@ class SweepMember {
   void do_parts(const SweepProgress& progress);
   // The same, and the whole sweep from the parts as they come, in their order. For rank 0.
   SweepResult do_all(const SweepSink& sink, const SweepProgress& progress);
+  // The same as do_parts(), with their samples to a file that all members share. Returns once all
+  // are done: in rank 0 the statistics of the whole sweep.
+  SweepResult do_samples(SampleFile& file, const SweepProgress& progress);
 
   // What all members did, once all have come here. The parts are no longer needed.
   Json report() const;
 
  private:
-  void do_parts_until(const std::function<bool()>& enough);
+  // Asks enough() before each part, and in the end.
+  void do_parts_until(const std::function<bool()>& enough, const SweepSink& sink = nullptr);
   void wait_for(std::size_t part);
   bool reach(std::uint64_t done, std::uint64_t total);
 
