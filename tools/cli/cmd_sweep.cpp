@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <optional>
 
 #include "gliss/base/units.h"
 #include "gliss/files/atomic_file.h"
 #include "gliss/study/sweep_parts.h"
+#include "gliss/tables/file_seal.h"
 #include "tools/cli/curvature.h"
 #include "tools/cli/outputs.h"
 #include "tools/cli/shard.h"
@@ -31,6 +33,7 @@ struct SweepingOptions : SurfaceOptions {
   int rings = 8;
   std::string output, picture, summary, parts;
   std::optional<Shard> shard;
+  bool plain = false;
 
   bool keeps_samples() const { return !output.empty() || !picture.empty(); }
 };
@@ -48,6 +51,16 @@ void describe(Command& command, SweepingOptions& options) {
   command.option({"--rings", "N", "of the grid on each patch; default 8"}, options.rings, 1, 10000);
   command.exclude("--rings", "--samples");
   add_output_option(command, options.output, "samples: .h5 with statistics, .csv or .npy");
+  command.option(
+      {"--layout", "NAME",
+       "of samples in .h5: compact; or plain, where every row has its place from the "
+       "beginning: not compressed, and written by all ranks of gliss-mpi at once; "
+       "default compact"},
+      [&options](const std::string& name) {
+        if (name != "compact" && name != "plain")
+          throw InputError(fmt::format("--layout: '{}' is neither compact nor plain", name));
+        options.plain = name == "plain";
+      });
   command.option({"--vtp", "FILE", "HIPs and forces of the first depth, for ParaView"},
                  [&options](const std::string& path) {
                    if (!path.ends_with(SweepPicture::kEnding)) {
@@ -217,19 +230,29 @@ void run_shard(const Sweeping& sweeping) {
          json);
 }
 
-// How the samples of a result come: from a sweep, to a sink.
-using Sweeper = std::function<SweepResult(const SweepSink& sink)>;
+// How the samples of a result come: from a sweep, to a sink, or to a file that is shared.
+using Sweeper = std::function<SweepResult(const SweepSink& sink, SampleFile* file)>;
 
-// Writes what was asked for. `team`: what its members did, once all of it is done; without them an
-// empty function.
+std::vector<std::uint64_t> hashes_of(const std::string& path) {
+  return block_hashes(path, std::filesystem::file_size(path), 0, 1, stop_if_interrupted);
+}
+
+// Writes what was asked for, a plain file with the hashes of its blocks. `team`: what its members
+// did, once all of it is done; without them an empty function.
 void write_result(const Sweeping& sweeping, SweepParts* parts, const Sweeper& sweep,
+                  const BlockHashes& hashes = hashes_of,
                   const std::function<Json()>& team = nullptr) {
   const SweepingOptions& options = sweeping.options;
   const PatchCache& cache = sweeping.cache;
   const SweepOptions& grid = sweeping.grid;
   std::optional<SampleFile> file;
   std::optional<SweepPicture> picture;
-  if (!options.output.empty()) file.emplace(options.output, cache, grid, provenance_of(options));
+  if (options.plain) {
+    file.emplace(
+        SampleFile::create_plain(options.output, cache, grid, provenance_of(options), hashes));
+  } else if (!options.output.empty()) {
+    file.emplace(options.output, cache, grid, provenance_of(options));
+  }
   if (!options.picture.empty()) picture.emplace(cache, grid, options.unit);
   std::optional<AtomicFile> summary;
   if (!options.summary.empty()) summary.emplace(options.summary);
@@ -242,7 +265,7 @@ void write_result(const Sweeping& sweeping, SweepParts* parts, const Sweeper& sw
   }
 
   const Stopwatch clock;
-  const SweepResult result = sweep(sink);
+  const SweepResult result = sweep(sink, file ? &*file : nullptr);
   if (file) file->close(result);
   const double seconds = clock.seconds();
   const Json of_team = team ? team() : Json::object();
@@ -276,6 +299,8 @@ void write_result(const Sweeping& sweeping, SweepParts* parts, const Sweeper& sw
 }
 
 void check_files(const SweepingOptions& options) {
+  if (options.plain && !options.output.ends_with(".h5") && !options.output.ends_with(".hdf5"))
+    throw InputError("--layout: only HDF5 files have one; name the samples by -o FILE.h5");
   std::vector<std::string> outputs{options.output, options.summary};
   if (!options.picture.empty()) {
     outputs.push_back(options.picture);
@@ -291,7 +316,7 @@ void run_whole(const Sweeping& sweeping) {
     parts.reset(new SweepParts(sweeping.open_parts(folder, PartsAccess::kAlone)));
     tell_found(*parts, options);
   }
-  write_result(sweeping, parts.get(), [&](const SweepSink& sink) {
+  write_result(sweeping, parts.get(), [&](const SweepSink& sink, SampleFile*) {
     return watched(sweeping, parts.get(), 1, [&](const auto& reach) {
       return sweep(sweeping.cache, *sweeping.engine, sweeping.grid, sink, reach, parts.get());
     });
@@ -305,7 +330,8 @@ void run(const SweepingOptions& options) {
   options.shard ? run_shard(sweeping) : run_whole(sweeping);
 }
 
-// Rank 0 speaks, and writes the result.
+// Rank 0 speaks, and writes the result: alone, or a plain file with the others. A picture wants all
+// samples in their order.
 void run_in_team(SweepingOptions options, const SweepTeam& team) {
   if (options.shard) throw InputError("--shard: ranks share the parts without it");
   const std::string folder = shared_folder(options);
@@ -319,15 +345,34 @@ void run_in_team(SweepingOptions options, const SweepTeam& team) {
       new SweepParts(sweeping.open_parts(folder, PartsAccess::kShared)));
   tell_found(*parts, options);
   SweepMember member({sweeping.cache, *sweeping.engine, sweeping.grid}, team, *parts);
+  const Hdf5Access access =
+      options.plain && options.picture.empty() ? team.hdf5_access() : Hdf5Access();
+  agree(team, "who writes the result", access ? "all ranks" : "rank 0",
+        "start the same program with the same --layout and --vtp");
+  const auto hashes = [&](const std::string& path) { return shared_hashes(team, path); };
   if (leads) {
-    const auto sweep = [&](const SweepSink& sink) {
-      return watched(sweeping, parts.get(), 1,
-                     [&](const auto& reach) { return member.do_all(sink, reach); });
+    const auto sweep = [&](const SweepSink& sink, SampleFile* file) {
+      return watched(sweeping, parts.get(), 1, [&](const auto& reach) {
+        if (!access) return member.do_all(sink, reach);
+        shared_path(team, file->temporary_path());
+        file->share(access);
+        return member.do_samples(*file, reach);
+      });
     };
-    return write_result(sweeping, parts.get(), sweep, [&] { return member.report(); });
+    return write_result(sweeping, parts.get(), sweep, access ? BlockHashes(hashes) : hashes_of,
+                        [&] { return member.report(); });
   }
   watched(sweeping, parts.get(), 1, [&](const auto& reach) {
-    member.do_parts(reach);
+    if (!access) {
+      member.do_parts(reach);
+      return SweepResult();
+    }
+    const std::string temporary = shared_path(team, "");
+    SampleFile file = SampleFile::join(temporary, options.output, sweeping.cache, sweeping.grid,
+                                       options.unit, access);
+    member.do_samples(file, reach);
+    file.leave();
+    shared_hashes(team, temporary);
     return SweepResult();
   });
   parts.reset();  // the leader removes them
