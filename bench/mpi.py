@@ -6,7 +6,7 @@ Prints a line a measurement and two tables: seconds of a whole command and those
 more where others use them too, of --repeats the median, of sweeps with statistics alone (--summary) and with samples (-o), and of
 projections; and where the seconds of the ranks went: parts, the counter, and rank 0 at waiting and at the result. From these it fits a model, and prints what it says of --ranks ranks and --large samples.
 Usage: bench/mpi.py build/gliss build/gliss-mpi [--samples 1e6,1e7] [--repeats 3] [--ranks 1000] [--large 1e12]
-       [--mpirun "mpirun --oversubscribe"]
+       [--layout compact] [--mpirun "mpirun --oversubscribe"]
 """
 
 import argparse
@@ -91,11 +91,13 @@ def main():
     parser.add_argument("gliss_mpi", type=os.path.abspath)
     parser.add_argument("--samples", default="1e6,1e7", help="HIPs, of a sweep over both depths; default 1e6,1e7")
     parser.add_argument("--outputs", default=",".join(OUTPUTS), help="which; default all")
+    parser.add_argument("--layout", default="compact", help="of samples: compact or plain")
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--ranks", type=float, default=1000, help="of the model")
     parser.add_argument("--large", type=float, default=1e12, help="HIPs of the model")
     parser.add_argument("--mpirun", default="mpirun --oversubscribe")
     options = parser.parse_args()
+    OUTPUTS["samples"] += ["--layout", options.layout]
     cores = len(os.sched_getaffinity(0))
     kinds = {"1 thread": (1, 0), f"{cores} threads": (cores, 0), "1 rank": (1, 1), f"{cores} ranks": (1, cores)}
     with tempfile.TemporaryDirectory() as folder:

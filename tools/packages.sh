@@ -10,12 +10,12 @@ command -v npm >/dev/null || build_packages+=(nodejs npm)
 
 # What the Python package needs besides.
 python_packages=(pybind11-dev python3-dev python3-numpy)
-# What gliss-mpi needs besides.
-mpi_packages=(libopenmpi-dev openmpi-bin)
+# What gliss-mpi needs besides; without the last two rank 0 writes all results alone.
+mpi_packages=(libopenmpi-dev openmpi-bin libhdf5-openmpi-dev pkg-config)
 # What the tests and benchmarks need besides. clang reads the kernels as OpenCL C; PoCL is an OpenCL
 # device on any processor, oclgrind one that finds what others let pass; of locales one with a decimal comma is made.
 test_packages=(pocl-opencl-icd oclgrind libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev libembree-dev
-  make pkg-config abigail-tools clang clang-format-14 stress-ng rt-tests strace locales python3-h5py "${python_packages[@]}" python3-pytest mypy
+  make abigail-tools clang clang-format-14 stress-ng rt-tests strace locales python3-h5py "${python_packages[@]}" python3-pytest mypy
   python3-venv python3-pip python3-setuptools python3-wheel "${mpi_packages[@]}")
 # Peers that tools/bench.sh compares with, where they can be had.
 bench_packages=(libosd-dev libembree-dev)

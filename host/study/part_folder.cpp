@@ -38,11 +38,14 @@ std::uint64_t checksum_of(const std::string& bytes) {
 }
 
 // A part under way has begun more than is done. The checksum is left to who reads it.
-bool has_whole_head(const std::string& path) {
-  OpenFile opened(path, O_RDONLY | O_NOFOLLOW);
+bool read_whole_head(OpenFile& opened) {
   PartHeader header{};
   return opened.descriptor() >= 0 && opened.read(&header, sizeof header) == sizeof header &&
          header.begun == 0;
+}
+bool has_whole_head(const std::string& path) {
+  OpenFile opened(path, O_RDONLY | O_NOFOLLOW);
+  return read_whole_head(opened);
 }
 
 bool is_there(const std::string& path) {
@@ -173,6 +176,13 @@ std::size_t PartFolder::whole() const {
     count += name.starts_with(key_) && name.ends_with(kEnding) && has_whole_head(file.path());
   }
   return count;
+}
+
+std::string PartFolder::head(std::size_t part, std::size_t bytes) const {
+  OpenFile opened(path_of(part), O_RDONLY | O_NOFOLLOW);
+  std::string body(bytes, '\0');
+  const bool is_there = read_whole_head(opened) && opened.read(body.data(), bytes) == bytes;
+  return is_there ? body : "";
 }
 
 // By remove(3), which takes empty folders as well.

@@ -27,9 +27,9 @@ std::vector<DomainPoint> grid_points(const PatchCache& cache, std::uint32_t ring
   std::vector<DomainPoint> points, kept;
   const std::uint64_t all = sample_count(cache, rings), wanted = std::min(all, most);
   std::uint64_t seen = 0;
-  for (const SweepChunk& chunk : grid.chunks()) {
+  for (std::size_t chunk = 0; chunk < grid.chunk_count(); ++chunk) {
     points.clear();
-    grid.add_own_points(chunk, points);
+    grid.add_own_points(grid.chunk(chunk), points);
     for (const DomainPoint& point : points) {
       const std::uint64_t before = seen++ * wanted / all;
       if (seen * wanted / all != before) kept.push_back(point);

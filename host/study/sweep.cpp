@@ -1,5 +1,7 @@
 #include "gliss/study/sweep.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <random>
+#include <stdexcept>
 #include <utility>
 
 #include "gliss/base/pace.h"
@@ -76,7 +79,8 @@ ContactArrays<double> touch_arrays(std::span<Touch> touches) {
 
 // A chunk under way.
 struct Piece {
-  const SweepChunk* chunk;
+  SweepChunk chunk;
+  std::uint64_t row;                        // of its first sample
   std::size_t begin, end;                   // of its points in the window
   std::vector<SweepStatistics> statistics;  // [depth][method]
   std::vector<SweepBlock> blocks;           // [depth][method]; empty: not kept
@@ -96,27 +100,88 @@ struct Window {
   Touch& touch(std::size_t method, std::size_t hip) { return touches[method * hips.size() + hip]; }
 };
 
-// The beginning of a part: its first chunk, and the samples before it over all depths.
-struct Bound {
-  std::size_t chunk = 0;
-  std::uint64_t samples = 0;
+// The parts of a sweep, which are the same whatever computes them: which is why they end where they
+// are full, and not where an engine's batch does. Few of their beginnings are kept, however many
+// there are.
+class PartBounds {
+ public:
+  PartBounds(const SweepGrid& grid, const SweepOptions& options)
+      : grid_(grid),
+        contacts_a_point_(options.depths.size() * options.methods.size()),
+        contacts_(options.part_contacts) {
+    for (std::size_t chunk = 0; chunk < grid.chunk_count(); ++count_) {
+      if (count_ % stride_ == 0) keep(chunk);
+      chunk = end_of(chunk);
+    }
+  }
+
+  std::size_t count() const { return count_; }
+  // The first chunk of a part; that behind the last one for count().
+  std::size_t begin(std::size_t part) const {
+    if (part == count_) return grid_.chunk_count();
+    std::size_t chunk = kept_[part / stride_];
+    for (std::size_t i = 0; i < part % stride_; ++i) chunk = end_of(chunk);
+    return chunk;
+  }
+
+ private:
+  static constexpr std::size_t kMost = 4096;
+
+  void keep(std::size_t chunk) {
+    kept_.push_back(chunk);
+    if (kept_.size() < kMost) return;
+    for (std::size_t i = 0; 2 * i < kMost; ++i) kept_[i] = kept_[2 * i];
+    kept_.resize(kMost / 2);
+    stride_ *= 2;
+  }
+  // Of the part that begins with a chunk.
+  std::size_t end_of(std::size_t chunk) const {
+    const std::uint64_t before = grid_.points_before(chunk);
+    while (chunk < grid_.chunk_count() &&
+           (grid_.points_before(chunk) - before) * contacts_a_point_ < contacts_) {
+      ++chunk;
+    }
+    return chunk;
+  }
+
+  const SweepGrid& grid_;
+  const std::uint64_t contacts_a_point_, contacts_;
+  std::size_t count_ = 0, stride_ = 1;
+  std::vector<std::size_t> kept_;  // the first chunk of every stride_-th part
 };
 
-// Lists the beginnings of all parts, and the end. Parts are the same whatever computes them: which
-// is why they end where they are full, and not where an engine's batch does.
-std::vector<Bound> bounds_of_parts(const SweepGrid& grid, const SweepOptions& options) {
-  const std::size_t end = grid.chunks().size();
-  std::vector<Bound> bounds(1);
-  while (bounds.back().chunk < end) {
-    Bound next = bounds.back();
-    const std::uint64_t begin = next.samples;
-    while (next.chunk < end &&
-           (next.samples - begin) * options.methods.size() < options.part_contacts) {
-      next.samples += grid.own_points(grid.chunks()[next.chunk++]) * options.depths.size();
+// [depth][method]
+std::vector<SweepStatistics> no_statistics(const SweepOptions& options) {
+  std::vector<SweepStatistics> all;
+  for (const double depth : options.depths) {
+    for (const Method method : options.methods) {
+      all.emplace_back();
+      all.back().depth = depth;
+      all.back().method = method;
     }
-    bounds.push_back(next);
   }
-  return bounds;
+  return all;
+}
+
+void merge(const SweepStatistics& from, SweepStatistics& to) {
+  to.step.merge(from.step);
+  to.edge_step.merge(from.edge_step);
+  to.angle.merge(from.angle);
+  to.error.merge(from.error);
+  to.residual.merge(from.residual);
+  to.samples += from.samples;
+  to.touching += from.touching;
+  to.unconverged += from.unconverged;
+  to.iterations += from.iterations;
+  to.crossings += from.crossings;
+  to.felt_pairs += from.felt_pairs;
+  to.jumps += from.jumps;
+  to.lost += from.lost;
+  to.leaps += from.leaps;
+}
+
+void merge(const std::vector<SweepStatistics>& from, std::vector<SweepStatistics>& to) {
+  for (std::size_t i = 0; i < from.size(); ++i) merge(from[i], to[i]);
 }
 
 class Sweeper {
@@ -126,19 +191,19 @@ class Sweeper {
         engine_(engine),
         options_(options),
         grid_(cache, options.rings),
-        bounds_(bounds_of_parts(grid_, options)),
+        parts_(grid_, options),
         surface_(engine.reside(cache)) {}
 
   // `keeps_last`: also the part that ends the sweep is saved.
   SweepResult run(const PartSource& source, const SweepSink& sink, const SweepProgress& progress,
                   SweepParts* parts, bool keeps_last) {
-    const std::uint64_t total = bounds_.back().samples;
+    const std::uint64_t total = samples_before(grid_.chunk_count());
     const bool keeps_samples = sink || (parts != nullptr && parts->keeps_samples());
     const auto policy = engine_.threads() > 1 ? std::launch::async : std::launch::deferred;
     SweepResult result;
-    result.statistics = no_statistics();
-    const std::size_t part_count = bounds_.size() - 1;
-    auto of_part = no_statistics();
+    result.statistics = no_statistics(options_);
+    const std::size_t part_count = parts_.count();
+    auto of_part = no_statistics(options_);
     Window windows[2];  // the last one is counted while the next is computed
     std::size_t turn = 0;
     std::future<void> counting;
@@ -149,9 +214,9 @@ class Sweeper {
       if (parts != nullptr) finish();
       const std::size_t part = source();
       if (part >= part_count) break;
-      const std::size_t part_begin = bounds_[part].chunk, part_end = bounds_[part + 1].chunk;
+      const std::size_t part_begin = parts_.begin(part), part_end = parts_.begin(part + 1);
       std::size_t first = part_begin;
-      std::uint64_t done = bounds_[part].samples;
+      std::uint64_t done = samples_before(first);
       std::optional<SweepPart> kept;
       if (parts != nullptr) {
         kept = parts->load(part);
@@ -162,13 +227,15 @@ class Sweeper {
       }
       if (kept) {
         const bool is_whole = kept->chunks == part_end - first;
-        for (const SweepBlock& block : kept->blocks) {
+        for (std::size_t b = 0; b < kept->blocks.size(); ++b) {
+          SweepBlock& block = kept->blocks[b];
+          block.row = grid_.points_before(first + b / of_part.size());
           if (!is_whole) parts->add(block);
           if (sink) sink(block);
         }
         merge(kept->statistics, is_whole ? result.statistics : of_part);
-        done += samples_of(first, first + kept->chunks);
         first += kept->chunks;
+        done = samples_before(first);
         if (progress && !progress(done, total)) result.complete = false;
       }
       while (first < part_end && result.complete) {
@@ -181,7 +248,7 @@ class Sweeper {
         if (kept) take_begun(*kept, window);
         kept.reset();
         const std::size_t next = first + window.pieces.size(), ready = window.felt;
-        const std::uint64_t samples = samples_of(first, next);
+        const std::uint64_t samples = samples_before(next) - done;
         feel(window, [&] {
           if (parts != nullptr && parts->is_due()) {
             finish();
@@ -206,7 +273,7 @@ class Sweeper {
           if (next < part_end) return;
           if (saves) parts->save(part, of_part, next - part_begin);
           merge(of_part, result.statistics);
-          of_part = no_statistics();
+          of_part = no_statistics(options_);
         });
         done += samples;
         result.computed += samples * options_.methods.size() * (window.felt - ready) / window.felt;
@@ -220,23 +287,9 @@ class Sweeper {
   }
 
  private:
-  std::vector<SweepStatistics> no_statistics() const {
-    std::vector<SweepStatistics> all;
-    for (const double depth : options_.depths) {
-      for (const Method method : options_.methods) {
-        all.emplace_back();
-        all.back().depth = depth;
-        all.back().method = method;
-      }
-    }
-    return all;
-  }
-
-  // Over all depths.
-  std::uint64_t samples_of(std::size_t first, std::size_t last) const {
-    std::uint64_t points = 0;
-    for (std::size_t c = first; c < last; ++c) points += grid_.own_points(grid_.chunks()[c]);
-    return points * options_.depths.size();
+  // Over all depths, before a chunk.
+  std::uint64_t samples_before(std::size_t chunk) const {
+    return grid_.points_before(chunk) * options_.depths.size();
   }
 
   // True if a part from a file is that of these chunks: its points are theirs, and some contacts,
@@ -244,9 +297,8 @@ class Sweeper {
   bool holds(const SweepPart& part, std::size_t first, std::size_t last, bool samples) const {
     const std::size_t methods = options_.methods.size(), kinds = options_.depths.size() * methods;
     if (part.chunks > last - first || part.begun > last - first - part.chunks) return false;
-    std::uint64_t points = 0;
-    for (std::size_t c = first; c < first + part.chunks; ++c)
-      points += grid_.own_points(grid_.chunks()[c]);
+    const std::uint64_t points =
+        grid_.points_before(first + part.chunks) - grid_.points_before(first);
     for (const SweepStatistics& s : part.statistics) {
       if (s.samples != points) return false;
     }
@@ -256,7 +308,7 @@ class Sweeper {
       const SweepBlock& block = part.blocks[b];
       if (b % kinds == 0) {
         own.clear();
-        grid_.add_own_points(grid_.chunks()[first + b / kinds], own);
+        grid_.add_own_points(grid_.chunk(first + b / kinds), own);
       }
       if (block.depth_index != b % kinds / methods || block.method_index != b % methods ||
           block.face.size() != own.size()) {
@@ -381,10 +433,10 @@ class Sweeper {
     window.pieces.clear();
     window.points.clear();
     for (std::size_t c = first; c < last && window.points.size() < enough; ++c) {
-      const SweepChunk& chunk = grid_.chunks()[c];
+      const SweepChunk chunk = grid_.chunk(c);
       const std::size_t begin = window.points.size();
       grid_.add_points(chunk, window.points);
-      window.pieces.push_back({&chunk, begin, window.points.size(), {}, {}});
+      window.pieces.push_back({chunk, grid_.points_before(c), begin, window.points.size(), {}, {}});
     }
   }
 
@@ -461,6 +513,7 @@ class Sweeper {
         if (keep) {
           piece.blocks[kind].depth_index = kind / methods;
           piece.blocks[kind].method_index = kind % methods;
+          piece.blocks[kind].row = piece.row;
         }
         count_kind(feel_piece(window, piece, kind / methods, kind % methods), piece, kind);
       }
@@ -495,7 +548,7 @@ class Sweeper {
   void count_kind(const Felt& felt, Piece& piece, std::size_t kind) const {
     SweepStatistics& statistics = piece.statistics[kind];
     SweepBlock* block = piece.blocks.empty() ? nullptr : &piece.blocks[kind];
-    const SweepChunk& chunk = *piece.chunk;
+    const SweepChunk& chunk = piece.chunk;
     std::size_t ring = piece.begin;
     for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
       const std::uint32_t face = grid_.face(i), n = grid_.valence(face);
@@ -578,32 +631,11 @@ class Sweeper {
     block.flags.push_back(static_cast<std::uint8_t>(contact.flags));
   }
 
-  static void merge(const std::vector<SweepStatistics>& from, std::vector<SweepStatistics>& to) {
-    for (std::size_t i = 0; i < from.size(); ++i) merge(from[i], to[i]);
-  }
-
-  static void merge(const SweepStatistics& from, SweepStatistics& to) {
-    to.step.merge(from.step);
-    to.edge_step.merge(from.edge_step);
-    to.angle.merge(from.angle);
-    to.error.merge(from.error);
-    to.residual.merge(from.residual);
-    to.samples += from.samples;
-    to.touching += from.touching;
-    to.unconverged += from.unconverged;
-    to.iterations += from.iterations;
-    to.crossings += from.crossings;
-    to.felt_pairs += from.felt_pairs;
-    to.jumps += from.jumps;
-    to.lost += from.lost;
-    to.leaps += from.leaps;
-  }
-
   const PatchCache& cache_;
   const Engine& engine_;
   const SweepOptions& options_;
   const SweepGrid grid_;
-  const std::vector<Bound> bounds_;
+  const PartBounds parts_;
   const std::unique_ptr<ResidentSurface> surface_;
   Pace pace_;  // of HIPs
 };
@@ -623,8 +655,29 @@ SweepResult sweep_parts(const PatchCache& cache, const Engine& engine, const Swe
   return Sweeper(cache, engine, options).run(source, sink, progress, &parts, true);
 }
 
+SweepResult kept_statistics(const PatchCache& cache, const SweepOptions& options,
+                            const SweepParts& parts, const SweepProgress& progress) {
+  const SweepGrid grid(cache, options.rings);
+  const PartBounds bounds(grid, options);
+  const std::uint64_t total = grid.points_before(grid.chunk_count()) * options.depths.size();
+  SweepResult result{.statistics = no_statistics(options)};
+  for (std::size_t part = 0; part < bounds.count() && result.complete; ++part) {
+    const std::uint64_t end = grid.points_before(bounds.begin(part + 1)),
+                        points = end - grid.points_before(bounds.begin(part));
+    const auto kept = parts.statistics(part);
+    if (kept.empty() || kept.front().samples != points) {
+      throw std::runtime_error(fmt::format(
+          "parts folder '{}': part {} is gone or damaged; the same command does it again",
+          parts.folder(), part));
+    }
+    merge(kept, result.statistics);
+    if (progress && !progress(end * options.depths.size(), total)) result.complete = false;
+  }
+  return result;
+}
+
 std::size_t part_count(const PatchCache& cache, const SweepOptions& options) {
-  return bounds_of_parts(SweepGrid(cache, options.rings), options).size() - 1;
+  return PartBounds(SweepGrid(cache, options.rings), options).count();
 }
 
 }  // namespace gliss

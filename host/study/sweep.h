@@ -87,6 +87,7 @@ struct SweepStatistics {
 // the force in N, the residual angle in rad.
 struct SweepBlock {
   std::size_t depth_index = 0, method_index = 0;
+  std::uint64_t row = 0;  // of its first sample, among all of this depth and method
   std::vector<std::uint32_t> face;
   std::vector<double> xi, eta;
   std::vector<Vec3> hip, scp, force;
@@ -124,11 +125,17 @@ GLISS_EXPORT SweepResult sweep(const PatchCache& cache, const Engine& engine,
 // no further: a sweep() with these parts takes them from there. Shards do so at the same time, in
 // whatever processes, and may do a part twice. Progress counts all samples that stand before what
 // is done in the order of the grid, whoever did them. The statistics are of the parts done here.
-// A sink makes it a sweep(): the source has to name every part, but may wait until others have done
-// one.
+// With a sink the source may wait until others have done a part. One that names every part makes it
+// a sweep(); of others the sink has the blocks of the parts that they name.
 GLISS_EXPORT SweepResult sweep_parts(const PatchCache& cache, const Engine& engine,
                                      const SweepOptions& options, const PartSource& source,
                                      SweepParts& parts, const SweepProgress& progress = nullptr,
                                      const SweepSink& sink = nullptr);
+
+// The statistics of a sweep whose parts are all there, put together in their order. Throws
+// std::runtime_error that names the folder where one is not; their samples are not looked at.
+GLISS_EXPORT SweepResult kept_statistics(const PatchCache& cache, const SweepOptions& options,
+                                         const SweepParts& parts,
+                                         const SweepProgress& progress = nullptr);
 
 }  // namespace gliss

@@ -1,6 +1,7 @@
 #include "gliss/study/sweep_grid.h"
 
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 #include "gliss/study/sweep.h"
@@ -9,6 +10,7 @@
 namespace gliss {
 namespace {
 
+// Of as many whole faces as a chunk has, or of as many rings of one large face, but at least one.
 constexpr std::uint64_t kChunkPoints = 4096;
 
 // Points in rings 1 to r.
@@ -35,33 +37,75 @@ SweepGrid::SweepGrid(const PatchCache& cache, std::uint32_t rings) : cache_(cach
   for (std::uint32_t f = 0; f < cache.mesh_face_count; ++f) {
     if (cache.face_patch[f] != kNone) faces_.push_back(f);
   }
-  cut_chunks();
+  group_faces();
   find_twins();
 }
 
-// Cuts chunks of as many faces as fit, or of as many rings of one face.
-void SweepGrid::cut_chunks() {
-  const std::uint32_t all = rings_ + 1;
-  std::uint64_t points = 0;
+bool SweepGrid::is_large(std::uint32_t valence) const {
+  return grid_size(valence, rings_) > kChunkPoints;
+}
+
+SweepGrid::Cut SweepGrid::cut_of(std::uint32_t valence) const {
+  Cut cut{{1}};
+  for (std::uint32_t last = 1; last <= rings_;) {
+    const std::uint32_t first = last++;
+    while (last <= rings_ &&
+           grid_size(valence, last) - grid_size(valence, first - 1) <= kChunkPoints) {
+      ++last;
+    }
+    if (last == first + 1) break;  // so it is for all that follow
+    cut.first.push_back(last);
+  }
+  return cut;
+}
+
+std::uint32_t SweepGrid::Cut::ring(std::size_t chunk) const {
+  if (chunk < first.size()) return first[chunk];
+  return first.back() + static_cast<std::uint32_t>(chunk - first.size() + 1);
+}
+
+void SweepGrid::group_faces() {
+  std::size_t chunk = 0;
+  std::uint64_t points = 0, room = 0;  // in the last group
   for (std::size_t i = 0; i < faces_.size(); ++i) {
     const std::uint32_t n = valence(faces_[i]);
     const std::uint64_t size = grid_size(n, rings_);
-    if (size > kChunkPoints) {
-      for (std::uint32_t first = 1; first < all;) {
-        std::uint32_t last = first + 1;
-        while (last < all && grid_size(n, last) - grid_size(n, first - 1) <= kChunkPoints) ++last;
-        chunks_.push_back({i, i + 1, first, last});
-        first = last;
-      }
-      points = kChunkPoints;
-    } else if (chunks_.empty() || points + size > kChunkPoints) {
-      chunks_.push_back({i, i + 1, 1, all});
-      points = size;
+    if (size > room) groups_.push_back({i, chunk, points});
+    if (is_large(n)) {
+      if (!cuts_.contains(n)) cuts_.emplace(n, cut_of(n));
+      const std::vector<std::uint32_t>& first = cuts_.at(n).first;
+      chunk += first.size() - 1 + (rings_ + 1 - first.back());
+      room = 0;
+    } else if (size > room) {
+      ++chunk;
+      room = kChunkPoints - size;
     } else {
-      chunks_.back().end = i + 1;
-      points += size;
+      room -= size;
     }
+    points += size;
   }
+  groups_.push_back({faces_.size(), chunk, points});
+}
+
+const SweepGrid::Group& SweepGrid::group_of(std::size_t chunk) const {
+  return *std::prev(std::upper_bound(groups_.begin(), groups_.end(), chunk,
+                                     [](std::size_t c, const Group& g) { return c < g.chunk; }));
+}
+
+SweepChunk SweepGrid::chunk(std::size_t number) const {
+  const Group& group = group_of(number);
+  const std::uint32_t all = rings_ + 1, n = valence(faces_[group.face]);
+  if (!is_large(n)) return {group.face, (&group)[1].face, 1, all};
+  const Cut& cut = cuts_.at(n);
+  const std::size_t i = number - group.chunk;
+  return {group.face, group.face + 1, cut.ring(i), std::min(cut.ring(i + 1), all)};
+}
+
+std::uint64_t SweepGrid::points_before(std::size_t number) const {
+  const Group& group = group_of(number);
+  if (number == group.chunk) return group.points;
+  const std::uint32_t n = valence(faces_[group.face]);
+  return group.points + grid_size(n, cuts_.at(n).ring(number - group.chunk) - 1);
 }
 
 void SweepGrid::find_twins() {
@@ -114,15 +158,6 @@ void SweepGrid::add_own_points(const SweepChunk& chunk, std::vector<DomainPoint>
       for (std::uint32_t k = 0; k < valence(faces_[i]); ++k) add_sector(faces_[i], r, k, points);
     }
   }
-}
-
-std::uint64_t SweepGrid::own_points(const SweepChunk& chunk) const {
-  std::uint64_t count = 0;
-  for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
-    const std::uint32_t n = valence(faces_[i]);
-    count += grid_size(n, chunk.last - 1) - grid_size(n, chunk.first - 1);
-  }
-  return count;
 }
 
 }  // namespace gliss

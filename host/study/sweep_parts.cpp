@@ -133,9 +133,9 @@ std::optional<SweepPart> SweepParts::parse(const PartFile& file) const {
   return found;
 }
 
-bool SweepParts::is_in_range(const SweepPart& part) const {
-  for (std::size_t kind = 0; kind < part.statistics.size(); ++kind) {
-    const SweepStatistics& s = part.statistics[kind];
+bool SweepParts::is_in_range(const std::vector<SweepStatistics>& statistics) const {
+  for (std::size_t kind = 0; kind < statistics.size(); ++kind) {
+    const SweepStatistics& s = statistics[kind];
     const Histogram* const all[] = {&s.step, &s.edge_step, &s.angle, &s.error, &s.residual};
     if (s.depth != depths_[kind / methods_.size()] ||
         s.method != methods_[kind % methods_.size()] || s.touching > s.samples ||
@@ -146,6 +146,11 @@ bool SweepParts::is_in_range(const SweepPart& part) const {
       return false;
     }
   }
+  return true;
+}
+
+bool SweepParts::is_in_range(const SweepPart& part) const {
+  if (!is_in_range(part.statistics)) return false;
   for (std::size_t i = 0; i < part.contacts.size(); ++i) {
     const double x = part.contacts[i];
     const bool is_count = i % SweepPart::kContactReals >= SweepPart::kContactCounts;
@@ -153,6 +158,14 @@ bool SweepParts::is_in_range(const SweepPart& part) const {
   }
   return std::all_of(part.blocks.begin(), part.blocks.end(),
                      [&](const SweepBlock& block) { return gliss::is_in_range(block, cache_); });
+}
+
+std::vector<SweepStatistics> SweepParts::statistics(std::size_t part) const {
+  std::vector<SweepStatistics> found(depths_.size() * methods_.size());
+  const std::string bytes = head(part, found.size() * sizeof found[0]);
+  std::string_view rest = bytes;
+  if (!take(rest, found.data(), found.size() * sizeof found[0]) || !is_in_range(found)) return {};
+  return found;
 }
 
 void SweepParts::add(const SweepBlock& block) {

@@ -39,6 +39,9 @@ class GLISS_EXPORT SweepParts : public PartFolder {
   std::uint64_t surface_hash() const { return surface_hash_; }
   bool keeps_samples() const { return samples_; }
 
+  // Those of a part that is whole, without its samples; none where it is not.
+  std::vector<SweepStatistics> statistics(std::size_t part) const;
+
   // Nothing where the part is not there or cannot be used. Then, and where it is not whole, it is
   // under way: blocks are added, those that were loaded first, and it is saved. What a part holds
   // is within range, but need not be finite.
@@ -53,6 +56,7 @@ class GLISS_EXPORT SweepParts : public PartFolder {
   SweepParts(const std::string& folder, std::uint64_t surface, const PatchCache& cache,
              const SweepOptions& options, bool samples, double patience, PartsAccess access);
   std::optional<SweepPart> parse(const PartFile& file) const;
+  bool is_in_range(const std::vector<SweepStatistics>& statistics) const;
   bool is_in_range(const SweepPart& part) const;
 
   const PatchCache& cache_;

@@ -17,10 +17,11 @@
 namespace gliss {
 namespace {
 
-constexpr std::string_view kName = "GLSSEAL1";
+// The checksum is of all bytes in their order, or of the hashes of blocks.
+constexpr std::string_view kOfBytes = "GLSSEAL1", kOfBlocks = "GLSSEAL2";
 constexpr std::size_t kBlock = 1 << 20;
-constexpr std::size_t kNumber = 8;                              // bytes
-constexpr std::size_t kSealBytes = kName.size() + 2 * kNumber;  // name, length before it, checksum
+constexpr std::size_t kNumber = 8;                                 // bytes
+constexpr std::size_t kSealBytes = kOfBytes.size() + 2 * kNumber;  // name, length, checksum
 using SealBytes = std::array<char, kSealBytes>;
 
 bool read_whole(int descriptor, char* to, std::size_t bytes, std::uint64_t at) {
@@ -46,24 +47,54 @@ bool write_whole(int descriptor, const char* from, std::size_t bytes) {
   return true;
 }
 
-// The seal of what stands before it; nothing where that cannot be read.
-std::optional<SealBytes> seal_of(int descriptor, std::uint64_t bytes,
-                                 const std::function<void()>& poll = nullptr) {
-  XXH3_state_t hash;
-  XXH3_64bits_reset(&hash);
+// Calls visit(number, bytes) for the blocks first, first + step ... of what stands before the seal;
+// false where that cannot be read.
+template <class Visit>
+bool for_blocks(int descriptor, std::uint64_t bytes, std::size_t first, std::size_t step,
+                const std::function<void()>& poll, const Visit& visit) {
   std::vector<char> block(kBlock);
-  for (std::uint64_t at = 0; at < bytes; at += kBlock) {
+  for (std::uint64_t number = first; number * kBlock < bytes; number += step) {
     if (poll) poll();
+    const std::uint64_t at = number * kBlock;
     const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(kBlock, bytes - at));
-    if (!read_whole(descriptor, block.data(), count, at)) return {};
-    XXH3_64bits_update(&hash, block.data(), count);
+    if (!read_whole(descriptor, block.data(), count, at)) return false;
+    visit(number, std::string_view(block.data(), count));
   }
+  return true;
+}
+
+SealBytes seal_of(std::string_view name, std::uint64_t bytes, std::uint64_t checksum) {
   SealBytes seal;
-  char* to = std::copy(kName.begin(), kName.end(), seal.begin());
-  for (const std::uint64_t number : {bytes, std::uint64_t{XXH3_64bits_digest(&hash)}}) {
+  char* to = std::copy(name.begin(), name.end(), seal.begin());
+  for (const std::uint64_t number : {bytes, checksum}) {
     for (std::size_t i = 0; i < kNumber; ++i) *to++ = static_cast<char>(number >> (8 * i));
   }
   return seal;
+}
+
+std::uint64_t checksum_of(const std::vector<std::uint64_t>& hashes) {
+  return XXH3_64bits(hashes.data(), hashes.size() * sizeof hashes[0]);
+}
+
+std::optional<std::uint64_t> checksum_of_bytes(int descriptor, std::uint64_t bytes,
+                                               const std::function<void()>& poll = nullptr) {
+  XXH3_state_t hash;
+  XXH3_64bits_reset(&hash);
+  const bool read =
+      for_blocks(descriptor, bytes, 0, 1, poll, [&](std::uint64_t, std::string_view block) {
+        XXH3_64bits_update(&hash, block.data(), block.size());
+      });
+  if (!read) return {};
+  return XXH3_64bits_digest(&hash);
+}
+
+[[noreturn]] void fail(const char* action, const std::string& name) {
+  const int error = errno;
+  throw std::system_error(error, std::generic_category(), fmt::format("{} '{}'", action, name));
+}
+
+void append(const OpenFile& file, const std::string& name, const SealBytes& seal) {
+  if (!write_whole(file.descriptor(), seal.data(), seal.size())) fail("cannot write", name);
 }
 
 }  // namespace
@@ -71,10 +102,30 @@ std::optional<SealBytes> seal_of(int descriptor, std::uint64_t bytes,
 void append_seal(const std::string& path, const std::string& name) {
   const OpenFile file(path, O_RDWR | O_APPEND);
   file.check();
-  const auto seal = seal_of(file.descriptor(), file.size());
-  if (seal && write_whole(file.descriptor(), seal->data(), seal->size())) return;
-  const int error = errno;
-  throw std::system_error(error, std::generic_category(), fmt::format("cannot write '{}'", name));
+  const auto checksum = checksum_of_bytes(file.descriptor(), file.size());
+  if (!checksum) fail("cannot write", name);
+  append(file, name, seal_of(kOfBytes, file.size(), *checksum));
+}
+
+std::vector<std::uint64_t> block_hashes(const std::string& path, std::uint64_t bytes,
+                                        std::size_t first, std::size_t step,
+                                        const std::function<void()>& poll) {
+  const OpenFile file(path);
+  file.check();
+  std::vector<std::uint64_t> hashes((bytes + kBlock - 1) / kBlock);
+  const bool read = for_blocks(file.descriptor(), bytes, first, step, poll,
+                               [&](std::uint64_t number, std::string_view block) {
+                                 hashes[number] = XXH3_64bits(block.data(), block.size());
+                               });
+  if (!read) fail("cannot read", path);
+  return hashes;
+}
+
+void append_seal(const std::string& path, const std::string& name,
+                 const std::vector<std::uint64_t>& hashes) {
+  const OpenFile file(path, O_RDWR | O_APPEND);
+  file.check();
+  append(file, name, seal_of(kOfBlocks, file.size(), checksum_of(hashes)));
 }
 
 Seal check_seal(const std::string& path, const std::function<void()>& poll) {
@@ -84,8 +135,14 @@ Seal check_seal(const std::string& path, const std::function<void()>& poll) {
   SealBytes found;
   const std::uint64_t bytes = file.size() - kSealBytes;
   if (!read_whole(file.descriptor(), found.data(), kSealBytes, bytes)) return Seal::kNone;
-  if (!std::string_view(found.data(), kSealBytes).starts_with(kName)) return Seal::kNone;
-  return seal_of(file.descriptor(), bytes, poll) == found ? Seal::kSound : Seal::kBroken;
+  const auto name = std::string_view(found.data(), kOfBytes.size());
+  if (name == kOfBlocks) {
+    const auto checksum = checksum_of(block_hashes(path, bytes, 0, 1, poll));
+    return seal_of(name, bytes, checksum) == found ? Seal::kSound : Seal::kBroken;
+  }
+  if (name != kOfBytes) return Seal::kNone;
+  const auto checksum = checksum_of_bytes(file.descriptor(), bytes, poll);
+  return checksum && seal_of(name, bytes, *checksum) == found ? Seal::kSound : Seal::kBroken;
 }
 
 }  // namespace gliss

@@ -1,15 +1,17 @@
-// Results as HDF5: a group a table, in it an extendible 1-D dataset a column with its unit as
-// attribute.
+// Results as HDF5: a group a table, in it a 1-D dataset a column with its unit as attribute:
+// extendible, or plain, of a size and at a place that never change.
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <optional>
 #include <stdexcept>
 
 #include "gliss/files/atomic_file.h"
 #include "gliss/tables/file_seal.h"
 #include "gliss/tables/hdf5_handle.h"
 #include "gliss/tables/hdf5_types.h"
+#include "gliss/tables/plain_file.h"
 #include "gliss/tables/result_formats.h"
 
 namespace gliss {
@@ -20,32 +22,40 @@ using hdf5::Handle;
 // Measured: chunks of 65,536 rows compress no better and write a third slower.
 constexpr hsize_t kChunkRows = 16384;
 
-class Hdf5File final : public ResultFile {
+// Where compact it is no more than a ResultFile.
+class Hdf5File final : public PlainFile {
  public:
-  explicit Hdf5File(const std::string& path)
-      : output_(path), action_(fmt::format("cannot write '{}'", path)) {
-    // At exit HDF5 crashes on a file that it could not close, in place of our message and exit
-    // code.
-    H5dont_atexit();
+  // Plain with `hashes`.
+  explicit Hdf5File(const std::string& path, BlockHashes hashes = nullptr)
+      : output_(path),
+        action_(action_of(path)),
+        temporary_(output_->temporary_path()),
+        hashes_(std::move(hashes)) {
     hdf5::Quiet quiet;
-    // The temporary is ours alone: its lock would only fail on network shares without locks.
-    Handle access = hdf5::properties(H5P_FILE_ACCESS);
-    check(H5Pset_file_locking(access, false, true));
-    check(H5Pset_fclose_degree(access, H5F_CLOSE_STRONG));
-    Handle creation = hdf5::properties(H5P_FILE_CREATE);
+    const Handle creation = hdf5::properties(H5P_FILE_CREATE);
     check(H5Pset_obj_track_times(creation, false));
     check(H5Pset_link_creation_order(creation, H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED));
-    file_ = {H5Fcreate(output_.temporary_path().c_str(), H5F_ACC_TRUNC, creation, access), H5Fclose,
+    file_ = {H5Fcreate(temporary_.c_str(), H5F_ACC_TRUNC, creation, access_by(nullptr)), H5Fclose,
              action_};
-    root_ = {H5Gopen2(file_, "/", H5P_DEFAULT), H5Gclose, action_};
+  }
+
+  // Joined.
+  Hdf5File(const std::string& temporary, const std::string& path, const Hdf5Access& access)
+      : action_(action_of(path)), temporary_(temporary) {
+    hdf5::Quiet quiet;
+    open(access);
   }
 
   ~Hdf5File() override {
     hdf5::Quiet quiet;
+    if (is_shared_) {
+      for (Handle& dataset : datasets_) dataset.release();
+      file_.release();
+      return;
+    }
     // Emptied first: on a full disk closing now has room for what HDF5 still wants to write.
-    (void)!truncate(output_.temporary_path().c_str(), 0);
+    if (output_) (void)!truncate(temporary_.c_str(), 0);
     datasets_.clear();
-    root_ = {};
     file_ = {};
   }
 
@@ -53,12 +63,15 @@ class Hdf5File final : public ResultFile {
                     const std::vector<Attribute>& attributes,
                     std::uint64_t expected_rows) override {
     hdf5::Quiet quiet;
+    tables_.push_back({name.empty() ? "/" : name, columns, 0, 0});
+    Table& table = tables_.back();
+    if (!output_) return tables_.size() - 1;  // the other process has made it
     close_datasets();
     const Handle group = open_or_create_group(name);
     for (const Attribute& attribute : attributes) hdf5::write_attribute(group, attribute, action_);
-    const hsize_t chunk = expected_rows ? std::min<hsize_t>(expected_rows, kChunkRows) : kChunkRows;
-    for (const Column& column : columns) add_column(group, column, chunk);
-    tables_.push_back({name.empty() ? "/" : name, columns, 0, chunk});
+    if (!is_plain())
+      table.chunk = expected_rows ? std::min<hsize_t>(expected_rows, kChunkRows) : kChunkRows;
+    for (const Column& column : columns) add_column(group, column, table.chunk, expected_rows);
     return tables_.size() - 1;
   }
 
@@ -69,6 +82,13 @@ class Hdf5File final : public ResultFile {
     if (rows == 0) return;
     open_datasets(id);
     const hsize_t total = table.rows + rows;
+    if (is_plain()) {
+      for (std::size_t c = 0; c < block.size(); ++c)
+        write_block(datasets_[c], table, table.columns[c].type, rows, block[c]);
+      table.rows = total;
+      if (output_) output_->start_sync();
+      return;
+    }
     // Chunks that are full go to disk, so that a full disk is noticed now. Those of a column lie
     // together, behind the indexes of all columns, which the first rows make.
     const bool full = total / table.chunk > table.rows / table.chunk;
@@ -80,31 +100,72 @@ class Hdf5File final : public ResultFile {
     table.rows = total;
     if (!full) return;
     check(H5Fflush(file_, H5F_SCOPE_GLOBAL));
-    output_.start_sync();
+    output_->start_sync();
   }
+
+  void seek(TableId id, std::uint64_t row) override { tables_.at(id).rows = row; }
 
   void set_attribute(const Attribute& attribute) override {
     hdf5::Quiet quiet;
-    hdf5::write_attribute(root_, attribute, action_);
+    if (output_) hdf5::write_attribute(file_, attribute, action_);
   }
+
+  void reopen(const Hdf5Access& access) override {
+    hdf5::Quiet quiet;
+    close_file();
+    open(access);
+  }
+
+  const std::string& temporary_path() const override { return temporary_; }
 
   void close() override {
     hdf5::Quiet quiet;
-    close_datasets();
-    root_.close(action_);
-    // Flushed first: a file whose close fails can be closed no more, one whose flush fails can.
-    check(H5Fflush(file_, H5F_SCOPE_GLOBAL));
-    file_.close(action_);
-    append_seal(output_.temporary_path(), output_.path());
-    output_.commit();
+    close_file();
+    if (!output_) return;
+    if (hashes_)
+      append_seal(temporary_, output_->path(), hashes_(temporary_));
+    else
+      append_seal(temporary_, output_->path());
+    output_->commit();
   }
 
  private:
   struct Table {
     std::string name;
     std::vector<Column> columns;
-    hsize_t rows, chunk;
+    hsize_t rows;   // before the next one
+    hsize_t chunk;  // 0: plain
   };
+
+  static std::string action_of(const std::string& path) {
+    return fmt::format("cannot write '{}'", path);
+  }
+  bool is_plain() const { return hashes_ || !output_; }
+
+  Handle access_by(const Hdf5Access& access) const {
+    // At exit HDF5 crashes on a file that it could not close, in place of our message and exit
+    // code.
+    H5dont_atexit();
+    // The temporary is ours alone: its lock would only fail on network shares without locks.
+    Handle list = hdf5::properties(H5P_FILE_ACCESS);
+    check(H5Pset_file_locking(list, false, true));
+    check(H5Pset_fclose_degree(list, H5F_CLOSE_STRONG));
+    if (access) access(list);
+    return list;
+  }
+
+  void open(const Hdf5Access& access) {
+    file_ = {H5Fopen(temporary_.c_str(), H5F_ACC_RDWR, access_by(access)), H5Fclose, action_};
+    is_shared_ = access != nullptr;
+  }
+
+  void close_file() {
+    close_datasets();
+    // Flushed first: a file whose close fails can be closed no more, one whose flush fails can.
+    check(H5Fflush(file_, H5F_SCOPE_GLOBAL));
+    file_.close(action_);
+    is_shared_ = false;
+  }
 
   template <class Result>
   Result check(Result result) const {
@@ -124,13 +185,18 @@ class Hdf5File final : public ResultFile {
     return {H5Gcreate2(file_, name.c_str(), links, creation, H5P_DEFAULT), H5Gclose, action_};
   }
 
-  void add_column(hid_t group, const Column& column, hsize_t chunk) const {
-    const hsize_t empty = 0, unlimited = H5S_UNLIMITED;
-    const Handle space(H5Screate_simple(1, &empty, &unlimited), H5Sclose, action_);
+  void add_column(hid_t group, const Column& column, hsize_t chunk, hsize_t rows) const {
+    const hsize_t size = chunk > 0 ? 0 : rows, most = chunk > 0 ? H5S_UNLIMITED : rows;
+    const Handle space(H5Screate_simple(1, &size, &most), H5Sclose, action_);
     const Handle creation = hdf5::properties(H5P_DATASET_CREATE);
-    check(H5Pset_chunk(creation, 1, &chunk));
+    if (chunk > 0) {
+      check(H5Pset_chunk(creation, 1, &chunk));
+    } else {
+      check(H5Pset_alloc_time(creation, H5D_ALLOC_TIME_EARLY));
+      check(H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER));
+    }
     check(H5Pset_obj_track_times(creation, false));
-    if (hdf5::representation(column.type).compressed) {
+    if (chunk > 0 && hdf5::representation(column.type).compressed) {
       check(H5Pset_shuffle(creation));
       check(H5Pset_deflate(creation, 1));
     }
@@ -179,8 +245,8 @@ class Hdf5File final : public ResultFile {
   void write_rows(hid_t dataset, const Table& table, const hdf5::Representation& type, hsize_t rows,
                   const char* values) const {
     const hsize_t total = table.rows + rows;
-    const bool as_is =
-        table.rows > 0 && !type.compressed && check(H5Tequal(type.in_file, type.in_memory)) > 0;
+    const bool as_is = table.chunk > 0 && table.rows > 0 && !type.compressed &&
+                       check(H5Tequal(type.in_file, type.in_memory)) > 0;
     for (hsize_t begin = table.rows, end; begin < total; begin = end) {
       end = as_is ? std::min(total, (begin / table.chunk + 1) * table.chunk) : total;
       const hsize_t count = end - begin, bytes = count * H5Tget_size(type.in_memory);
@@ -196,9 +262,12 @@ class Hdf5File final : public ResultFile {
     }
   }
 
-  AtomicFile output_;  // first in, last out: removes the temporary after HDF5 has closed it
-  std::string action_;
-  Handle file_, root_;
+  // First in, last out: removes the temporary after HDF5 has closed it. Another's, where joined.
+  std::optional<AtomicFile> output_;
+  std::string action_, temporary_;
+  BlockHashes hashes_;
+  Handle file_;
+  bool is_shared_ = false;  // by MPI-IO, until it is closed
   std::vector<Table> tables_;
   std::vector<Handle> datasets_;  // of open_table_, one a column
   TableId open_table_ = 0;
@@ -208,6 +277,15 @@ class Hdf5File final : public ResultFile {
 
 std::unique_ptr<ResultFile> create_hdf5_file(const std::string& path) {
   return std::make_unique<Hdf5File>(path);
+}
+
+std::unique_ptr<PlainFile> create_plain_file(const std::string& path, const BlockHashes& hashes) {
+  return std::make_unique<Hdf5File>(path, hashes);
+}
+
+std::unique_ptr<PlainFile> join_plain_file(const std::string& temporary, const std::string& path,
+                                           const Hdf5Access& access) {
+  return std::make_unique<Hdf5File>(temporary, path, access);
 }
 
 }  // namespace gliss

@@ -53,6 +53,8 @@ class Handle {
   }
 
   operator hid_t() const { return id_; }
+  // Leaves it open for good.
+  hid_t release() { return std::exchange(id_, -1); }
   // Closing is when HDF5 writes what it held back, so an owner who cares for the data closes by
   // hand.
   void close(const std::string& action) {

@@ -11,9 +11,9 @@ namespace {
 
 constexpr std::size_t kLongestAttribute = 1 << 15;  // bytes; HDF5 takes less than 64 KiB
 
-// That of columns; made once and kept for the life of the program.
+// That of columns; made once and kept until HDF5 ends, which may be before the program does.
 hid_t column_text() {
-  static const Handle type = text_type(kTextBytes);
+  static const hid_t type = text_type(kTextBytes).release();
   return type;
 }
 

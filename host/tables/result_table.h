@@ -95,6 +95,7 @@ class GLISS_EXPORT ResultTable : public TableRows {
   ResultTable(ResultFile& file, const std::string& name, const Columns& columns,
               const std::vector<Attribute>& attributes = {}, std::uint64_t expected_rows = 0);
 
+  ResultFile::TableId id() const { return id_; }
   void write();  // all that was filled in
   // Writes rows [begin, end) of others with these columns.
   void append(const TableRows& rows, std::size_t begin, std::size_t end);

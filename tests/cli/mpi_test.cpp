@@ -139,12 +139,16 @@ class Mpi : public test::RunTest {
 };
 
 TEST_F(Mpi, is_no_part_of_gliss) {
-  const auto needs_mpi = [&](const char* program) {
-    return Process(folder_ / "", "readelf", {"-d", program}).wait().out.find("libmpi") !=
+  const auto needs = [&](const char* program, const char* library) {
+    return Process(folder_ / "", "readelf", {"-d", program}).wait().out.find(library) !=
            std::string::npos;
   };
-  EXPECT_FALSE(needs_mpi(test::kProgram));
-  EXPECT_TRUE(needs_mpi(test::kMpiProgram));
+  EXPECT_FALSE(needs(test::kProgram, "mpi"));
+  EXPECT_TRUE(needs(test::kMpiProgram, "libmpi"));
+  // One HDF5 each.
+  EXPECT_TRUE(needs(test::kProgram, "libhdf5"));
+  EXPECT_NE(needs(test::kMpiProgram, "libhdf5_openmpi"),
+            needs(test::kMpiProgram, "libhdf5_serial"));
 }
 
 TEST_F(Mpi, gives_the_bytes_of_gliss_by_three_ranks) {
@@ -157,6 +161,33 @@ TEST_F(Mpi, gives_the_bytes_of_gliss_by_three_ranks) {
   EXPECT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_TRUE(folder_.read("s.h5") == want);
   EXPECT_FALSE(fs::exists(folder_ / "s.h5.parts"));
+}
+
+// Written by all ranks at once, by rank 0 alone where there is a picture as well, from shards, and
+// by gliss.
+TEST_F(Mpi, gives_one_plain_file_by_any_number_of_ranks) {
+  const std::string words =
+      "sweep ball.gliss --depth 1mm --method flat --samples 5.4e5 --layout plain -o s.h5 --quiet";
+  ASSERT_EQ(gliss(words).code, 0);
+  const std::string want = folder_.read("s.h5");
+  for (const int ranks : {1, 2, 4}) {
+    fs::remove(folder_ / "s.h5");
+    if (ranks == 2) {
+      EXPECT_EQ(gliss(words + " --shard 2/2").code, 0);
+    }
+    const Outcome outcome = run(ranks, words);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_TRUE(folder_.read("s.h5") == want) << ranks;
+    EXPECT_FALSE(fs::exists(folder_ / "s.h5.parts"));
+    EXPECT_EQ(outcome.err, "");
+  }
+  const std::string with_picture =
+      "sweep ball.gliss --depth 1mm --rings 3 --layout plain -o s.h5 --vtp s.vtp --quiet";
+  ASSERT_EQ(gliss(with_picture).code, 0);
+  const std::string want_with_picture = folder_.read("s.h5");
+  fs::remove(folder_ / "s.h5");
+  EXPECT_EQ(run(2, with_picture).code, 0);
+  EXPECT_TRUE(folder_.read("s.h5") == want_with_picture);
 }
 
 // Sums are rounded part by part: they are the same to the last bit where parts are put together in
@@ -216,6 +247,9 @@ TEST_F(Mpi, refuses_ranks_that_do_not_fit_together) {
                  "the surface is not the same everywhere: rank 0 on ");
   expect_refused(run_both(mpi(sweep_), mpi(sweep_ + " --stiffness 1N/mm")), 2,
                  "the sweep is not the same everywhere: rank 0 on ");
+  expect_refused(run_both(mpi(sweep_ + " -o s.h5 --parts s.json.parts --layout plain"),
+                          mpi(sweep_ + " -o s.h5 --parts s.json.parts")),
+                 2, "who writes the result is not the same everywhere: rank 0 on ");
   expect_refused(run_both(mpi(sweep_), mpi("sweep none" + sweep_.substr(10))), 1, "rank 1 on ");
 
   // The same program, and says that it is another version.
@@ -250,6 +284,58 @@ TEST_F(Mpi, says_which_rank_has_a_full_disk_and_goes_on_afterwards) {
   EXPECT_THAT(outcome.err, AllOf(HasSubstr("gliss-mpi: rank 1 on "), HasSubstr("cannot write "),
                                  HasSubstr("File too large")));
   EXPECT_FALSE(fs::exists(folder_ / "s.h5"));
+}
+
+// Parts have room, and the end of the columns of the result has none.
+TEST_F(Mpi, says_which_rank_cannot_write_a_plain_file_and_goes_on_from_its_parts) {
+  const std::string words =
+      "sweep ball.gliss --depth 1mm --method flat --samples 8e5 --layout plain -o s.h5 --quiet";
+  ASSERT_EQ(gliss(words).code, 0);
+  const std::string want = folder_.read("s.h5");
+  fs::remove(folder_ / "s.h5");
+  const std::string limited =
+      fmt::format("ulimit -f 130000; exec '{}' {}", test::kMpiProgram, words);
+  for (const bool leads : {false, true}) {
+    const Words weak{"sh", "-c", limited};
+    const Outcome outcome = leads ? run_both(weak, mpi(words)) : run_both(mpi(words), weak);
+    EXPECT_EQ(outcome.code, 1);
+    EXPECT_THAT(outcome.err, AllOf(HasSubstr(leads ? "rank 0 on " : "rank 1 on "),
+                                   HasSubstr("cannot write 's.h5': ")));
+    EXPECT_FALSE(fs::exists(folder_ / "s.h5"));
+    EXPECT_TRUE(fs::exists(folder_ / "s.h5.parts"));
+  }
+  EXPECT_EQ(run(3, words).code, 0);
+  EXPECT_TRUE(folder_.read("s.h5") == want);
+}
+
+// While ranks write it together, or seal it.
+TEST_F(Mpi, survives_kills_while_it_writes_a_plain_file) {
+  const std::string words =
+      "sweep ball.gliss --depth 1mm --method flat --samples 5.4e5 --layout plain -o s.h5 --quiet";
+  ASSERT_EQ(gliss(words).code, 0);
+  const std::string want = folder_.read("s.h5");
+  fs::remove(folder_ / "s.h5");
+  ASSERT_EQ(gliss(words + " --shard 1/1").code, 0);  // what is left is to write
+  std::mt19937_64 rng(5);
+  const int rounds = std::getenv("GLISS_LONG_TESTS") != nullptr ? 30 : 3;
+  for (int round = 0; round < rounds && fs::exists(folder_ / "s.h5.parts"); ++round) {
+    const auto job = start(2, words);
+    const auto writes = [&] {
+      for (const auto& file : fs::directory_iterator(folder_.path()))
+        if (file.path().string().find("s.h5.gliss-tmp") != std::string::npos) return true;
+      return job->over();
+    };
+    ASSERT_TRUE(test::await(writes));
+    std::this_thread::sleep_for(std::chrono::milliseconds(rng() % 300));
+    const auto ranks = ranks_of(job->id());
+    if (ranks.empty()) break;
+    kill(ranks[rng() % ranks.size()], SIGKILL);
+    job->wait();
+    EXPECT_TRUE(!fs::exists(folder_ / "s.h5") || folder_.read("s.h5") == want);
+  }
+  EXPECT_EQ(run(3, words).code, 0);
+  EXPECT_TRUE(folder_.read("s.h5") == want);
+  EXPECT_FALSE(fs::exists(folder_ / "s.h5.parts"));
 }
 
 TEST_F(Mpi, refuses_words_that_make_no_sense_once_for_all_ranks) {

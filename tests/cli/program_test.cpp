@@ -724,6 +724,42 @@ assert f['statistics']['samples'][0] == 144 * 4 * 6 and len(f['statistics']['dep
   EXPECT_EQ(std::system(command.c_str()), 0);
 }
 
+TEST_F(Program, PlainSweepHasTheValuesOfTheCompactOne) {
+  if (std::system("/usr/bin/python3 -c 'import h5py' >/dev/null 2>&1") != 0)
+    GLISS_SKIP_UNLESS_REQUIRED("h5py is absent");
+  const std::string words = "sweep knot.obj --unit mm --depth 2mm,4.5mm --rings 3 ";
+  output_of(words + "-o s.h5");
+  output_of(words + "--layout plain -o plain.h5");
+  folder_.write("read.py", R"(import h5py, numpy
+names = []
+f, g = h5py.File('s.h5'), h5py.File('plain.h5')
+f.visit(names.append)
+found = []
+g.visit(found.append)
+assert names == found
+for name in [n for n in names if isinstance(f[n], h5py.Dataset)]:
+    assert f[name].dtype == g[name].dtype and numpy.array_equal(f[name][:], g[name][:]), name
+    assert dict(f[name].attrs) == dict(g[name].attrs)
+    assert g[name].chunks is None and g[name].id.get_offset() > 0
+assert dict(f.attrs).keys() == dict(g.attrs).keys()
+)");
+  const std::string command = fmt::format("cd '{}' && /usr/bin/python3 read.py", folder_ / "");
+  EXPECT_EQ(std::system(command.c_str()), 0);
+}
+
+TEST_F(Program, LayoutsThatMakeNoSenseAreRefused) {
+  const std::string words = "sweep knot.obj --unit mm --depth 2mm --rings 3 --layout ";
+  for (const auto& [rest, cure] : std::vector<std::pair<std::string, std::string>>{
+           {"plain", "--layout: only HDF5 files have one; name the samples by -o FILE.h5"},
+           {"plain -o s.csv", "--layout: only HDF5 files have one"},
+           {"plain --summary s.json", "--layout: only HDF5 files have one"},
+           {"flat -o s.h5", "--layout: 'flat' is neither compact nor plain"}}) {
+    const test::Outcome outcome = run(words + rest);
+    EXPECT_EQ(outcome.code, 2) << rest;
+    EXPECT_THAT(outcome.err, HasSubstr(cure));
+  }
+}
+
 // Some parts' worth.
 std::vector<std::string> words_of_sweep(const char* samples) {
   return {"sweep",     "knot.obj", "--unit",   "mm",   "--depth", "2mm",

@@ -7,11 +7,13 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
+#include <cstring>
 #include <filesystem>
 #include <random>
 #include <thread>
 
 #include "gliss/generate/generate.h"
+#include "gliss/study/sweep_grid.h"
 #include "gliss/study/sweep_parts.h"
 #include "tests/support/bytes.h"
 #include "tests/support/surfaces.h"
@@ -85,6 +87,68 @@ TEST_F(SweepShards, of_several_counts_overlap) {
   EXPECT_EQ(shard(9, 9, *engine_).computed, 0u);  // there are not as many parts
   EXPECT_EQ(whole(), 5u);
   EXPECT_GT(expect_whole(), 0u);
+}
+
+// Of parts that are computed, and of those that are there.
+TEST_F(SweepShards, know_the_rows_of_their_samples) {
+  const std::size_t kinds = options_.depths.size() * options_.methods.size();
+  std::vector<std::vector<std::uint32_t>> faces(kinds);
+  sweep(cache_, *engine_, options_, [&](const SweepBlock& block) {
+    auto& of_kind = faces[block.depth_index * options_.methods.size() + block.method_index];
+    EXPECT_EQ(block.row, of_kind.size());
+    of_kind.insert(of_kind.end(), block.face.begin(), block.face.end());
+  });
+  for (int round = 0; round < 2; ++round) {
+    SweepParts parts = open(PartsAccess::kShared);
+    std::size_t blocks = 0;
+    sweep_parts(cache_, *engine_, options_, every_part(1, 3), parts, nullptr,
+                [&](const SweepBlock& block) {
+                  const auto& of_kind =
+                      faces[block.depth_index * options_.methods.size() + block.method_index];
+                  ASSERT_LE(block.row + block.face.size(), of_kind.size());
+                  EXPECT_TRUE(std::equal(block.face.begin(), block.face.end(),
+                                         of_kind.begin() + static_cast<std::ptrdiff_t>(block.row)));
+                  ++blocks;
+                });
+    EXPECT_EQ(blocks, kinds * 3);
+  }
+}
+
+TEST_F(SweepShards, put_their_statistics_together_in_the_order_of_parts) {
+  const SweepResult want = sweep(cache_, *engine_, options_);
+  for (const std::size_t number : {3, 1}) shard(number, 3, *engine_);
+  const SweepParts parts = open(PartsAccess::kShared);
+  EXPECT_THAT(
+      test::message_of<std::runtime_error>([&] { kept_statistics(cache_, options_, parts); }),
+      HasSubstr("/parts': part 1 is gone or damaged; the same command does it again"));
+  shard(2, 3, *engine_);
+  const SweepResult found = kept_statistics(cache_, options_, parts);
+  ASSERT_EQ(found.statistics.size(), want.statistics.size());
+  EXPECT_EQ(std::memcmp(found.statistics.data(), want.statistics.data(),
+                        want.statistics.size() * sizeof want.statistics[0]),
+            0);
+}
+
+// Where there are too many to keep the beginnings of all.
+TEST_F(SweepShards, find_each_of_many_parts) {
+  options_.rings = 400;
+  options_.part_contacts = 1;  // a chunk each
+  options_.methods = {Method::kFlat};
+  const SweepGrid grid(cache_, options_.rings);
+  const std::size_t count = part_count(cache_, options_);
+  ASSERT_EQ(count, grid.chunk_count());
+  ASSERT_GT(count, 10'000u);
+  std::vector<std::size_t> numbers{0, 1, 4095, 4096, 4097, 8193, count - 1, count};
+  SweepParts parts(folder_ / "many", cache_, options_, true);
+  std::size_t asked = 0, blocks = 0;
+  sweep_parts(
+      cache_, *engine_, options_, [&] { return numbers[asked++]; }, parts, nullptr,
+      [&](const SweepBlock& block) {
+        EXPECT_EQ(block.row, grid.points_before(numbers[asked - 1]));
+        blocks += 1;
+      });
+  EXPECT_EQ(blocks, (numbers.size() - 1) * options_.depths.size());
+  parts.remove();
 }
 
 TEST_F(SweepShards, count_all_samples_before_what_is_done_as_progress) {

@@ -61,7 +61,7 @@ class Projecting final : public PartedWork {
   bool is_short() const override { return part_count() < 2; }
   PartFolder& open_parts(const std::string& folder, PartsAccess access) override;
   void close_parts() override { parts_.reset(); }
-  void agree_on_work(const Team& team) const override {
+  void agree_on_work(const Team& team) override {
     agree(team, "the surface", hash_name(surface_hash_), "give all the same file");
     agree(team, "the file of HIPs", hash_name(hips_hash_), "give all the same file");
     agree(team, "the work", hash_name(parts_->hash()), "start the same with the same options");

@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <optional>
 
 #include "gliss/base/units.h"
 #include "gliss/files/atomic_file.h"
 #include "gliss/study/sweep_parts.h"
+#include "gliss/tables/file_seal.h"
 #include "tools/cli/curvature.h"
 #include "tools/cli/parted_work.h"
 #include "tools/cli/slips.h"
@@ -16,6 +18,7 @@
 #include "tools/cli/sweep_report.h"
 #include "tools/cli/sweep_statistics.h"
 #include "tools/cli/terminal.h"
+#include "tools/cli/watch.h"
 
 namespace gliss::tools {
 namespace {
@@ -25,9 +28,12 @@ struct SweepingOptions : PartedOptions {
   double samples = 0;  // 0: by rings
   int rings = 8;
   std::string picture, summary;
+  bool plain = false;
 
   bool keeps_samples() const { return !output.empty() || !picture.empty(); }
   CommandFiles files() const {
+    if (plain && !output.ends_with(".h5") && !output.ends_with(".hdf5"))
+      throw InputError("--layout: only HDF5 files have one; name the samples by -o FILE.h5");
     CommandFiles files{{output, summary}, {surface}};
     if (!picture.empty())
       files.outputs.insert(files.outputs.end(), {picture, SweepPicture::mesh_path(picture)});
@@ -48,6 +54,16 @@ void describe(Command& command, SweepingOptions& options) {
   command.option({"--rings", "N", "of the grid on each patch; default 8"}, options.rings, 1, 10000);
   command.exclude("--rings", "--samples");
   add_output_option(command, options.output, "samples: .h5 with statistics, .csv or .npy");
+  command.option(
+      {"--layout", "NAME",
+       "of samples in .h5: compact; or plain, where every row has its place from the "
+       "beginning: not compressed, and written by all ranks of gliss-mpi at once; "
+       "default compact"},
+      [&options](const std::string& name) {
+        if (name != "compact" && name != "plain")
+          throw InputError(fmt::format("--layout: '{}' is neither compact nor plain", name));
+        options.plain = name == "plain";
+      });
   command.option({"--vtp", "FILE", "HIPs and forces of the first depth, for ParaView"},
                  [&options](const std::string& path) {
                    if (!path.ends_with(SweepPicture::kEnding)) {
@@ -101,24 +117,39 @@ class Sweeping final : public PartedWork {
     return parts_.emplace(folder, cache_, grid_, options_.keeps_samples(), kPatience, access);
   }
   void close_parts() override { parts_.reset(); }
-  void agree_on_work(const Team& team) const override {
-    agree(team, "the surface", hash_name(parts_->surface_hash()), "give all the same file");
-    agree(team, "the sweep", hash_name(parts_->hash()), "start the same with the same options");
-  }
+  void agree_on_work(const Team& team) override;
   std::uint64_t do_parts(const PartSource& source, const PartProgress& progress) override {
     return sweep_parts(cache_, *engine_, grid_, source, *parts_, progress).computed;
   }
   Json report_of_shard(std::uint64_t contacts) const override;
   void write_result(const PartsOfResult& come) override;
+  bool is_written_together() const override { return together_ != nullptr; }
+  void write_share(const PartsOfResult& come) override;
 
  private:
+  std::optional<SampleFile> create_file() const;
+  PartWork samples_to(SampleFile& file);
+  Json write_together(SampleFile& file, const PartsOfResult& come, SweepResult& result);
+
   const SweepingOptions& options_;
   const std::unique_ptr<Engine> engine_;
   const PatchCache cache_;
   const SweepOptions grid_;
   std::optional<SweepParts> parts_;
   PartsAccess access_ = PartsAccess::kAlone;
+  const Team* together_ = nullptr;  // its members write one file, by the access to it
+  Hdf5Access hdf5_access_;
 };
+
+// A picture wants all samples in their order.
+void Sweeping::agree_on_work(const Team& team) {
+  agree(team, "the surface", hash_name(parts_->surface_hash()), "give all the same file");
+  agree(team, "the sweep", hash_name(parts_->hash()), "start the same with the same options");
+  if (options_.plain && options_.picture.empty()) hdf5_access_ = team.hdf5_access();
+  if (hdf5_access_) together_ = &team;
+  agree(team, "who writes the result", hdf5_access_ ? "all ranks" : "rank 0",
+        "start the same program with the same --layout and --vtp");
+}
 
 // What shards say as well as whole sweeps.
 Json Sweeping::report_of_shard(std::uint64_t contacts) const {
@@ -136,11 +167,62 @@ Json Sweeping::report_of_shard(std::uint64_t contacts) const {
           {"backend", engine_->name()}};
 }
 
-void Sweeping::write_result(const PartsOfResult& come) {
+std::vector<std::uint64_t> hashes_of(const std::string& path) {
+  return block_hashes(path, std::filesystem::file_size(path), 0, 1, stop_if_interrupted);
+}
+
+std::optional<SampleFile> Sweeping::create_file() const {
   std::optional<SampleFile> file;
+  const Provenance from = provenance_of(options_);
+  if (options_.plain) {
+    const auto hashes = [team = together_](const std::string& path) {
+      return team == nullptr ? hashes_of(path) : shared_hashes(*team, path);
+    };
+    file.emplace(SampleFile::create_plain(options_.output, cache_, grid_, from, hashes));
+  } else if (!options_.output.empty()) {
+    file.emplace(options_.output, cache_, grid_, from);
+  }
+  return file;
+}
+
+// Does parts, and writes the samples of each before the next.
+PartWork Sweeping::samples_to(SampleFile& file) {
+  return [&](const PartSource& source, const PartProgress& progress) {
+    const auto next = [&] {
+      file.write();
+      return source();
+    };
+    const auto add = [&](const SweepBlock& block) { file.add(block); };
+    return sweep_parts(cache_, *engine_, grid_, next, *parts_, progress, add).computed;
+  };
+}
+
+// Rank 0 adds up the statistics of all parts while the others wait.
+Json Sweeping::write_together(SampleFile& file, const PartsOfResult& come, SweepResult& result) {
+  shared_path(*together_, file.temporary_path());
+  file.share(hdf5_access_);
+  const Json of_team = come(samples_to(file));
+  result = kept_statistics(cache_, grid_, *parts_, [](std::uint64_t, std::uint64_t) {
+    stop_if_interrupted();
+    return true;
+  });
+  together_->gather("");
+  return of_team;
+}
+
+void Sweeping::write_share(const PartsOfResult& come) {
+  const std::string temporary = shared_path(*together_, "");
+  SampleFile file =
+      SampleFile::join(temporary, options_.output, cache_, grid_, options_.unit, hdf5_access_);
+  come(samples_to(file));
+  together_->gather("");
+  file.leave();
+  shared_hashes(*together_, temporary);
+}
+
+void Sweeping::write_result(const PartsOfResult& come) {
+  std::optional<SampleFile> file = create_file();
   std::optional<SweepPicture> picture;
-  if (!options_.output.empty())
-    file.emplace(options_.output, cache_, grid_, provenance_of(options_));
   if (!options_.picture.empty()) picture.emplace(cache_, grid_, options_.unit);
   std::optional<AtomicFile> summary;
   if (!options_.summary.empty()) summary.emplace(options_.summary);
@@ -154,13 +236,14 @@ void Sweeping::write_result(const PartsOfResult& come) {
 
   const Stopwatch clock;
   SweepResult result;
-  const Json of_team = come([&](const PartSource& source, const PartProgress& progress) {
+  const auto make = [&](const PartSource& source, const PartProgress& progress) {
     SweepParts* const parts = parts_ ? &*parts_ : nullptr;
     result = access_ == PartsAccess::kShared
                  ? sweep_parts(cache_, *engine_, grid_, source, *parts, progress, sink)
                  : sweep(cache_, *engine_, grid_, sink, progress, parts);
     return result.computed;
-  });
+  };
+  const Json of_team = together_ != nullptr ? write_together(*file, come, result) : come(make);
   if (file) file->close(result);
   const double seconds = clock.seconds();
   const std::uint64_t computed = of_team.value("contacts_computed", result.computed),

@@ -19,8 +19,8 @@ struct Provenance {
 
 std::string hash_name(std::uint64_t hash);
 
-// A file that says where it comes from: command line, version, mesh, unit of coordinates,
-// precision.
+// Lets a file say where it comes from: command line, version, mesh, unit of coordinates, precision.
+void describe_file(ResultFile& file, const PatchCache& cache, const Provenance& from);
 std::unique_ptr<ResultFile> create_described_file(const std::string& path, const PatchCache& cache,
                                                   const Provenance& from);
 

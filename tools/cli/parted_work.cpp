@@ -153,17 +153,23 @@ void do_in_team(PartedWork& work, const PartedOptions& options, const std::strin
                     [&](const PartSource& source, const PartProgress& reach) {
                       return work.do_parts(source, reach);
                     });
-  if (team.rank() == 0) {
-    work.write_result([&](const PartWork& make) {
-      watched(work, options, &parts, 1,
-              [&](const PartProgress& reach) { member.do_all(make, reach); });
-      return member.report();
+  const bool leads = team.rank() == 0, together = work.is_written_together();
+  const auto done = [&](const std::function<void(const PartProgress&)>& do_it) {
+    watched(work, options, &parts, 1, do_it);
+    if (!leads) work.close_parts();  // rank 0 removes them
+    return member.report();
+  };
+  const auto come = [&](const PartWork& make) {
+    return done([&](const PartProgress& reach) {
+      together ? member.do_share(make, reach) : member.do_all(make, reach);
     });
+  };
+  if (leads) {
+    work.write_result(come);
     return remove(parts, options);
   }
-  watched(work, options, &parts, 1, [&](const PartProgress& reach) { member.do_parts(reach); });
-  work.close_parts();  // rank 0 removes them
-  member.report();
+  if (together) return work.write_share(come);
+  done([&](const PartProgress& reach) { member.do_parts(reach); });
 }
 
 std::uint64_t peak_memory() {

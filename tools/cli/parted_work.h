@@ -57,13 +57,17 @@ class PartedWork {
   virtual PartFolder& open_parts(const std::string& folder, PartsAccess access) = 0;
   virtual void close_parts() = 0;
   // Throws InputError, in all members, where they do not work at the same. The parts are open.
-  virtual void agree_on_work(const Team& team) const = 0;
+  virtual void agree_on_work(const Team& team) = 0;
   // PartWork, into the parts that are open.
   virtual std::uint64_t do_parts(const PartSource& source, const PartProgress& progress) = 0;
   // What a shard says besides how many parts there are.
   virtual Json report_of_shard(std::uint64_t contacts) const = 0;
   // Writes what was asked for, and says so.
   virtual void write_result(const PartsOfResult& come) = 0;
+  // True if the members that agreed write the result together: rank 0 by write_result(), and the
+  // others by write_share(), to which the parts come that a member does.
+  virtual bool is_written_together() const { return false; }
+  virtual void write_share(const PartsOfResult&) {}
 };
 
 // The folder where parts wait; "": nowhere. Throws InputError where they are shared and have none,

@@ -35,11 +35,39 @@ std::string group_name(const SweepOptions& sweep, std::size_t kind) {
 
 SampleFile::SampleFile(const std::string& path, const PatchCache& cache, const SweepOptions& sweep,
                        const Provenance& from)
+    : SampleFile(create_described_file(path, cache, from), nullptr,
+                 path == "-" || path.ends_with(".csv") || path.ends_with(".npy"), cache, sweep,
+                 from.unit) {}
+
+SampleFile SampleFile::create_plain(const std::string& path, const PatchCache& cache,
+                                    const SweepOptions& sweep, const Provenance& from,
+                                    const BlockHashes& hashes) {
+  auto plain = create_plain_file(path, hashes);
+  describe_file(*plain, cache, from);
+  PlainFile& file = *plain;
+  SampleFile samples(std::move(plain), &file, false, cache, sweep, from.unit);
+  file.reopen();
+  return samples;
+}
+
+SampleFile SampleFile::join(const std::string& temporary, const std::string& path,
+                            const PatchCache& cache, const SweepOptions& sweep, double unit,
+                            const Hdf5Access& access) {
+  auto plain = join_plain_file(temporary, path, access);
+  PlainFile& file = *plain;
+  SampleFile samples(std::move(plain), &file, false, cache, sweep, unit);
+  samples.waits_ = true;
+  return samples;
+}
+
+SampleFile::SampleFile(std::unique_ptr<ResultFile> file, PlainFile* plain, bool single,
+                       const PatchCache& cache, const SweepOptions& sweep, double unit)
     : sweep_(sweep),
-      length_(cache.unit, from.unit),
-      unit_(from.unit),
-      single_(path == "-" || path.ends_with(".csv") || path.ends_with(".npy")),
-      file_(create_described_file(path, cache, from)) {
+      length_(cache.unit, unit),
+      unit_(unit),
+      single_(single),
+      file_(std::move(file)),
+      plain_(plain) {
   file_->set_attribute({"stiffness_N_per_m", sweep.stiffness});
   file_->set_attribute({"rings", static_cast<std::int64_t>(sweep.rings)});
   std::string depths;
@@ -64,6 +92,7 @@ void SampleFile::add(const SweepBlock& block) {
   const std::size_t kind = block.depth_index * sweep_.methods.size() + block.method_index;
   ResultTable& table = tables_[single_ ? 0 : kind];
   const std::size_t rows = block.face.size();
+  if (plain_ != nullptr && table.rows() == 0) plain_->seek(table.id(), block.row);
   if (single_) {
     const double depth = UnitChange(1, unit_)(sweep_.depths[block.depth_index]);
     const char* method = method_name(sweep_.methods[block.method_index]);
@@ -83,11 +112,26 @@ void SampleFile::add(const SweepBlock& block) {
   column(block.iterations);
   column(block.crossings);
   column(block.flags);
-  if (table.rows() >= kBlockRows) table.write();
+  if (table.rows() >= kBlockRows && !waits_) table.write();
+}
+
+void SampleFile::share(const Hdf5Access& access) {
+  plain_->reopen(access);
+  waits_ = true;
+}
+
+void SampleFile::write() {
+  for (ResultTable& table : tables_) table.write();
+}
+
+void SampleFile::leave() {
+  write();
+  file_->close();
 }
 
 void SampleFile::close(const SweepResult& result) {
-  for (ResultTable& table : tables_) table.write();
+  write();
+  if (plain_ != nullptr) plain_->reopen();
   if (!single_) add_statistics(result);
   file_->close();
 }

@@ -8,6 +8,7 @@
 
 #include "gliss/base/units.h"
 #include "gliss/study/sweep.h"
+#include "gliss/tables/plain_file.h"
 #include "gliss/tables/result_table.h"
 #include "tools/cli/described_file.h"
 
@@ -20,10 +21,30 @@ class SampleFile {
  public:
   SampleFile(const std::string& path, const PatchCache& cache, const SweepOptions& sweep,
              const Provenance& from);
+  // HDF5 whose samples have their places from the beginning. They may come in any order of parts.
+  static SampleFile create_plain(const std::string& path, const PatchCache& cache,
+                                 const SweepOptions& sweep, const Provenance& from,
+                                 const BlockHashes& hashes);
+  // One that another process creates, and shares by the same access. `unit` is that of its
+  // coordinates, in m.
+  static SampleFile join(const std::string& temporary, const std::string& path,
+                         const PatchCache& cache, const SweepOptions& sweep, double unit,
+                         const Hdf5Access& access);
+
   void add(const SweepBlock& block);
   void close(const SweepResult& result);  // adds the statistics
 
+  // Shares a plain file with those that join. From now on, as where it is joined, samples wait for
+  // write(), which the thread that opened the file has to call after each part. All leave() and
+  // close() it together.
+  void share(const Hdf5Access& access);
+  void write();
+  void leave();
+  const std::string& temporary_path() const { return plain_->temporary_path(); }
+
  private:
+  SampleFile(std::unique_ptr<ResultFile> file, PlainFile* plain, bool single,
+             const PatchCache& cache, const SweepOptions& sweep, double unit);
   void add_statistics(const SweepResult& result);
 
   const SweepOptions& sweep_;
@@ -31,6 +52,8 @@ class SampleFile {
   double unit_;
   bool single_;  // one table for all
   std::unique_ptr<ResultFile> file_;
+  PlainFile* plain_;  // the same, where it is one
+  bool waits_ = false;
   std::vector<ResultTable> tables_;  // [depth][method]
 };
 

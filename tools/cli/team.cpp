@@ -2,11 +2,27 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <filesystem>
+#include <optional>
 #include <random>
 
+#include "gliss/tables/file_seal.h"
 #include "tools/cli/command_line.h"
+#include "tools/cli/watch.h"
 
 namespace gliss::tools {
+namespace {
+
+// The first rank for which it is not so; nothing where it is so for all.
+std::optional<std::size_t> first_without(const Team& team, bool so) {
+  const auto all = team.gather(so ? "so" : "");
+  const auto found = std::find(all.begin(), all.end(), "");
+  if (found == all.end()) return {};
+  return static_cast<std::size_t>(found - all.begin());
+}
+
+}  // namespace
 
 void agree(const Team& team, const std::string& what, const std::string& text,
            const std::string& cure) {
@@ -26,22 +42,44 @@ void agree_on_folder(const Team& team, const PartFolder& parts) {
     parts.leave_mark(mark);
   }
   mark = sum(team, mark);
-  const auto seen = team.gather(parts.has_mark(mark) ? "seen" : "");
+  const auto blind = first_without(team, parts.has_mark(mark));
   if (team.rank() == 0) parts.remove_mark(mark);
-  for (std::size_t rank = 0; rank < seen.size(); ++rank) {
-    if (!seen[rank].empty()) continue;
-    throw InputError(fmt::format(
-        "the parts folder '{}' of {} is not that of {}; put it where all of them see it, by "
-        "--parts FOLDER",
-        parts.folder(), team.name_of(rank), team.name_of(0)));
-  }
+  if (!blind) return;
+  throw InputError(fmt::format(
+      "the parts folder '{}' of {} is not that of {}; put it where all of them see it, by "
+      "--parts FOLDER",
+      parts.folder(), team.name_of(*blind), team.name_of(0)));
 }
 
 std::uint64_t sum(const Team& team, std::uint64_t value) {
-  std::uint64_t total = 0;
-  for (const std::string& text : team.gather(std::to_string(value)))
-    total += parse_number<std::uint64_t>("sum", text);
-  return total;
+  std::vector<std::uint64_t> values{value};
+  team.sum(values);
+  return values[0];
+}
+
+std::string text_of_rank_0(const Team& team, const std::string& text) {
+  const bool leads = team.rank() == 0;
+  std::vector<std::uint64_t> letters(sum(team, leads ? text.size() : 0));
+  if (leads) std::copy(text.begin(), text.end(), letters.begin());
+  team.sum(letters);
+  return {letters.begin(), letters.end()};
+}
+
+std::string shared_path(const Team& team, const std::string& temporary) {
+  const std::string path =
+      text_of_rank_0(team, temporary.empty() ? "" : std::filesystem::absolute(temporary).string());
+  const auto blind = first_without(team, std::filesystem::exists(path));
+  if (!blind) return path;
+  throw InputError(
+      fmt::format("{} does not see '{}', which {} has made; put the result where all see it",
+                  team.name_of(*blind), path, team.name_of(0)));
+}
+
+std::vector<std::uint64_t> shared_hashes(const Team& team, const std::string& path) {
+  const std::uint64_t bytes = sum(team, team.rank() == 0 ? std::filesystem::file_size(path) : 0);
+  auto hashes = block_hashes(path, bytes, team.rank(), team.size(), stop_if_interrupted);
+  team.sum(hashes);
+  return hashes;
 }
 
 }  // namespace gliss::tools

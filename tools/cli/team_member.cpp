@@ -26,10 +26,10 @@ PartProgress TeamMember::reach() {
 
 void TeamMember::do_parts(const PartProgress& progress) {
   progress_ = progress;
-  do_parts_until([] { return false; });
+  do_parts_until([] { return false; }, work_);
 }
 
-void TeamMember::do_parts_until(const std::function<bool()>& enough) {
+void TeamMember::do_parts_until(const std::function<bool()>& enough, const PartWork& work) {
   const Stopwatch clock;
   const auto next_part = [&] {
     if (none_left_ || enough()) return count_;
@@ -39,7 +39,7 @@ void TeamMember::do_parts_until(const std::function<bool()>& enough) {
     none_left_ = part >= count_;
     return part;
   };
-  computed_ += work_(next_part, reach());
+  computed_ += work(next_part, reach());
   at_parts_ += clock.seconds();
 }
 
@@ -47,7 +47,7 @@ void TeamMember::do_parts_until(const std::function<bool()>& enough) {
 void TeamMember::wait_for(std::size_t part) {
   while (!parts_.is_whole(part)) {
     if (!none_left_) {
-      do_parts_until([&] { return parts_.is_whole(part); });
+      do_parts_until([&] { return parts_.is_whole(part); }, work_);
       continue;
     }
     const Stopwatch clock;
@@ -69,12 +69,21 @@ void TeamMember::do_all(const PartWork& whole, const PartProgress& progress) {
   all_ = clock.seconds();
 }
 
+void TeamMember::do_share(const PartWork& make, const PartProgress& progress) {
+  progress_ = progress;
+  do_parts_until([] { return false; }, make);
+  const Stopwatch clock;
+  team_.gather("");
+  waiting_ = clock.seconds();
+  all_ = at_parts_ + waiting_;
+}
+
 Json TeamMember::report() const {
   const auto of_all = [&](double seconds) {
     constexpr double kMicro = 1e6;
     return static_cast<double>(sum(team_, static_cast<std::uint64_t>(seconds * kMicro))) / kMicro;
   };
-  return {{"ranks", team_.gather("").size()},
+  return {{"ranks", team_.size()},
           {"parts", count_},
           {"contacts_computed", sum(team_, computed_)},
           {"part_rank_seconds", of_all(at_parts_ - at_counter_)},

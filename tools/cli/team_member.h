@@ -28,11 +28,15 @@ class TeamMember {
   // them. For rank 0.
   void do_all(const PartWork& whole, const PartProgress& progress);
 
+  // The same as do_parts(), by `make`, which makes what is written of each. Returns once all
+  // members are done.
+  void do_share(const PartWork& make, const PartProgress& progress);
+
   // What all members did, once all have come here. The parts are no longer needed.
   Json report() const;
 
  private:
-  void do_parts_until(const std::function<bool()>& enough);
+  void do_parts_until(const std::function<bool()>& enough, const PartWork& work);
   void wait_for(std::size_t part);
   PartProgress reach();
 

@@ -1,11 +1,15 @@
 #include "tools/mpi/mpi_team.h"
 
 #include <fmt/format.h>
+#ifdef GLISS_PARALLEL_HDF5
+#include <hdf5.h>
+#endif
 #include <sched.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cstring>
+#include <stdexcept>
 #include <thread>
 
 #include "gliss/base/stopwatch.h"
@@ -19,13 +23,20 @@ constexpr double kTogether = 1;
 
 // Waits without keeping a core busy, which others may need. False where is_over() says so first.
 template <class IsOver>
-bool wait(MPI_Request& request, const IsOver& is_over) {
+bool wait_until(MPI_Request& request, const IsOver& is_over) {
   for (int done = 0;;) {
     MPI_Test(&request, &done, MPI_STATUS_IGNORE);
     if (done != 0) return true;
     if (is_over()) return false;
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
+}
+
+void wait(MPI_Request& request) {
+  wait_until(request, [] {
+    stop_if_interrupted();
+    return false;
+  });
 }
 
 }  // namespace
@@ -98,13 +109,19 @@ std::vector<std::string> MpiTeam::gather(const std::string& text) const {
   MPI_Request request = MPI_REQUEST_NULL;
   MPI_Iallgather(own_.data(), sizeof(Text), MPI_CHAR, all_.data(), sizeof(Text), MPI_CHAR, members_,
                  &request);
-  wait(request, [] {
-    stop_if_interrupted();
-    return false;
-  });
+  wait(request);
   std::vector<std::string> texts;
   for (const Text& of_rank : all_) texts.emplace_back(of_rank.data());
   return texts;
+}
+
+void MpiTeam::sum(std::vector<std::uint64_t>& values) const {
+  sums_ = values;
+  MPI_Request request = MPI_REQUEST_NULL;
+  MPI_Iallreduce(MPI_IN_PLACE, sums_.data(), static_cast<int>(sums_.size()), MPI_UINT64_T, MPI_SUM,
+                 members_, &request);
+  wait(request);
+  values = sums_;
 }
 
 std::string MpiTeam::name_of(std::size_t rank) const {
@@ -115,6 +132,17 @@ std::string MpiTeam::name_of(std::size_t rank) const {
 void MpiTeam::answer() const {
   int there = 0;
   MPI_Iprobe(MPI_ANY_SOURCE, MPI_ANY_TAG, members_, &there, MPI_STATUS_IGNORE);
+}
+
+Hdf5Access MpiTeam::hdf5_access() const {
+#ifdef GLISS_PARALLEL_HDF5
+  return [this](std::int64_t list) {
+    if (H5Pset_fapl_mpio(list, members_, MPI_INFO_NULL) < 0)
+      throw std::runtime_error("HDF5 cannot open files by MPI");
+  };
+#else
+  return nullptr;
+#endif
 }
 
 int MpiTeam::end(const End& end) const {
@@ -128,7 +156,7 @@ int MpiTeam::end(const End& end) const {
   MPI_Iallgather(&own, sizeof own, MPI_BYTE, all.data(), sizeof own, MPI_BYTE, ending_, &request);
   const Stopwatch waited;
   const auto is_alone = [&] { return end.code != 0 && waited.seconds() > kTogether; };
-  const bool together = wait(request, is_alone);
+  const bool together = wait_until(request, is_alone);
   const bool is_common = together && std::all_of(all.begin(), all.end(), [&](const Ended& other) {
                            return other.message == own.message;
                          });

@@ -21,12 +21,15 @@ class MpiTeam : public Team {
   MpiTeam(const MpiTeam&) = delete;
   MpiTeam& operator=(const MpiTeam&) = delete;
 
+  std::size_t size() const override { return size_; }
   std::size_t rank() const override { return rank_; }
   std::size_t next_part() const override;
   int threads() const override { return threads_; }
   std::vector<std::string> gather(const std::string& text) const override;
+  void sum(std::vector<std::uint64_t>& values) const override;
   std::string name_of(std::size_t rank) const override;
   void answer() const override;
+  Hdf5Access hdf5_access() const override;
 
   // Ends this rank: waits for the others, and says what went wrong, once where it is the same for
   // all. Ends the whole job where the others have more to do and this one has failed. The exit
@@ -47,6 +50,7 @@ class MpiTeam : public Team {
   // They stay while a request that was given up may still write to them.
   mutable Text own_{};
   mutable std::vector<Text> all_;
+  mutable std::vector<std::uint64_t> sums_;
 };
 
 }  // namespace gliss::tools
