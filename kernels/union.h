@@ -366,11 +366,13 @@ FN_LARGE void settle(surface_view view, hip_point h, union_search* u, track_opti
     }
     // A patch away the surfaces are others, and the seam.
     const real most = numbers_of(view, u->rest[0].at.patch)[PATCH_UNSCALE];
+    int is_guess = 0;  // the step along the seam: it may be far too short
     if (pressed == 2) {
       const real3 along = along_seam(u);
       const real slope = dot3(along, u->push);
       real bend = K(1);
-      if (last_step != K(0)) {
+      is_guess = last_step == K(0);
+      if (!is_guess) {
         // In the middle of a round seam it is hardly bent, as seen from the HIP.
         bend = fabs((slope - last_slope) / last_step);
         bend = smaller(larger(bend, K(0x1p-7f)), K(4));
@@ -388,7 +390,7 @@ FN_LARGE void settle(surface_view view, hip_point h, union_search* u, track_opti
     }
     u->push = push;
     move_rests(view, h, u, options);
-    if (leads_nowhere_new(u, length)) return;
+    if (!is_guess && leads_nowhere_new(u, length)) return;
     const real close =
         larger(options.tolerance * numbers_of(view, u->rest[0].at.patch)[PATCH_UNSCALE],
                K(16) * EPSILON * norm3(push));

@@ -31,6 +31,7 @@ class Hdf5File final : public PlainFile {
         action_(action_of(path)),
         temporary_(output_->temporary_path()),
         hashes_(std::move(hashes)) {
+    spare_exit();
     hdf5::Quiet quiet;
     const Handle creation = hdf5::properties(H5P_FILE_CREATE);
     check(H5Pset_obj_track_times(creation, false));
@@ -42,6 +43,7 @@ class Hdf5File final : public PlainFile {
   // Joined.
   Hdf5File(const std::string& temporary, const std::string& path, const Hdf5Access& access)
       : action_(action_of(path)), temporary_(temporary) {
+    spare_exit();
     hdf5::Quiet quiet;
     open(access);
   }
@@ -140,12 +142,12 @@ class Hdf5File final : public PlainFile {
   static std::string action_of(const std::string& path) {
     return fmt::format("cannot write '{}'", path);
   }
+  // At exit HDF5 crashes on a file that it could not close, in place of our message and exit code.
+  // It has to be told before it is used.
+  static void spare_exit() { H5dont_atexit(); }
   bool is_plain() const { return hashes_ || !output_; }
 
   Handle access_by(const Hdf5Access& access) const {
-    // At exit HDF5 crashes on a file that it could not close, in place of our message and exit
-    // code.
-    H5dont_atexit();
     // The temporary is ours alone: its lock would only fail on network shares without locks.
     Handle list = hdf5::properties(H5P_FILE_ACCESS);
     check(H5Pset_file_locking(list, false, true));
