@@ -336,7 +336,6 @@ FN_LARGE foot descend_from_tile(surface_view view, hip_point h, foot f, track_op
   // A minimum that is its patch's only one needs no search there.
   const int is_sole = is_sole_minimum(view, best);
   const known_minimum known = {is_sole ? best.patch : NONE, best.distance2};
-  const uint own = f.patch;
   track_options some = options;
   int steps = STEPS_AT_ONCE;
   while (f.iterations < options.max_iterations) {
@@ -345,9 +344,6 @@ FN_LARGE foot descend_from_tile(surface_view view, hip_point h, foot f, track_op
     if (some.max_iterations > options.max_iterations) some = options;
     f = end_foot(view, h, f, some, known);
     if ((f.flags & FOOT_CONVERGED) || f.iterations == from.iterations) break;
-    // Out of its patch for more than one step: others are searched from places of their own.
-    const int has_left = f.patch != own && from.patch != own;
-    if (has_left && !(f.distance2 < best.distance2)) break;
     const newton_model model = model_of(first_form(f.at), f.bend);
     const int fell = f.distance2 < from.distance2;
     if (fell && !model.is_sound) f = leap_ahead(view, h, from, f, options.max_iterations);

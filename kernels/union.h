@@ -282,20 +282,22 @@ FN foot foot_seen_from(surface_view view, hip_point h, foot f, track_options opt
   return f;
 }
 
-// Moves the rests towards the feet of the HIP moved by the push, by a step each: their planes are
-// then as good as the push is, and where that stays the rests lie on the contact point.
-FN void move_rests(surface_view view, hip_point h, union_search* u, track_options options) {
+// Moves the rests towards the feet of the HIP moved by the push, by as many steps each as options
+// say; true if they are there. After one step their planes are as good as the push is.
+FN int move_rests(surface_view view, hip_point h, union_search* u, track_options options) {
   const hip_point x = moved_hip(h, u->push);
   const known_minimum none = {NONE, K(0)};
-  options.max_iterations = options.max_iterations < 1 ? options.max_iterations : 1;
+  int are_there = 1;
   for (int i = 0; i < u->count; ++i) {
     const real weight = u->rest[i].weight;
     const foot f =
         end_foot(view, x, foot_seen_from(view, x, u->rest[i].at, options), options, none);
     u->iterations += f.iterations;
+    are_there = are_there && (f.flags & FOOT_CONVERGED);
     u->rest[i] = rest_of(view, f, u->push, options);
     u->rest[i].weight = weight;
   }
+  return are_there;
 }
 
 // True if another part buries the contact on a seam: its rest is added.
@@ -345,6 +347,8 @@ FN_LARGE void settle(surface_view view, hip_point h, union_search* u, track_opti
   real last_slope = K(0), last_step = K(0);
   int last_pressed = 0;
   real3 before = u->push, mark = u->push;
+  track_options brief = options;
+  brief.max_iterations = options.max_iterations < 1 ? options.max_iterations : 1;
   u->state = UNION_LOST;
   for (int i = 0; i < UNION_STEPS && !is_union_spent(u, options); ++i) {
     // Back by a long step to where it was: it goes round (Brent 1980).
@@ -389,12 +393,16 @@ FN_LARGE void settle(surface_view view, hip_point h, union_search* u, track_opti
       last_step = K(0);
     }
     u->push = push;
-    move_rests(view, h, u, options);
+    const int are_there = move_rests(view, h, u, brief);
     if (!is_guess && leads_nowhere_new(u, length)) return;
     const real close =
         larger(options.tolerance * numbers_of(view, u->rest[0].at.patch)[PATCH_UNSCALE],
                K(16) * EPSILON * norm3(push));
     if (length > close) continue;
+    if (!are_there) {
+      if (!move_rests(view, h, u, options)) return;
+      continue;
+    }
     if (is_seam_buried(view, h, u, options)) {
       last_pressed = 0;
       continue;

@@ -199,7 +199,9 @@ TEST_F(SweepShards, survive_kills) {
       shard(1 + rng() % count, count, *serial);
       _exit(0);
     }
-    std::this_thread::sleep_for(whole_time * std::uniform_real_distribution<>(0, 0.4)(rng));
+    // Later and later, for to keep a part may take longer than to do it.
+    const double latest = 0.4 + 0.1 * static_cast<double>(round);
+    std::this_thread::sleep_for(whole_time * std::uniform_real_distribution<>(0, latest)(rng));
     kill(child, SIGKILL);
     int status = 0;
     ASSERT_EQ(waitpid(child, &status, 0), child);
