@@ -326,7 +326,7 @@ FN real fall_of(surface_view view, foot f, newton_model model) {
 // A descent falls by no more than so many times what its model says. It is asked after so many
 // steps, or, where it is nearer than what is known, whether it creeps.
 #define MOST_FALL K(3)
-#define STEPS_AT_ONCE 1
+#define STEPS_AT_ONCE 2
 #define STEPS_NEARER 16
 
 // Descends from the middle of a tile for as long as that may lead to a nearer minimum. From where
