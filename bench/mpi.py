@@ -97,7 +97,7 @@ def main():
     parser.add_argument("--large", type=float, default=1e12, help="HIPs of the model")
     parser.add_argument("--mpirun", default="mpirun --oversubscribe")
     options = parser.parse_args()
-    OUTPUTS["samples"] += ["--layout", options.layout]
+    OUTPUTS["samples"] += f" --layout {options.layout}"
     cores = len(os.sched_getaffinity(0))
     kinds = {"1 thread": (1, 0), f"{cores} threads": (cores, 0), "1 rank": (1, 1), f"{cores} ranks": (1, cores)}
     with tempfile.TemporaryDirectory() as folder:
