@@ -261,7 +261,7 @@ FN real3 along_seam(const union_search* u) {
   return unit3(cross3(u->rest[first].normal, u->rest[second].normal));
 }
 
-// Where a foot lies, and that point as a foot of another HIP.
+// The domain point of a foot, and that point as a foot of another HIP.
 FN domain_point point_of(foot f) {
   domain_point r = {f.patch, f.xi, f.eta};
   return r;

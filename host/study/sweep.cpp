@@ -134,7 +134,7 @@ class PartBounds {
     kept_.resize(kMost / 2);
     stride_ *= 2;
   }
-  // Of the part that begins with a chunk.
+  // The end of the part that begins with a chunk.
   std::size_t end_of(std::size_t chunk) const {
     const std::uint64_t before = grid_.points_before(chunk);
     while (chunk < grid_.chunk_count() &&

@@ -10,7 +10,7 @@
 namespace gliss {
 namespace {
 
-// Of as many whole faces as a chunk has, or of as many rings of one large face, but at least one.
+// A chunk has as many whole faces, or as many rings of one large face, as fit, but at least one.
 constexpr std::uint64_t kChunkPoints = 4096;
 
 // Points in rings 1 to r.

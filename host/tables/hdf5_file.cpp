@@ -22,7 +22,7 @@ using hdf5::Handle;
 // Measured: chunks of 65,536 rows compress no better and write a third slower.
 constexpr hsize_t kChunkRows = 16384;
 
-// Where compact it is no more than a ResultFile.
+// A compact one is no more than a ResultFile.
 class Hdf5File final : public PlainFile {
  public:
   // Plain with `hashes`.

@@ -27,7 +27,7 @@ struct PointTable {
 // The same some rows at a time, as far as open_table() does; recordings are held in memory.
 class GLISS_EXPORT PointReader {
  public:
-  // As read_points().
+  // Takes and throws what read_points() does.
   PointReader(const std::string& path, double unit, const std::vector<std::string>& optional = {},
               const std::function<void()>& poll = nullptr);
   std::size_t rows() const { return reader_ ? reader_->rows() : recording_.points.size(); }

@@ -99,7 +99,7 @@ class Mpi : public test::RunTest {
   }
 
   // One of the ranks or mpirun itself, by kill -9, at some moment; each time other ranks go on.
-  // What is there then is no result or the whole one.
+  // A result that is there then is the whole one.
   void expect_survives_kills(const std::string& words, const std::string& file, int rounds,
                              const std::function<std::string()>& result) {
     ASSERT_EQ(gliss(words).code, 0);
@@ -308,7 +308,7 @@ TEST_F(Mpi, says_which_rank_cannot_write_a_plain_file_and_goes_on_from_its_parts
   EXPECT_TRUE(folder_.read("s.h5") == want);
 }
 
-// While ranks write it together, or seal it.
+// A rank dies while all write the file together, or seal it.
 TEST_F(Mpi, survives_kills_while_it_writes_a_plain_file) {
   const std::string words =
       "sweep ball.gliss --depth 1mm --method flat --samples 5.4e5 --layout plain -o s.h5 --quiet";

@@ -131,7 +131,7 @@ TEST_F(ProjectParts, outlive_a_kill_and_an_interruption) {
   EXPECT_FALSE(fs::exists(folder_ / "p.h5.parts"));
 }
 
-// Where a part takes long, as here, where HIPs are as near to all of a ball.
+// The part takes long, for its HIPs are as near to all of a ball.
 TEST_F(ProjectParts, that_take_long_are_kept_on_the_way) {
   std::string rows = "x_mm,y_mm,z_mm\n";
   for (int i = 0; i < 20000; ++i) rows += fmt::format("0,0,{}e-9\n", i);
@@ -144,7 +144,7 @@ TEST_F(ProjectParts, that_take_long_are_kept_on_the_way) {
   EXPECT_EQ(test::number_at(part, kDoneAt) + test::number_at(part, kBegunAt), 20000u);
 }
 
-// As they were when their command was killed.
+// A command that was killed leaves such parts.
 TEST_F(ProjectParts, that_are_not_whole_are_gone_on_from) {
   const std::string want = whole(project_, "p.h5");
   ASSERT_EQ(gliss(words_ + " --shard 1/3").code, 0);

@@ -14,7 +14,7 @@
 namespace gliss {
 namespace {
 
-// Of as many faces as 4,096 points hold, or as many rings of one face, but at least one.
+// Chunks have as many faces as 4,096 points hold, or as many rings of one, but at least one.
 std::vector<SweepChunk> walked(const SweepGrid& grid, std::size_t faces) {
   constexpr std::uint64_t kMost = 4096;
   const std::uint32_t end = grid.rings() + 1;

@@ -89,7 +89,7 @@ TEST_F(SweepShards, of_several_counts_overlap) {
   EXPECT_GT(expect_whole(), 0u);
 }
 
-// Of parts that are computed, and of those that are there.
+// Parts that are computed say so, and those that are there.
 TEST_F(SweepShards, know_the_rows_of_their_samples) {
   const std::size_t kinds = options_.depths.size() * options_.methods.size();
   std::vector<std::vector<std::uint32_t>> faces(kinds);
@@ -129,7 +129,7 @@ TEST_F(SweepShards, put_their_statistics_together_in_the_order_of_parts) {
             0);
 }
 
-// Where there are too many to keep the beginnings of all.
+// There are too many to keep the beginnings of all.
 TEST_F(SweepShards, find_each_of_many_parts) {
   options_.rings = 400;
   options_.part_contacts = 1;  // a chunk each

@@ -10,6 +10,7 @@
 #include "gliss/files/atomic_file.h"
 #include "gliss/study/sweep_parts.h"
 #include "gliss/tables/file_seal.h"
+#include "gliss/tables/input_table.h"
 #include "tools/cli/curvature.h"
 #include "tools/cli/parted_work.h"
 #include "tools/cli/slips.h"
@@ -32,7 +33,7 @@ struct SweepingOptions : PartedOptions {
 
   bool keeps_samples() const { return !output.empty() || !picture.empty(); }
   CommandFiles files() const {
-    if (plain && !output.ends_with(".h5") && !output.ends_with(".hdf5"))
+    if (plain && !is_hdf5(output))
       throw InputError("--layout: only HDF5 files have one; name the samples by -o FILE.h5");
     CommandFiles files{{output, summary}, {surface}};
     if (!picture.empty())
