@@ -8,6 +8,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "gliss/base/poll.h"
 #include "gliss/tables/csv_reader.h"
 #include "gliss/tables/hdf5_reader.h"
 #include "gliss/tables/npy_reader.h"
@@ -80,7 +81,7 @@ InputTable InputTable::part(std::size_t begin, std::size_t end) const {
 class Hdf5Table final : public TableReader {
  public:
   Hdf5Table(const std::string& path, const TableRequest& request)
-      : file_(path, "a table", request.poll) {
+      : file_(path, "a table", request.poll), poll_(request.poll) {
     head_.source_ = path;
     const auto is_there = [this](const std::string& name) { return file_.has(name); };
     const auto found = request.choose(is_there);
@@ -112,8 +113,10 @@ class Hdf5Table final : public TableReader {
     table.first_row_ = begin;
     for (const std::string& name : head_.names_) {
       const LargeArray<double>& values = table.values_.emplace_back(numbers(name, begin, end));
-      const auto bad =
-          std::find_if_not(values.begin(), values.end(), [](double x) { return std::isfinite(x); });
+      const auto bad = std::find_if_not(values.begin(), values.end(), [&](double x) {
+        poll_();
+        return std::isfinite(x);
+      });
       if (bad != values.end()) {
         throw RecordingError(
             fmt::format("{}: column '{}': {} is not finite",
@@ -151,6 +154,7 @@ class Hdf5Table final : public TableReader {
   }
 
   Hdf5Reader file_;
+  Poll poll_;
   InputTable head_;                              // all but the values
   std::vector<std::vector<std::string>> texts_;  // whole
   bool has_rows_ = false;

@@ -13,7 +13,7 @@ namespace {
 
 const std::vector<std::vector<std::string>> kNames = {{"x", "y", "z"}, {"x_mm", "y_mm", "z_mm"}};
 
-std::vector<Vec3> read_recording(const Hdf5Reader& file, const std::string& action, Poll poll) {
+std::vector<Vec3> read_recording(const Hdf5Reader& file, const std::string& action, Poll& poll) {
   const auto x = file.numbers("ticks/x"), y = file.numbers("ticks/y"), z = file.numbers("ticks/z");
   if (y.size() != x.size() || z.size() != x.size())
     throw std::runtime_error(action + ": x, y and z are not equally long");
@@ -29,14 +29,18 @@ std::vector<Vec3> read_recording(const Hdf5Reader& file, const std::string& acti
 }
 
 std::vector<Turn> read_recorded_turns(const Hdf5Reader& file, std::size_t ticks,
-                                      const std::string& action) {
+                                      const std::string& action, Poll& poll) {
   std::vector<Turn> turns;
   if (!file.has("ticks/qw")) return turns;
   const auto w = file.numbers("ticks/qw"), x = file.numbers("ticks/qx"),
              y = file.numbers("ticks/qy"), z = file.numbers("ticks/qz");
   if (w.size() != ticks || x.size() != ticks || y.size() != ticks || z.size() != ticks)
     throw std::runtime_error(action + ": qw, qx, qy and qz are not as long as x");
-  for (std::size_t i = 0; i < ticks; ++i) turns.emplace_back(w[i], x[i], y[i], z[i]);
+  turns.reserve(ticks);
+  for (std::size_t i = 0; i < ticks; ++i) {
+    poll();
+    turns.emplace_back(w[i], x[i], y[i], z[i]);
+  }
   return turns;
 }
 
@@ -45,14 +49,17 @@ bool is_turn(const Turn& turn) { return std::abs(turn.norm() - 1) < 1e-3; }
 
 }  // namespace
 
-std::vector<Turn> turns_of(const InputTable& table) {
+std::vector<Turn> turns_of(const InputTable& table, const std::function<void()>& ask) {
   const LargeArray<double>* q[4];
   std::size_t there = 0;
   for (std::size_t i = 0; i < 4; ++i) there += (q[i] = table.find(kTurnColumns[i])) != nullptr;
   if (there == 0 || table.rows == 0) return {};
   if (there < 4) throw std::runtime_error(table.place(0) + ": a rotation has qw, qx, qy and qz");
+  Poll poll(ask);
   std::vector<Turn> turns;
+  turns.reserve(table.rows);
   for (std::size_t i = 0; i < table.rows; ++i) {
+    poll();
     turns.emplace_back((*q[0])[i], (*q[1])[i], (*q[2])[i], (*q[3])[i]);
     if (!is_turn(turns.back()))
       throw std::runtime_error(
@@ -66,14 +73,15 @@ std::vector<Turn> turns_of(const InputTable& table) {
 PointReader::PointReader(const std::string& path, double unit,
                          const std::vector<std::string>& optional,
                          const std::function<void()>& poll)
-    : path_(path), unit_(unit) {
+    : path_(path), unit_(unit), poll_(poll) {
   if (is_hdf5(path)) {
     try {
       const Hdf5Reader file(path, "a recording", poll);
       if (!file.has("x") && !file.has("x_mm")) {
         const std::string action = fmt::format("cannot read '{}' as a recording", path);
-        recording_.points = read_recording(file, action, Poll(poll));
-        recording_.turns = read_recorded_turns(file, recording_.points.size(), action);
+        Poll poll_rows(poll);
+        recording_.points = read_recording(file, action, poll_rows);
+        recording_.turns = read_recorded_turns(file, recording_.points.size(), action, poll_rows);
         return;
       }
     } catch (const std::runtime_error& error) {
@@ -94,7 +102,7 @@ PointTable PointReader::read(std::size_t begin, std::size_t end) {
     return result;
   }
   result.table = reader_->read(begin, end);
-  result.turns = turns_of(result.table);
+  result.turns = turns_of(result.table, poll_);
   const std::size_t chosen = result.table.alternative;
   const std::string named = result.table.unit(kNames[chosen][0]);
   result.unit = chosen == 0 ? unit_ : 1e-3;
@@ -109,7 +117,11 @@ PointTable PointReader::read(std::size_t begin, std::size_t end) {
   const auto &x = *result.table.find(kNames[chosen][0]), &y = *result.table.find(kNames[chosen][1]),
              &z = *result.table.find(kNames[chosen][2]);
   result.points.reserve(x.size());
-  for (std::size_t i = 0; i < x.size(); ++i) result.points.emplace_back(x[i], y[i], z[i]);
+  Poll poll(poll_);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    poll();
+    result.points.emplace_back(x[i], y[i], z[i]);
+  }
   return result;
 }
 

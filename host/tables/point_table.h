@@ -37,6 +37,7 @@ class GLISS_EXPORT PointReader {
  private:
   std::string path_;
   double unit_;
+  std::function<void()> poll_;
   PointTable recording_;
   std::unique_ptr<TableReader> reader_;  // null: a recording
 };
@@ -45,8 +46,9 @@ class GLISS_EXPORT PointReader {
 inline const std::vector<std::string> kTurnColumns = {"qw", "qx", "qy", "qz"};
 // The rotations of a table that was asked for these columns; none where it lacks them all. Throws
 // std::runtime_error, which names the file or the row, where some are missing or the length is not
-// 1 to a thousandth.
-GLISS_EXPORT std::vector<Turn> turns_of(const InputTable& table);
+// 1 to a thousandth. `poll` as in read_points().
+GLISS_EXPORT std::vector<Turn> turns_of(const InputTable& table,
+                                        const std::function<void()>& poll = nullptr);
 
 // Throws CsvError or RecordingError; NoFileError or std::system_error (host/files/open_file.h)
 // where a CSV file cannot be read. `poll` is asked many times a second, and what it throws ends the

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <numbers>
 
+#include "gliss/base/poll.h"
 #include "gliss/base/units.h"
 #include "gliss/scene/scene.h"
 #include "gliss/tables/csv_reader.h"
@@ -25,9 +26,11 @@ Poses read_table_of_poses(const std::string& path, const std::function<void()>& 
     return *table.find(names[table.alternative][i]);
   };
   const UnitChange to_metres(table.alternative == 0 ? 1 : 1e-3, 1);
-  const std::vector<Turn> turns = turns_of(table);
+  const std::vector<Turn> turns = turns_of(table, poll);
+  Poll poll_rows(poll);
   Poses all;
   for (std::size_t i = 0; i < table.rows; ++i) {
+    poll_rows();
     Pose pose = Pose::Identity();
     pose.translation() = to_metres(Vec3(column(1)[i], column(2)[i], column(3)[i]));
     if (!turns.empty()) pose.linear() = turns[i].toRotationMatrix();
