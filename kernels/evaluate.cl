@@ -1,4 +1,5 @@
 // Points of patches: a work-item takes GLISS_LANES points of one patch.
+#define GLISS_LARGE  // the one call there is goes inline
 #include "kernels/kernels.h"
 #include "kernels/arguments.h"
 

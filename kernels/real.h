@@ -46,7 +46,11 @@ typedef GLISS_JOIN(GLISS_JOIN(GLISS_MASK_, GLISS_SCALAR), GLISS_LANES) mask;
 #define lowest_bit(x) ((int)popcount(((x) & -(x)) - 1))
 #define GLOBAL __global const
 #define GLOBAL_OUT __global
-#define FN_LARGE static
+// A GPU's driver would inline large functions, and takes minutes to compile what comes of that.
+#ifndef GLISS_LARGE
+#define GLISS_LARGE __attribute__((noinline))
+#endif
+#define FN_LARGE static GLISS_LARGE
 // PoCL does not inline by itself what takes structs of vectors; Oclgrind cannot read what inlining
 // leaves behind, and defines this as nothing.
 #ifndef GLISS_INLINE

@@ -17,12 +17,12 @@ struct DeviceSurface {
   cl::Buffer domain, domain_begin, side_begin, side_patch, side_twin, control, control_begin, form,
       corner, patch, triangle, node, child, tile, tile_begin, part, part_table, partner, part_box;
   cl_uint patch_count;
-  std::uint32_t forms = 0;  // bits: those of its patches, and kFormsUnited
+  PatchKinds kinds;
   std::uint64_t bytes = 0;
 
   DeviceSurface(const Device& device, const Surface<Real>& s) : patch_count(s.patch_count()) {
-    for (const std::uint32_t form : s.form) forms |= 1u << (form & kFormMask);
-    if (!s.part.empty()) forms |= kFormsUnited;
+    for (std::uint32_t p = 0; p < patch_count; ++p) kinds.add(s.form[p], s.valence(p));
+    if (!s.part.empty()) kinds.forms |= kFormsUnited;
     for_each_array(
         s, [&](cl::Buffer&, const auto& array) { bytes += array.size() * sizeof(array[0]); });
     device.require_room(bytes, "the patches need");
@@ -58,7 +58,7 @@ struct DeviceSurface {
   }
 
   Launch launch(const Device& device, const char* program, const char* name, int lanes) const {
-    return {device,     program,      name,          ProgramVariant{kPrecision<Real>, lanes, forms},
+    return {device,     program,      name,          ProgramVariant{kPrecision<Real>, lanes, kinds},
             domain,     domain_begin, side_begin,    side_patch,
             side_twin,  control,      control_begin, form,
             corner,     patch,        triangle,      node,

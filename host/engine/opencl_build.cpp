@@ -115,13 +115,14 @@ class OpenClBuilder {
                      control_.buffer(), sound_.buffer());
   }
 
-  // Examines patches of the forms that the batch has.
+  // Examines patches of the kinds that the batch has.
   Launch& examiner_of(const PatchBatch& b) {
-    std::uint32_t forms = 0;
-    for (const std::uint32_t form : b.form) forms |= 1u << form;
+    PatchKinds kinds;
+    for (std::size_t p = 0; p < b.size(); ++p)
+      kinds.add(b.form[p], b.side_begin[p + 1] - b.side_begin[p]);
     return examine_
-        .try_emplace(forms, shared_.device, kExamineProgram, "examine_patches",
-                     ProgramVariant{Precision::kDouble, shared_.lanes(Precision::kDouble), forms})
+        .try_emplace(kinds, shared_.device, kExamineProgram, "examine_patches",
+                     ProgramVariant{Precision::kDouble, shared_.lanes(Precision::kDouble), kinds})
         .first->second;
   }
 
@@ -141,7 +142,7 @@ class OpenClBuilder {
   const OpenClShared& shared_;
   cl::CommandQueue queue_;
   std::optional<Launch> build_;
-  std::map<std::uint32_t, Launch> examine_;  // by forms
+  std::map<PatchKinds, Launch> examine_;
   Staging<cl_uint> begins_, side_patch_, triangle_;
   Staging<double> corner_, frame_;
   Staging<cl_uint> form_;

@@ -7,7 +7,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
-#include <future>
+#include <thread>
 
 namespace gliss {
 namespace {
@@ -163,7 +163,7 @@ std::vector<OpenClDevice> opencl_devices() {
   return infos;
 }
 
-Device::Device(const OpenClOptions& options) : notice_(options.notice) {
+Device::Device(const OpenClOptions& options) : notice_(options.notice), poll_(options.poll) {
   Found found = choose(options.device, options.fall_back);
   info_ = std::move(found.info);
   id_ = std::move(found.id);
@@ -202,38 +202,50 @@ cl::Kernel Device::kernel(const char* program, const char* name,
   return cl::Kernel(found->second, name);
 }
 
-// The caller's own thread works: Oclgrind crashes where another one compiles.
-void Device::patiently(const std::function<void()>& work) const {
-  std::future<void> watching;
-  std::promise<void> done;  // destroyed before `watching` is waited for, however work ends
-  watching = std::async(std::launch::async, [this, ends = done.get_future()] {
-    if (ends.wait_for(std::chrono::milliseconds(300)) != std::future_status::ready && notice_ &&
-        !noticed_.exchange(true))
+void Device::await_compiler(const std::future<void>& done) const {
+  constexpr int kSteps = 3;  // until it takes long
+  for (int step = 1; done.wait_for(std::chrono::milliseconds(100)) != std::future_status::ready;
+       ++step) {
+    if (step == kSteps && notice_ && !noticed_.exchange(true))
       notice_(fmt::format("opencl: {}: compiling kernels, once", info_.name));
-  });
-  work();
+    if (poll_) poll_();
+  }
+}
+
+// Without a poll the caller's own thread works: Oclgrind crashes where another one compiles.
+void Device::patiently(std::function<void()> work) const {
+  std::packaged_task<void()> task(std::move(work));
+  std::future<void> done = task.get_future();
+  if (poll_) {
+    std::thread(std::move(task)).detach();
+    await_compiler(done);
+  } else {
+    const auto watching = std::async(std::launch::async, [&] { await_compiler(done); });
+    task();
+  }
+  done.get();
 }
 
 cl::Program Device::compile(const char* text, const ProgramVariant& variant) const {
   const std::string options = fmt::format(
       "-w -cl-std=CL1.2 {}-DGLISS_SCALAR={} -DGLISS_LANES={} -DGLISS_FORMS={}u "
-      "-DGLISS_GROUP={}",
+      "-DGLISS_VALENCES={}u -DGLISS_GROUP={}",
       info_.exact ? "-cl-fp32-correctly-rounded-divide-sqrt " : "",
-      variant.precision == Precision::kFloat ? "float" : "double", variant.lanes, variant.forms,
-      kGroup);
+      variant.precision == Precision::kFloat ? "float" : "double", variant.lanes,
+      variant.kinds.forms, variant.kinds.valences, kGroup);
   const cl::Program program(context_, std::string(text));
-  const cl_device_id device = id_();
-  cl_int code = CL_SUCCESS;
-  patiently([&] {  // by the C call: the C++ one throws what the log's absence is called instead
-    code = clBuildProgram(program(), 1, &device, options.c_str(), nullptr, nullptr);
+  const auto code = std::make_shared<cl_int>(CL_SUCCESS);
+  patiently([=, device = id_()] {
+    // By the C call: the C++ one throws what the log's absence is called instead.
+    *code = clBuildProgram(program(), 1, &device, options.c_str(), nullptr, nullptr);
   });
-  if (code == CL_SUCCESS) return program;
+  if (*code == CL_SUCCESS) return program;
   std::string log;
   try {
     log = program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(id_);
   } catch (const cl::Error&) {  // some keep none
   }
-  throw error(fmt::format("kernels do not compile: {}: {}", error_name(code),
+  throw error(fmt::format("kernels do not compile: {}: {}", error_name(*code),
                           log.empty() ? "no log" : first_error(log)));
 }
 

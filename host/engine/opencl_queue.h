@@ -89,10 +89,11 @@ class Launch {
     set(leading_ + 1, args...);
     if (!warm_) {  // compiled for the size of its groups at its first start
       set(leading_, cl_uint{0});
-      device_.patiently([&] {
-        queue.enqueueNDRangeKernel(kernel_, cl::NullRange, kGroup, kGroup);
-        queue.finish();
-      });
+      device_.patiently(
+          [kernel = kernel_, own = cl::CommandQueue(device_.context(), device_.id())] {
+            own.enqueueNDRangeKernel(kernel, cl::NullRange, kGroup, kGroup);
+            own.finish();
+          });
       warm_ = true;
     }
     set(leading_, static_cast<cl_uint>(count));

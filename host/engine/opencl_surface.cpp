@@ -419,7 +419,7 @@ class OpenClSurface final : public ResidentSurface {
   const DeviceSurface<Real> there_;
   mutable std::mutex mutex_;
   mutable Kernel evaluate_{kEvaluateProgram, "evaluate_blocks", static_cast<int>(lanes_), {}};
-  mutable Kernel nearest_{kQueryProgram, "nearest", 1, {}}, track_{kQueryProgram, "track", 1, {}};
+  mutable Kernel nearest_{kNearestProgram, "nearest", 1, {}}, track_{kTrackProgram, "track", 1, {}};
   mutable std::array<Turn, 2> turns_;
 };
 

@@ -20,6 +20,7 @@ inline constexpr std::uint32_t kFormPaper = FORM_PAPER, kFormRibbon = FORM_RIBBO
 static_assert(kMostTableCells == TABLE_MOST_CELLS);
 inline constexpr std::uint32_t kMostFairSides = FAIR_MOST_SIDES;
 inline constexpr std::uint32_t kFormsUnited = 256;  // among bits of forms: parts overlap
+inline constexpr std::size_t kManySides = 7;        // among bits of valences: so many and more
 inline constexpr std::uint32_t kFormMask = 255;     // above it, the r of a table
 inline constexpr std::size_t kSideLength = SIDE_LENGTH, kSideEase = SIDE_EASE;
 inline constexpr std::size_t kPatchOrigin = 3 * PATCH_ORIGIN, kPatchNormal = 3 * PATCH_NORMAL,

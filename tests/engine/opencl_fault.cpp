@@ -1,16 +1,19 @@
 // Stands before the OpenCL library, as a linked library or by LD_PRELOAD, and makes calls fail. As
-// LD_PRELOAD it is told by GLISS_TEST_FAULT=FUNCTION:CALL:CODE, as clFinish:2:-5, and by
-// GLISS_TEST_DEVICE=INFO:VALUE, as 0x1010:4096 for CL_DEVICE_MAX_MEM_ALLOC_SIZE.
+// LD_PRELOAD it is told by GLISS_TEST_FAULT=FUNCTION:CALL:CODE, as clFinish:2:-5, by
+// GLISS_TEST_DEVICE=INFO:VALUE, as 0x1010:4096 for CL_DEVICE_MAX_MEM_ALLOC_SIZE, and by
+// GLISS_TEST_SLOW_BUILD=SECONDS.
 #include "tests/engine/opencl_fault.h"
 
 #include <dlfcn.h>
 
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <map>
 #include <mutex>
 #include <string>
+#include <thread>
 
 namespace gliss::test {
 namespace {
@@ -21,6 +24,7 @@ struct State {
   int left = 0;  // calls until it fails
   cl_int code = CL_SUCCESS;
   bool failed = false;
+  double build_seconds = 0;  // at least
   std::map<cl_device_info, cl_ulong> pretended;
 
   State() {
@@ -33,6 +37,7 @@ struct State {
     if (const char* text = std::getenv("GLISS_TEST_DEVICE");
         text != nullptr && std::sscanf(text, "%x:%llu", &info, &value) == 2)
       pretended[info] = value;
+    if (const char* text = std::getenv("GLISS_TEST_SLOW_BUILD")) build_seconds = std::atof(text);
   }
 };
 
@@ -48,6 +53,12 @@ cl_int fault(const char* function) {
   if (s.function != function || --s.left != 0) return CL_SUCCESS;
   s.failed = true;
   return s.code;
+}
+
+std::chrono::duration<double> build_time() {
+  State& s = state();
+  const std::lock_guard lock(s.mutex);
+  return std::chrono::duration<double>(s.build_seconds);
 }
 
 template <class Function>
@@ -90,6 +101,11 @@ void fail_call(const char* function, int at, cl_int code) {
 bool call_failed() {
   const std::lock_guard lock(state().mutex);
   return state().failed;
+}
+
+void slow_builds(double seconds) {
+  const std::lock_guard lock(state().mutex);
+  state().build_seconds = seconds;
 }
 
 void pretend(cl_device_info what, cl_ulong value) {
@@ -222,6 +238,7 @@ cl_int clBuildProgram(cl_program program, cl_uint count, const cl_device_id* dev
                       const char* options, void(CL_CALLBACK* notify)(cl_program, void*),
                       void* data) {
   if (const cl_int code = fault("clBuildProgram"); code != CL_SUCCESS) return code;
+  std::this_thread::sleep_for(gliss::test::build_time());
   const std::lock_guard lock(builds().mutex);
   static const auto next = real(&clBuildProgram, "clBuildProgram");
   if (!builds().shared) return next(program, count, devices, options, notify, data);

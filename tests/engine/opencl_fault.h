@@ -15,6 +15,9 @@ bool call_failed();  // that call came, and was made to fail
 // alone is built: a build, even of what the driver remembers, takes it a tenth of a second.
 void share_builds();
 
+// From now on a program takes at least so long to build. As LD_PRELOAD: GLISS_TEST_SLOW_BUILD=5.
+void slow_builds(double seconds);
+
 // Sets what devices say of themselves from now on, whatever they are. Only numbers.
 void pretend(cl_device_info what, cl_ulong value);
 void pretend_nothing();

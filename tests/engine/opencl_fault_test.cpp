@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <sys/wait.h>
 
+#include <atomic>
+#include <chrono>
 #include <cstdlib>
 #include <set>
 
@@ -12,6 +14,7 @@
 #include "gliss/generate/generate.h"
 #include "tests/engine/opencl_fault.h"
 #include "tests/support/bytes.h"
+#include "tests/support/gliss_process.h"
 #include "tests/support/places.h"
 #include "tests/support/require.h"
 #include "tests/support/scratch_folder.h"
@@ -91,6 +94,7 @@ class OpenClFault : public ::testing::TestWithParam<Precision> {
   void TearDown() override {
     test::fail_call(nullptr);
     test::pretend_nothing();
+    test::slow_builds(0);
   }
 
   // Something to do on an engine, and what comes of it.
@@ -254,6 +258,25 @@ TEST_P(OpenClFault, of_memory_full_of_patches_is_found_when_points_come) {
   expect_taken_over(sweeps_, "full of patches");
 }
 
+// No compiler can be stopped. It goes on alone, and the engine can be asked again.
+TEST_P(OpenClFault, of_a_compiler_that_takes_long_is_not_waited_for) {
+  struct Stop {};
+  const std::chrono::seconds long_time(3);
+  test::slow_builds(static_cast<double>(long_time.count()));
+  std::atomic<bool> compiles = false;
+  sweeps_.options.notice = [&](const std::string&) { compiles = true; };
+  sweeps_.options.poll = [&] {
+    if (compiles) throw Stop();
+  };
+  const auto engine = make_opencl_engine(sweeps_.options);
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_THROW(sweeps_.run(*engine), Stop);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, long_time);
+  test::slow_builds(0);
+  compiles = false;
+  EXPECT_TRUE(sweeps_.run(*engine) == sweeps_.want);
+}
+
 INSTANTIATE_TEST_SUITE_P(Precisions, OpenClFault,
                          ::testing::Values(Precision::kDouble, Precision::kFloat),
                          [](const auto& info) {
@@ -393,6 +416,25 @@ TEST_F(OpenClProgram, KeepsToTheMemoryItIsGiven) {
   EXPECT_THAT(refused.err, HasSubstr(" MiB, to be used are 1 MiB\n"));
   EXPECT_EQ(std::count(refused.err.begin(), refused.err.end(), '\n'), 1) << refused.err;
   EXPECT_EQ(folder_.file_count(), files_) << "something is left";
+}
+
+TEST_F(OpenClProgram, StopsWhileKernelsAreCompiled) {
+  test::Process sweep(folder_ / "", test::kProgram,
+                      {"sweep", "knot.obj", "--unit", "mm", "--depth", "2mm", "--samples", "2e4",
+                       "--method", "flat", "-o", "out.csv", "--backend", "opencl"},
+                      [] {
+                        return setenv("LD_PRELOAD", test::kOpenClFault, 1) == 0 &&
+                               setenv("GLISS_TEST_SLOW_BUILD", "30", 1) == 0;
+                      });
+  EXPECT_TRUE(test::await(
+      [&] { return sweep.err().find("compiling kernels, once") != std::string::npos; }));
+  const auto begin = std::chrono::steady_clock::now();
+  sweep.kill(SIGINT);
+  const test::Outcome outcome = sweep.wait();
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(10));
+  EXPECT_EQ(outcome.code, 130);
+  EXPECT_THAT(outcome.err, EndsWith("gliss: interrupted\n"));
+  EXPECT_EQ(folder_.file_count(), files_);
 }
 
 // auto without a name takes GPUs; there is a line where it finds none.

@@ -9,5 +9,5 @@ int main(int count, char** words) {
       {add_bake, add_compare, add_info, add_check, add_eval, add_project, add_sweep, add_trace,
        add_generate, add_devices, add_judge, add_run, add_serve, add_report});
   tell("gliss", end);
-  return end.code;
+  return leave(end.code);
 }

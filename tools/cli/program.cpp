@@ -100,4 +100,12 @@ void tell(const std::string& who, End end) {
   gliss::tell(fmt::format("{}: {}\n", who, end.message));
 }
 
+int leave(int code) {
+  if (code == kExitInterrupted) {
+    std::fflush(stdout);
+    _exit(code);
+  }
+  return code;
+}
+
 }  // namespace gliss::tools

@@ -27,4 +27,8 @@ End run_program(int count, char** words, const ProgramText& text,
 // Says "who: message" on stderr, on one line, where there is a message.
 void tell(const std::string& who, End end);
 
+// Returns what main() is to return. After Ctrl-C it ends the process instead: an OpenCL driver may
+// still compile on a thread of its own, beneath which exit() would pull its memory away.
+int leave(int code);
+
 }  // namespace gliss::tools

@@ -25,5 +25,5 @@ int main(int count, char** words) {
   MPI_Init_thread(&count, &words, MPI_THREAD_FUNNELED, &provided);
   const int code = gliss::tools::run(count, words);
   MPI_Finalize();
-  return code;
+  return gliss::tools::leave(code);
 }

@@ -1,4 +1,4 @@
-// The two projections: a work-item takes a HIP.
+// The global projection: a work-item takes a HIP.
 #include "kernels/kernels.h"
 #include "kernels/arguments.h"
 
@@ -20,23 +20,4 @@ __kernel GROUP void nearest(SURFACE_ARGUMENTS, uint count, __global const scalar
                   nearest_contact(view, h, base, blend, &near, (int)(methods >> 4 * m & 15u),
                                   options));
   }
-}
-
-// The local contact from a start.
-__kernel GROUP void track(SURFACE_ARGUMENTS, uint count, __global const scalar* hip,
-                          __global const uint* start_patch, __global const scalar* start, int method,
-                          int solver, int max_iterations, scalar tolerance, int budget,
-                          __global scalar* reals, __global uint* uints) {
-  const ulong i = get_global_id(0);
-  if (i >= count) return;
-  const surface_view view = SURFACE_VIEW;
-  const track_options options = {solver, max_iterations, tolerance, budget};
-  contact last;
-  last.method = method;
-  last.patch = start_patch[i];
-  last.xi = start[i];
-  last.eta = start[count + i];
-  last.held_count = 0;
-  store_contact(reals + i, uints + i, ROW_STRIDE(count),
-                track_contact(view, load_hip(hip + i, count), last, options));
 }
