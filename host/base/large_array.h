@@ -1,6 +1,7 @@
 // Arrays of a whole surface. Where they are large they lie in huge pages, if the system has them: a
 // million patches are half a million small pages, which a build or a load would take one by one,
-// and searches would look up.
+// and searches would look up. Numbers that resize() adds have no value yet: their pages come to the
+// threads that fill them.
 #pragma once
 
 #include <sys/mman.h>
@@ -31,6 +32,11 @@ struct HugePages {
   void deallocate(T* memory, std::size_t count) {
     if (!is_large(count)) return std::allocator<T>().deallocate(memory, count);
     ::operator delete (memory, std::align_val_t{kPage});
+  }
+  // An element that resize() adds.
+  template <class U>
+  void construct(U* element) {
+    ::new (static_cast<void*>(element)) U;
   }
   template <class U>
   bool operator==(const HugePages<U>&) const {

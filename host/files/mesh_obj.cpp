@@ -7,8 +7,6 @@
 namespace gliss::detail {
 namespace {
 
-constexpr std::string_view kBlanks = " \t\v\f";
-
 struct Counts {
   std::size_t faces = 0;
   std::size_t corners = 0;
@@ -154,13 +152,39 @@ class ObjReader {
   bool has_groups_ = false;
 };
 
-// Cuts the first line off the text, with its line ending.
-std::string_view take_line(std::string_view& text) {
-  const std::size_t size = std::min(text.find_first_of("\r\n"), text.size());
-  const std::string_view line = text.substr(0, size);
-  text.remove_prefix(size);
-  text.remove_prefix(text.starts_with("\r\n") ? 2 : text.empty() ? 0 : 1);
-  return line;
+// The lines of a text, of any line ending.
+class Lines {
+ public:
+  explicit Lines(std::string_view text) : text_(text) {}
+
+  bool at_end() const { return at_ == text_.size(); }
+  // Takes the next line, without its ending.
+  std::string_view take() {
+    feed_ = next(feed_, '\n');
+    return_ = next(return_, '\r');
+    const std::string_view line = text_.substr(at_, std::min(feed_, return_) - at_);
+    at_ += line.size();
+    at_ += text_.substr(at_).starts_with("\r\n") ? 2 : at_end() ? 0 : 1;
+    return line;
+  }
+
+ private:
+  // Where the character comes next, which was last found at `found`: each is looked for once.
+  std::size_t next(std::size_t found, char c) const {
+    return found != kUnknown && found >= at_ ? found : std::min(text_.find(c, at_), text_.size());
+  }
+
+  static constexpr std::size_t kUnknown = std::string_view::npos;
+  std::string_view text_;
+  std::size_t at_ = 0, feed_ = kUnknown, return_ = kUnknown;
+};
+
+// Cuts the next word off a line; empty: there is none.
+std::string_view take_word(std::string_view& line) {
+  const auto begin = std::find_if_not(line.begin(), line.end(), is_blank),
+             end = std::find_if(begin, line.end(), is_blank);
+  line.remove_prefix(static_cast<std::size_t>(end - line.begin()));
+  return {begin, end};
 }
 
 // Counts again in another way, so that a slip of the reader shows. An "f" that starts a joined line
@@ -169,27 +193,22 @@ Counts count_faces(std::string_view text, Report& report) {
   Counts counts;
   bool in_face = false;
   bool joined = false;  // the line before ended in a backslash
-  while (!text.empty()) {
+  for (Lines lines(text); !lines.at_end();) {
     report.poll();
-    std::string_view line = take_line(text);
+    std::string_view line = lines.take();
     const std::size_t comment = line.find('#');
     const bool joins = comment == std::string_view::npos && line.ends_with('\\');
     line = line.substr(0, comment);
     if (joins) line.remove_suffix(1);
 
-    std::string_view first;
-    std::size_t words = 0;
-    for (std::size_t i = 0, end = 0; i < line.size(); i = end, ++words) {
-      i = line.find_first_not_of(kBlanks, i);
-      if (i == std::string_view::npos) break;
-      end = std::min(line.find_first_of(kBlanks, i), line.size());
-      if (words == 0) first = line.substr(i, end - i);
-    }
+    const std::string_view first = take_word(line);
     const bool starts = first == "f" || first == "fo";
     in_face = starts || (joined && in_face);
     joined = joins;
-    if (in_face) counts.corners += words;
-    if (starts) ++counts.faces, --counts.corners;  // the keyword is no corner
+    if (!in_face) continue;
+    counts.faces += starts;
+    counts.corners += !starts && !first.empty();  // a keyword is no corner
+    while (!take_word(line).empty()) ++counts.corners;
   }
   return counts;
 }

@@ -43,6 +43,9 @@ void add_vertex(const Vec3& position, std::size_t line, Mesh& mesh, Report& repo
 // Ends the face whose corners have been appended; line = 0: the file has no lines.
 void end_face(Mesh& mesh, std::size_t line, Report& report);
 
+// True between the words of a statement.
+constexpr bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
+
 // Walks statement by statement (a line with words on it, of any line ending), word by word.
 class TextCursor {
  public:

@@ -96,10 +96,15 @@ std::size_t OpenFile::read_at(std::uint64_t at, void* to, std::size_t bytes) {
 
 std::string OpenFile::read_all(const std::function<void(std::string_view)>& each_block) {
   check();
+  const std::uint64_t file_size = size();
   std::string text;
   for (std::size_t got = kBlock; got == kBlock;) {
     const std::size_t old = text.size();
-    if (text.capacity() < old + kBlock) text.reserve(2 * old + kBlock);
+    if (text.capacity() < old + kBlock) {
+      // A file's size is believed as far as some of it has come: it may be a large hole.
+      const std::size_t rest = std::min<std::uint64_t>(file_size + kBlock, 8 * old);
+      text.reserve(std::max(2 * old + kBlock, rest));
+    }
     text.resize(old + kBlock);
     got = read(text.data() + old, kBlock);
     text.resize(old + got);
