@@ -33,7 +33,7 @@ struct HugePages {
     if (!is_large(count)) return std::allocator<T>().deallocate(memory, count);
     ::operator delete (memory, std::align_val_t{kPage});
   }
-  // An element that resize() adds.
+  // Makes an element that resize() adds.
   template <class U>
   void construct(U* element) {
     ::new (static_cast<void*>(element)) U;

@@ -1,7 +1,6 @@
 // Patches built and examined on an OpenCL device: always in double, as on the host, so that a
 // device without fp64 leaves it to the host.
 #include <algorithm>
-#include <map>
 #include <optional>
 
 #include "gliss/engine/opencl_queue.h"
@@ -115,15 +114,18 @@ class OpenClBuilder {
                      control_.buffer(), sound_.buffer());
   }
 
-  // Examines patches of the kinds that the batch has.
+  // Examines patches of all kinds so far, for which it is compiled anew where a batch has more.
   Launch& examiner_of(const PatchBatch& b) {
-    PatchKinds kinds;
+    PatchKinds kinds = examined_;
     for (std::size_t p = 0; p < b.size(); ++p)
       kinds.add(b.form[p], b.side_begin[p + 1] - b.side_begin[p]);
-    return examine_
-        .try_emplace(kinds, shared_.device, kExamineProgram, "examine_patches",
-                     ProgramVariant{Precision::kDouble, shared_.lanes(Precision::kDouble), kinds})
-        .first->second;
+    if (!examine_ || kinds != examined_) {
+      const int lanes = shared_.lanes(Precision::kDouble);
+      examine_.emplace(shared_.device, kExamineProgram, "examine_patches",
+                       ProgramVariant{Precision::kDouble, lanes, kinds});
+      examined_ = kinds;
+    }
+    return *examine_;
   }
 
   // Nothing is under way when work ends, however it ends.
@@ -141,8 +143,8 @@ class OpenClBuilder {
 
   const OpenClShared& shared_;
   cl::CommandQueue queue_;
-  std::optional<Launch> build_;
-  std::map<PatchKinds, Launch> examine_;
+  std::optional<Launch> build_, examine_;
+  PatchKinds examined_;
   Staging<cl_uint> begins_, side_patch_, triangle_;
   Staging<double> corner_, frame_;
   Staging<cl_uint> form_;

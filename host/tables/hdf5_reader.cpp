@@ -179,8 +179,7 @@ LargeArray<double> Hdf5Reader::numbers(const std::string& column, std::size_t be
 
 LargeArray<double> Hdf5Reader::read(const Dataset& d, std::uint64_t begin, std::uint64_t end,
                                     std::uint64_t stride) const {
-  LargeArray<double> values;
-  values.reserve((end - begin + stride - 1) / stride);
+  LargeArray<double> values((end - begin + stride - 1) / stride);
   hsize_t next = 0;
   for (hsize_t done = begin; done < end;) {
     poll();
@@ -188,7 +187,6 @@ LargeArray<double> Hdf5Reader::read(const Dataset& d, std::uint64_t begin, std::
     done = std::min<hsize_t>(end, (done / d.block + 1) * d.block);
     const hsize_t count = (done - begin + stride - 1) / stride - next;
     if (count == 0) continue;
-    values.resize(next + count);  // here, because new pages of a large column take seconds
     const Handle memory(H5Screate_simple(1, &count, nullptr), H5Sclose, d.action);
     hdf5::check(H5Dread(d.dataset, H5T_NATIVE_DOUBLE, memory,
                         d.select(begin + next * stride, stride, count), H5P_DEFAULT, &values[next]),
