@@ -48,8 +48,8 @@ const Format& format_of(const std::string& path, Report& report) {
 }
 
 // Asked block by block, so that a file without lines, such as a large hole, is not read to its end.
-std::string read_file(OpenFile& file, const Format& format, const std::function<void()>& poll,
-                      Report& report) {
+LargeArray<char> read_file(OpenFile& file, const Format& format, const std::function<void()>& poll,
+                           Report& report) {
   std::size_t line = 0, searched = 0;  // where the last line begins; where the next block does
   const auto check_lines = [&](std::string_view text) {
     if (poll) poll();
@@ -91,7 +91,8 @@ Mesh load_mesh(const std::string& path, const LoadOptions& options,
   OpenFile file(path);
   if (file.descriptor() < 0) report.fail("unreadable", {}, "cannot be read: {}", file.why());
   const Format& format = format_of(path, report);
-  const std::string text = read_file(file, format, options.poll, report);
+  const LargeArray<char> bytes = read_file(file, format, options.poll, report);
+  const std::string_view text(bytes.data(), bytes.size());
   refuse_stand_ins(text, report);
   format.read(text, mesh, report);
   validate(mesh, options, report);

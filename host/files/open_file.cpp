@@ -94,10 +94,10 @@ std::size_t OpenFile::read_at(std::uint64_t at, void* to, std::size_t bytes) {
   });
 }
 
-std::string OpenFile::read_all(const std::function<void(std::string_view)>& each_block) {
+LargeArray<char> OpenFile::read_all(const std::function<void(std::string_view)>& each_block) {
   check();
   const std::uint64_t file_size = size();
-  std::string text;
+  LargeArray<char> text;
   for (std::size_t got = kBlock; got == kBlock;) {
     const std::size_t old = text.size();
     if (text.capacity() < old + kBlock) {
@@ -108,7 +108,7 @@ std::string OpenFile::read_all(const std::function<void(std::string_view)>& each
     text.resize(old + kBlock);
     got = read(text.data() + old, kBlock);
     text.resize(old + got);
-    if (each_block) each_block(text);
+    if (each_block) each_block({text.data(), text.size()});
   }
   return text;
 }

@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "gliss/base/export.h"
+#include "gliss/base/large_array.h"
 
 namespace gliss {
 
@@ -42,7 +43,8 @@ class GLISS_EXPORT OpenFile {
   // The same from a place of the file, wherever read() is.
   std::size_t read_at(std::uint64_t at, void* to, std::size_t bytes);
   // Reads all that is left; hands it to `each_block` whenever a block has been added.
-  std::string read_all(const std::function<void(std::string_view so_far)>& each_block = nullptr);
+  LargeArray<char> read_all(
+      const std::function<void(std::string_view so_far)>& each_block = nullptr);
 
  private:
   template <class Read>

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
 #include "gliss/base/export.h"
 #include "gliss/query/contact_tracker.h"
@@ -78,5 +79,14 @@ class GLISS_EXPORT Effects {
   std::array<Vec3, kWindow + 1> seen_;  // the last HIPs, in turns
   std::size_t count_ = 0, last_ = 0;
 };
+
+// The force on the hand, N in the object's frame, of a contact that `tracker` gave: with its
+// effects, or where there are none its spring's alone.
+inline Vec3 force_of(const std::optional<Effects>& effects, const Contact& contact,
+                     const ContactTracker& tracker, const PatchCache& cache, double stiffness) {
+  // A sum, as of the objects of a scene: it has no -0.
+  return Vec3::Zero() +
+         (effects ? effects->force(contact, tracker) : contact_force(cache, contact, stiffness));
+}
 
 }  // namespace gliss

@@ -33,9 +33,7 @@ std::vector<TraceStatistics> trace(const PatchCache& cache, std::span<const Vec3
     if (effects) effects->see(hips[tick]);
     for (std::size_t m = 0; m < trackers.size(); ++m) {
       const Contact& contact = steps[m].contact = trackers[m].tick(hips[tick]);
-      // A sum, as of the objects of a scene: it has no -0.
-      steps[m].force = Vec3::Zero() + (effects ? effects->force(contact, trackers[m])
-                                               : contact_force(cache, contact, options.stiffness));
+      steps[m].force = force_of(effects, contact, trackers[m], cache, options.stiffness);
       steps[m].cone_share = trackers[m].cone_share();
       statistics[m].add(steps[m].contact.touching, steps[m].force,
                         is_settling(steps[m].contact.flags));

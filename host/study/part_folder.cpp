@@ -146,7 +146,8 @@ std::optional<PartFile> PartFolder::read(std::size_t part) const {
   OpenFile opened(path_of(part), O_RDONLY | O_NOFOLLOW);
   PartFile file;
   try {
-    file.bytes = opened.read_all();
+    const LargeArray<char> all = opened.read_all();
+    file.bytes.assign(all.begin(), all.end());
   } catch (const std::runtime_error&) {  // a pipe, a folder, one that cannot be read
     return {};
   }

@@ -93,12 +93,18 @@ PointReader::PointReader(const std::string& path, double unit,
 
 PointTable PointReader::read(std::size_t begin, std::size_t end) {
   PointTable result;
+  Poll poll(poll_);
   if (!reader_) {
-    const auto rows_of = [&](const auto& all) {
-      return all.empty() ? all : std::decay_t<decltype(all)>(all.data() + begin, all.data() + end);
+    const auto add_rows = [&](const auto& from, auto& to) {
+      if (from.empty()) return;
+      to.reserve(end - begin);
+      for (std::size_t i = begin; i < end; ++i) {
+        poll();
+        to.push_back(from[i]);
+      }
     };
-    result.points = rows_of(recording_.points);
-    result.turns = rows_of(recording_.turns);
+    add_rows(recording_.points, result.points);
+    add_rows(recording_.turns, result.turns);
     return result;
   }
   result.table = reader_->read(begin, end);
@@ -117,7 +123,6 @@ PointTable PointReader::read(std::size_t begin, std::size_t end) {
   const auto &x = *result.table.find(kNames[chosen][0]), &y = *result.table.find(kNames[chosen][1]),
              &z = *result.table.find(kNames[chosen][2]);
   result.points.reserve(x.size());
-  Poll poll(poll_);
   for (std::size_t i = 0; i < x.size(); ++i) {
     poll();
     result.points.emplace_back(x[i], y[i], z[i]);

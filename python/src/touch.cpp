@@ -137,9 +137,7 @@ class Hand {
     if (effects_) effects_->see(hip);
     TraceStep step;
     step.contact = tracker_.tick(hip);
-    step.force =
-        Vec3::Zero() + (effects_ ? effects_->force(step.contact, tracker_)
-                                 : contact_force(*surface_->cache, step.contact, stiffness_));
+    step.force = force_of(effects_, step.contact, tracker_, *surface_->cache, stiffness_);
     step.cone_share = tracker_.cone_share();
     return step;
   }

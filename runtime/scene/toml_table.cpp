@@ -26,14 +26,14 @@ TomlTable TomlTable::read(const std::string& path, toml::table& storage) {
   OpenFile file(path);
   if (file.size() > kLargestScene)
     refuse(fmt::format("{}: over {} bytes; put long paths into a CSV file", path, kLargestScene));
-  std::string text;
+  LargeArray<char> text;
   try {
     text = file.read_all();
   } catch (const std::runtime_error&) {
     refuse(fmt::format("{}: cannot be read: {}", path, file.why()));
   }
   try {
-    storage = toml::parse(text);
+    storage = toml::parse(std::string_view(text.data(), text.size()));
   } catch (const toml::parse_error& error) {
     refuse(fmt::format("{}:{}: {}", path, error.source().begin.line, error.description()));
   }

@@ -26,22 +26,24 @@ class Hand {
  public:
   explicit Hand(Nanoseconds ahead) : ahead_(ahead) {}
 
+  // Its device is open from now on, however long that took.
+  void begin() { start_ = monotonic_time(); }
   Vec3 position() const { return {0, 0, 0.012 - 0.004 * std::clamp(age() / 0.4 - 0.5, 0.0, 1.0)}; }
   Nanoseconds stamp() const { return monotonic_time() + (age() > 0.3 ? ahead_ : 0ns); }
   // False from when it falls silent.
   bool speaks() {
     const Nanoseconds now = monotonic_time();
-    if (now - start_ > kSpeaks) return false;
+    if (now - start_.load() > kSpeaks) return false;
     last_ = now;
     return true;
   }
   Nanoseconds last() const { return last_; }
 
  private:
-  double age() const { return in_seconds(monotonic_time() - start_); }
+  double age() const { return in_seconds(monotonic_time() - start_.load()); }
 
-  const Nanoseconds ahead_, start_ = monotonic_time();
-  std::atomic<Nanoseconds> last_{0ns};
+  const Nanoseconds ahead_;
+  std::atomic<Nanoseconds> start_{monotonic_time()}, last_{0ns};
 };
 
 // In this process.
@@ -79,6 +81,7 @@ class UdpEnd {
   void speak(Hand& hand) {
     while (!over_ && !peer_.receive<udp::ForceDatagram>()) std::this_thread::sleep_for(100us);
     peer_.socket.connect(peer_.from);
+    hand.begin();
     for (std::uint64_t sequence = 1; !over_ && hand.speaks(); ++sequence) {
       DeviceState state;
       state.sequence = sequence;
@@ -162,7 +165,8 @@ INSTANTIATE_TEST_SUITE_P(Stamps, Freshness,
 // Its messages have no stamps.
 TEST(HaplyFreshness, of_a_device_behind_haplys_service) {
   expect_fresh(0ns, [](Hand& hand) {
-    const test::HaplyMock mock([&](std::uint64_t) {
+    const test::HaplyMock mock([&](std::uint64_t number) {
+      if (number == 0) hand.begin();
       std::this_thread::sleep_for(700us);
       if (!hand.speaks()) return test::HaplyReply{"", test::HaplyReply::kStaySilent};
       return test::HaplyReply{test::haply_message("049D", hand.position(), Vec3::Zero())};
