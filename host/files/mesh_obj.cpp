@@ -169,7 +169,8 @@ class Lines {
   }
 
  private:
-  // Where the character comes next, which was last found at `found`: each is looked for once.
+  // Finds where `c` comes next. `found` is where it was found last: if that still lies ahead, the
+  // text is not searched again.
   std::size_t next(std::size_t found, char c) const {
     return found != kUnknown && found >= at_ ? found : std::min(text_.find(c, at_), text_.size());
   }
