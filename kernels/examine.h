@@ -84,20 +84,25 @@ typedef struct {
   real3 normal, second;
 } patch_probe;
 
-// By second derivatives where the form has them and `table` is theirs (second.h), else by
-// differences.
+FN patch_probe probe_of(patch_jet g) {
+  patch_probe r;
+  r.p = g.p;
+  r.normal = unit3(patch_normal(g.p));
+  r.second = make3(dot3(r.normal, g.xixi), dot3(r.normal, g.xieta), dot3(r.normal, g.etaeta));
+  return r;
+}
+
+// By second derivatives where `table` has them (second.h), else by differences.
 FN_LARGE patch_probe probe_patch(GLOBAL scalar* domain, GLOBAL scalar* control, uint form, int n,
                                  real xi, real eta, GLOBAL scalar* table) {
+  if (table && IS_FORM(form, FORM_SEXTIC))
+    return probe_of(triangle_jet(domain, control, table, PROBE_STRIDE(3)));
+  if (table && IS_FORM(form, FORM_BEZIER))
+    return probe_of(quad_jet(control, xi, eta, table, PROBE_STRIDE(4)));
+  if (table && IS_FORM(form, FORM_CURVED))
+    return probe_of(curved_jet(domain, control, n, xi, eta, table, PROBE_STRIDE(n)));
+  if (table) return probe_of(blend_jet(control, form, n, table, PROBE_STRIDE(n)));
   patch_probe r;
-  if (table && (IS_FORM(form, FORM_BEZIER) || IS_FORM(form, FORM_SEXTIC))) {
-    const patch_jet g = IS_FORM(form, FORM_SEXTIC)
-                            ? triangle_jet(domain, control, table, PROBE_STRIDE(3))
-                            : quad_jet(control, xi, eta, table, PROBE_STRIDE(4));
-    r.p = g.p;
-    r.normal = unit3(patch_normal(g.p));
-    r.second = make3(dot3(r.normal, g.xixi), dot3(r.normal, g.xieta), dot3(r.normal, g.etaeta));
-    return r;
-  }
   real3 normal[3];  // unit: here, a step along xi, a step along eta
   for (int i = 2; i >= 0; --i) {
     const scalar dxi = i == 1 ? PROBE_STEP : K(0), deta = i == 2 ? PROBE_STEP : K(0);

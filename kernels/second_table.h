@@ -1,18 +1,8 @@
 // Fills the tables of second.h. On the host only, in scalars.
 
-// A number with its first and second derivatives.
-typedef struct {
-  real f, xi, eta, xixi, xieta, etaeta;
-} jet2;
-
 FN jet2 linear_jet2(real f, real xi, real eta) {
   const real zero = splat(K(0));
   const jet2 r = {f, xi, eta, zero, zero, zero};
-  return r;
-}
-FN jet2 sum_jet2(jet2 a, scalar s, jet2 b) {  // a + s b
-  const jet2 r = {a.f + s * b.f,       a.xi + s * b.xi,       a.eta + s * b.eta,
-                  a.xixi + s * b.xixi, a.xieta + s * b.xieta, a.etaeta + s * b.etaeta};
   return r;
 }
 FN jet2 mul_jet2(jet2 a, jet2 b) {
@@ -86,14 +76,86 @@ FN void fill_triangle_second(GLOBAL scalar* domain, real xi, real eta, int strid
   }
 }
 
+FN jet2 distance_jet2(GLOBAL scalar* domain, int n, int k, real xi, real eta) {
+  const jet d = side_distance(domain, n, wrap(k, n), xi, eta);
+  return linear_jet2(d.f, d.xi, d.eta);
+}
+// a / (a + b)
+FN jet2 share_jet2(jet2 a, jet2 b) { return mul_jet2(a, inverse_jet2(sum_jet2(a, K(1), b))); }
+
+// u_k, and what is left of 1.
+FN jet2 parameter_jet2(GLOBAL scalar* domain, int n, int k, real xi, real eta) {
+  return share_jet2(distance_jet2(domain, n, k - 1, xi, eta),
+                    distance_jet2(domain, n, k + 1, xi, eta));
+}
+FN jet2 rest_jet2(GLOBAL scalar* domain, int n, int k, real xi, real eta) {
+  return share_jet2(distance_jet2(domain, n, k + 1, xi, eta),
+                    distance_jet2(domain, n, k - 1, xi, eta));
+}
+
+// Shares of 1, in proportion to the products of squared distances to all sides but the corner's two
+// (`spared` 2, eq. 5) or the side itself (1).
+FN void fill_weights(GLOBAL scalar* domain, int n, int spared, real xi, real eta, jet2* weight) {
+  jet2 total = linear_jet2(K(0), K(0), K(0));
+  for (int k = 0; k < n; ++k) {
+    weight[k] = linear_jet2(K(1), K(0), K(0));
+    for (int i = 1; i <= n - spared; ++i)
+      weight[k] = mul_jet2(weight[k], distance_jet2(domain, n, k + i, xi, eta));
+    weight[k] = mul_jet2(weight[k], weight[k]);
+    total = sum_jet2(total, K(1), weight[k]);
+  }
+  for (int k = 0; k < n; ++k) weight[k] = mul_jet2(weight[k], inverse_jet2(total));
+}
+
+FN void fill_blend_second(GLOBAL scalar* domain, int n, real xi, real eta, int stride,
+                          GLOBAL_OUT scalar* out) {
+  const jet2 minus_one = linear_jet2(K(-1), K(0), K(0));
+  jet2 weight[SECOND_MOST_SIDES];
+  fill_weights(domain, n, 2, xi, eta, weight);
+  for (int k = 0; k < n; ++k) {
+    // Of corner k the part that eq. 2 takes away, w (V + v T_k(0) + u T_(k-1)(1) + twist).
+    const int step = JET2_REALS * stride;
+    GLOBAL_OUT scalar* rows = out + k * SECOND_BLEND_ROWS * stride;
+    GLOBAL_OUT scalar* before = out + wrap(k - 1, n) * SECOND_BLEND_ROWS * stride;
+    const jet2 u = parameter_jet2(domain, n, k, xi, eta),
+               v = rest_jet2(domain, n, wrap(k - 1, n), xi, eta);
+    const jet2 minus = mul_jet2(minus_one, weight[k]);
+    const jet2 on_v = mul_jet2(minus, v), on_u = mul_jet2(minus, u);
+    put_jet2(rows, stride, u);
+    put_jet2(rows + step, stride, minus);
+    put_jet2(rows + 2 * step, stride, on_v);
+    put_jet2(before + 3 * step, stride, on_u);
+    put_jet2(rows + 4 * step, stride, mul_jet2(mul_jet2(on_v, u), share_jet2(v, u)));
+    // T_Q runs against side k-1, hence the sign of its derivative.
+    put_jet2(before + 5 * step, stride,
+             mul_jet2(minus_one, mul_jet2(mul_jet2(on_u, v), share_jet2(u, v))));
+  }
+}
+
+FN void fill_curved_second(GLOBAL scalar* domain, int n, real xi, real eta, int stride,
+                           GLOBAL_OUT scalar* out) {
+  jet2 weight[SECOND_MOST_SIDES];
+  fill_weights(domain, n, 1, xi, eta, weight);
+  for (int k = 0; k < n; ++k) {
+    GLOBAL_OUT scalar* rows = out + k * SECOND_CURVED_ROWS * stride;
+    put_jet2(rows, stride, parameter_jet2(domain, n, k, xi, eta));
+    put_jet2(rows + JET2_REALS * stride, stride, weight[k]);
+  }
+}
+
 // The table of the probes [2][stride].
-FN void fill_second(GLOBAL scalar* domain, uint form, GLOBAL scalar* probe, int stride,
+FN void fill_second(GLOBAL scalar* domain, uint form, int n, GLOBAL scalar* probe, int stride,
                     GLOBAL_OUT scalar* out) {
   for (int i = 0; i < stride; ++i) {
+    const real xi = probe[i], eta = probe[stride + i];
     if (form == FORM_SEXTIC) {
-      fill_triangle_second(domain, probe[i], probe[stride + i], stride, out + i);
+      fill_triangle_second(domain, xi, eta, stride, out + i);
+    } else if (form == FORM_BEZIER) {
+      fill_quad_second(xi, eta, stride, out + i);
+    } else if (form == FORM_CURVED) {
+      fill_curved_second(domain, n, xi, eta, stride, out + i);
     } else {
-      fill_quad_second(probe[i], probe[stride + i], stride, out + i);
+      fill_blend_second(domain, n, xi, eta, stride, out + i);
     }
   }
 }

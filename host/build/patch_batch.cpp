@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "gliss/build/patch_draft.h"
 #include "gliss/surface/instances.h"
 #include "gliss/surface/layout.h"
 
@@ -11,6 +12,8 @@ namespace {
 
 constexpr std::size_t kPatchGrain = 64;
 constexpr std::uint32_t kMostCutSides = 32;  // of polygons whose ways to be cut into tiles are kept
+
+bool blends_sides(std::uint32_t form) { return form == kFormPaper || form == kFormRibbon; }
 
 }  // namespace
 
@@ -21,6 +24,7 @@ ValenceTables make_valence_tables(std::span<const char> used) {
   t.probe_begin.assign(used.size(), 0);
   t.probe_count.assign(used.size(), 0);
   t.cuts.resize(used.size());
+  t.second_begin.assign(2 * used.size(), 0);
   for (std::uint32_t n = 3; n < used.size(); ++n) {
     if (!used[n]) continue;
     append_domain(n, t.domain, t.domain_begin);
@@ -29,21 +33,20 @@ ValenceTables make_valence_tables(std::span<const char> used) {
     t.probe.resize(t.probe.size() + k.probe_reals(n));
     k.fill_probes(n, t.domain_of(n), &t.probe[t.probe_begin[n]]);
     if (n <= kMostCutSides) t.cuts[n] = tile_cuts_of(n);
+    for (const std::uint32_t form : {fair_form(n), kFormPaper}) {
+      const std::size_t begin = t.second.size(), reals = k.second_reals(form, n);
+      if (reals == 0) continue;
+      t.second_begin[2 * n + blends_sides(form)] = static_cast<std::uint32_t>(begin);
+      t.second.resize(begin + reals);
+      k.fill_second(t.domain_of(n), form, n, t.probes_of(n), &t.second[begin]);
+    }
   }
-  const auto fill = [&](std::uint32_t form, std::uint32_t n, std::vector<double>& table) {
-    if (n >= used.size() || !used[n]) return;
-    table.resize(k.second_reals(form, n));
-    k.fill_second(t.domain_of(n), form, n, t.probes_of(n), table.data());
-  };
-  fill(kFormSextic, 3, t.sextic);
-  fill(kFormBezier, 4, t.quad);
   return t;
 }
 
 const double* ValenceTables::second_of(std::uint32_t form, std::uint32_t n) const {
-  return form == kFormSextic             ? sextic.data()
-         : form == kFormBezier && n == 4 ? quad.data()
-                                         : nullptr;
+  if (kernels<double>().second_reals(form, n) == 0) return nullptr;
+  return &second[second_begin[2 * n + blends_sides(form)]];
 }
 
 DomainVec on_side(std::uint32_t n, std::uint32_t k, double t) {

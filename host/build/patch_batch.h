@@ -22,7 +22,10 @@ struct ValenceTables {
   std::vector<std::uint32_t> probe_begin;   // [valence], xi of all and then eta of all
   std::vector<std::uint32_t> probe_count;  // [valence], points; rows are longer (kernels/examine.h)
   std::vector<std::vector<TileCut>> cuts;  // [valence], of few sides
-  std::vector<double> sextic, quad;  // for second derivatives of those forms; empty: not in use
+  // For second derivatives (kernels/second.h), of fair patches and of those that blend sides:
+  // [valence][2], where they begin.
+  std::vector<double> second;
+  std::vector<std::uint32_t> second_begin;
 
   const double* domain_of(std::uint32_t n) const { return &domain[domain_begin[n]]; }
   const double* probes_of(std::uint32_t n) const { return &probe[probe_begin[n]]; }

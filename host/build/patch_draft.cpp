@@ -214,8 +214,8 @@ PatchShape examine(const PatchFrame& frame, const double* corner, const std::uin
 std::vector<Vec3> normals_of(const PatchDraft& d, const ValenceTables& tables,
                              std::span<const Eigen::Vector2d> at) {
   const std::size_t count = at.size();
-  std::vector<double> xi, eta, rows(9 * count);
-  for (const Eigen::Vector2d& X : at) xi.push_back(X.x()), eta.push_back(X.y());
+  std::vector<double> xi(count), eta(count), rows(9 * count);
+  for (std::size_t i = 0; i < count; ++i) xi[i] = at[i].x(), eta[i] = at[i].y();
   kernels<double>().evaluate(tables.domain_of(d.valence()), d.control.data(), d.form, d.valence(),
                              xi.data(), eta.data(), count, count, rows.data());
   std::vector<Vec3> normals;
@@ -238,9 +238,11 @@ PatchShape examine(const PatchDraft& d, const ValenceTables& tables, PatchSample
 double closer_turn(const PatchDraft& d, const ValenceTables& tables) {
   const std::uint32_t n = d.valence(), levels = kCloser * kernels<double>().probe_levels(n);
   std::vector<Eigen::Vector2d> at;
+  at.reserve(n * levels * (levels + 1) / 2);
   for (std::uint32_t side = 0; side < n; ++side) {
+    const Eigen::Vector2d start = on_side(n, side, 0), along = on_side(n, side, 1) - start;
     for (double ring = 1; ring <= levels; ++ring) {
-      for (double i = 0; i < ring; ++i) at.emplace_back(ring / levels * on_side(n, side, i / ring));
+      for (double i = 0; i < ring; ++i) at.emplace_back((ring * start + i * along) / levels);
     }
   }
   double turn = 1;

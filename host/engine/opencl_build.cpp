@@ -34,8 +34,8 @@ class OpenClBuilder {
         probe_(shared.device, queue_, "the tables"),
         domain_begin_(shared.device, queue_, "the tables"),
         probe_begin_(shared.device, queue_, "the tables"),
-        sextic_(shared.device, queue_, "the tables"),
-        quad_(shared.device, queue_, "the tables"),
+        second_(shared.device, queue_, "the tables"),
+        second_begin_(shared.device, queue_, "the tables"),
         control_begin_(shared.device, queue_, "the control data"),
         control_(shared.device, queue_, "the control data"),
         sound_(shared.device, queue_, "the control data"),
@@ -69,8 +69,8 @@ class OpenClBuilder {
     upload(probe_, b.tables->probe);
     upload(domain_begin_, b.tables->domain_begin);
     upload(probe_begin_, b.tables->probe_begin);
-    upload(sextic_, b.tables->sextic);
-    upload(quad_, b.tables->quad);
+    upload(second_, b.tables->second);
+    upload(second_begin_, b.tables->second_begin);
     upload(sample_begin_, b.sample_begin);
     sample_.resize(b.sample_begin.back());
     shape_.resize(patches * kShapeReals);
@@ -78,8 +78,8 @@ class OpenClBuilder {
                                      probe_.buffer(), probe_begin_.buffer(), begins_.buffer(),
                                      corner_.buffer(), triangle_.buffer(), frame_.buffer(),
                                      control_.buffer(), control_begin_.buffer(), form_.buffer(),
-                                     sextic_.buffer(), quad_.buffer(), sample_begin_.buffer(),
-                                     sample_.buffer(), shape_.buffer()));
+                                     second_.buffer(), second_begin_.buffer(),
+                                     sample_begin_.buffer(), sample_.buffer(), shape_.buffer()));
     control_.download(built_reals);
     if (b.to_build > 0) sound_.download();
     sample_.download();
@@ -150,8 +150,8 @@ class OpenClBuilder {
   Staging<cl_uint> form_;
   Staging<double> domain_, probe_;
   Staging<cl_uint> domain_begin_, probe_begin_;
-  Staging<double> sextic_, quad_;
-  Staging<cl_uint> control_begin_;
+  Staging<double> second_;
+  Staging<cl_uint> second_begin_, control_begin_;
   Staging<double> control_, sound_;
   Staging<cl_uint> sample_begin_;
   Staging<double> sample_, shape_;

@@ -52,7 +52,7 @@ void expect_no_leap(const std::string& name, const Mesh& raw, bool has_creases,
   for (const Felt& surface : surfaces_of(mesh, has_creases ? test::with_creases(raw) : mesh)) {
     for (const double deep : {1.0, 0.2}) {
       const double depth = deep * walk_depth(mesh);
-      const std::vector<Walk> walks = paths_on(mesh, depth, 10'000);
+      const std::vector<Walk> walks = paths_on(mesh, depth, 40'000);
       QueryOptions leaping{{}, surface.method};
       const QueryOptions settling = leaping;
       leaping.settle = 0;
@@ -63,7 +63,7 @@ void expect_no_leap(const std::string& name, const Mesh& raw, bool has_creases,
       EXPECT_EQ(felt.jumps(), 0u) << which;
       EXPECT_EQ(felt.lost, 0u) << which;
       if (surface.method == Method::kGregory) {
-        // If walks are few, one may lead along an edge.
+        // If walks are few, one may lead along an edge, or begin deep within another part.
         EXPECT_LT(felt.settling_share(), std::getenv("GLISS_LONG_TESTS") ? 0.05 : 0.1) << which;
       }
       EXPECT_EQ(before.settling, 0u);
@@ -113,7 +113,7 @@ TEST(SettledWalk, is_felt_alike_where_patches_are_built_on_the_way) {
   const PatchCache cache = build_cache(mesh);
   const double depth = walk_depth(mesh);
   std::size_t slides = 0;
-  for (const Walk& walk : paths_on(mesh, depth, 10'000)) {
+  for (const Walk& walk : paths_on(mesh, depth, 40'000)) {
     LazyTracker lazy(mesh, {.rings = 2});
     ContactTracker whole(cache, {});
     ForceStatistics felt(depth);
