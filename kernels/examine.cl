@@ -15,7 +15,7 @@ __kernel GROUP void examine_patches(
   if (i >= count) return;
   const uint first = side_begin[i];
   const int n = (int)(side_begin[i + 1] - first);
-  const uint its_table = second_begin[2 * n + blends_sides(form[i])];
+  const uint its_table = second_begin[2 * n + BLENDS_SIDES(form[i])];
   __global const scalar* table = second_rows(form[i], n) > 0 ? second + its_table : 0;
   store_shape(shape + (ulong)i * SHAPE_REALS,
               examine(domain + domain_begin[n], probe + probe_begin[n], probe_count(n),

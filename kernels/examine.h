@@ -92,7 +92,7 @@ FN patch_probe probe_of(patch_jet g) {
   return r;
 }
 
-// By second derivatives where `table` has them (second.h), else by differences.
+// Probes by second derivatives where `table` has them (second.h), else by differences.
 FN_LARGE patch_probe probe_patch(GLOBAL scalar* domain, GLOBAL scalar* control, uint form, int n,
                                  real xi, real eta, GLOBAL scalar* table) {
   if (table && IS_FORM(form, FORM_SEXTIC))

@@ -16,6 +16,8 @@
 #define FORM_SEXTIC 4u  // a Gregory triangle of degree 6 (sextic.h)
 #define FORM_CURVED 5u  // a blend of curved ribbons (curved.h)
 #define FORM_COUNT 6u
+// True if patches of the form are a blend of corner interpolators (patch.h).
+#define BLENDS_SIDES(form) ((form) == FORM_PAPER || (form) == FORM_RIBBON)
 // The most cells of a table along half a side.
 #define TABLE_MOST_CELLS 64
 // The most sides of a fair patch; the blend of more is the paper's, whose numbers are made for it.

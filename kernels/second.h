@@ -11,20 +11,18 @@
 #define SECOND_TRIANGLE_ROWS (3 + SECOND_WEIGHTS + 3 * JET2_REALS)
 // A side of curved.h has u_k and its share of the weights.
 #define SECOND_CURVED_ROWS (2 * JET2_REALS)
-// A side of patch.h has u_k, then the factors of V_k, T_k(0), T_k(1), T_k'(0) and T_k'(1) in G.
+// A side of patch.h, whose forms share the table, has u_k, then the factors of V_k, T_k(0), T_k(1),
+// T_k'(0) and T_k'(1) in G.
 #define SECOND_BLEND_ROWS (6 * JET2_REALS)
 // Tables of more sides would be larger than caches.
 #define SECOND_MOST_SIDES 8
-
-// True if the form is a sum of patch.h; those share one table for each valence.
-FN int blends_sides(uint form) { return form == FORM_PAPER || form == FORM_RIBBON; }
 
 // Rows of the forms that have second derivatives; 0: none.
 FN int second_rows(uint form, int n) {
   if (form == FORM_BEZIER && n == 4) return SECOND_QUAD_ROWS;
   if (form == FORM_SEXTIC) return SECOND_TRIANGLE_ROWS;
   if (n > SECOND_MOST_SIDES) return 0;
-  return blends_sides(form)    ? n * SECOND_BLEND_ROWS
+  return BLENDS_SIDES(form)    ? n * SECOND_BLEND_ROWS
          : form == FORM_CURVED ? n * SECOND_CURVED_ROWS
                                : 0;
 }

@@ -83,7 +83,7 @@ FN jet2 distance_jet2(GLOBAL scalar* domain, int n, int k, real xi, real eta) {
 // a / (a + b)
 FN jet2 share_jet2(jet2 a, jet2 b) { return mul_jet2(a, inverse_jet2(sum_jet2(a, K(1), b))); }
 
-// u_k, and what is left of 1.
+// u_k of eq. 3; rest_jet2 is 1 - u_k.
 FN jet2 parameter_jet2(GLOBAL scalar* domain, int n, int k, real xi, real eta) {
   return share_jet2(distance_jet2(domain, n, k - 1, xi, eta),
                     distance_jet2(domain, n, k + 1, xi, eta));
@@ -93,7 +93,8 @@ FN jet2 rest_jet2(GLOBAL scalar* domain, int n, int k, real xi, real eta) {
                     distance_jet2(domain, n, k - 1, xi, eta));
 }
 
-// Shares of 1, in proportion to the products of squared distances to all sides but the corner's two
+// Fills in shares of 1, in proportion to the products of squared distances to all sides but the
+// corner's two
 // (`spared` 2, eq. 5) or the side itself (1).
 FN void fill_weights(GLOBAL scalar* domain, int n, int spared, real xi, real eta, jet2* weight) {
   jet2 total = linear_jet2(K(0), K(0), K(0));
@@ -104,7 +105,8 @@ FN void fill_weights(GLOBAL scalar* domain, int n, int spared, real xi, real eta
     weight[k] = mul_jet2(weight[k], weight[k]);
     total = sum_jet2(total, K(1), weight[k]);
   }
-  for (int k = 0; k < n; ++k) weight[k] = mul_jet2(weight[k], inverse_jet2(total));
+  const jet2 over = inverse_jet2(total);
+  for (int k = 0; k < n; ++k) weight[k] = mul_jet2(weight[k], over);
 }
 
 FN void fill_blend_second(GLOBAL scalar* domain, int n, real xi, real eta, int stride,
@@ -113,7 +115,7 @@ FN void fill_blend_second(GLOBAL scalar* domain, int n, real xi, real eta, int s
   jet2 weight[SECOND_MOST_SIDES];
   fill_weights(domain, n, 2, xi, eta, weight);
   for (int k = 0; k < n; ++k) {
-    // Of corner k the part that eq. 2 takes away, w (V + v T_k(0) + u T_(k-1)(1) + twist).
+    // Corner k takes away w (V + v T_k(0) + u T_(k-1)(1) + twist) (eq. 2).
     const int step = JET2_REALS * stride;
     GLOBAL_OUT scalar* rows = out + k * SECOND_BLEND_ROWS * stride;
     GLOBAL_OUT scalar* before = out + wrap(k - 1, n) * SECOND_BLEND_ROWS * stride;

@@ -30,6 +30,7 @@ FN curve_point cubic_at(control_data side, int first, real t) {
 // Surface normal along the side, not of unit length (eq. 10).
 FN real3 side_normal(control_data side, real t) { return cubic_at(side, SIDE_NORMAL, t).f; }
 
+// The cubic a + b t + c t^2 + d t^3 (Horner).
 FN curve_jet cubic_jet(real3 a, real3 b, real3 c, real3 d, real t) {
   curve_jet r;
   r.f = fma3(t, d, c);

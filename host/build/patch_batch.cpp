@@ -13,8 +13,6 @@ namespace {
 constexpr std::size_t kPatchGrain = 64;
 constexpr std::uint32_t kMostCutSides = 32;  // of polygons whose ways to be cut into tiles are kept
 
-bool blends_sides(std::uint32_t form) { return form == kFormPaper || form == kFormRibbon; }
-
 }  // namespace
 
 ValenceTables make_valence_tables(std::span<const char> used) {

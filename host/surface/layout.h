@@ -17,6 +17,8 @@ inline constexpr std::size_t kSideReals = SIDE_REALS, kPatchReals = PATCH_REALS,
 inline constexpr std::uint32_t kFormPaper = FORM_PAPER, kFormRibbon = FORM_RIBBON,
                                kFormBezier = FORM_BEZIER, kFormTable = FORM_TABLE,
                                kFormSextic = FORM_SEXTIC, kFormCurved = FORM_CURVED;
+// True if patches of the form are a blend of corner interpolators.
+constexpr bool blends_sides(std::uint32_t form) { return BLENDS_SIDES(form); }
 static_assert(kMostTableCells == TABLE_MOST_CELLS);
 inline constexpr std::uint32_t kMostFairSides = FAIR_MOST_SIDES;
 inline constexpr std::uint32_t kFormsUnited = 256;  // among bits of forms: parts overlap
@@ -92,6 +94,7 @@ bool is_outer_side(const PatchCache& cache, const Surface<Real>& surface, std::u
 #undef FORM_SEXTIC
 #undef FORM_CURVED
 #undef FORM_COUNT
+#undef BLENDS_SIDES
 #undef FAIR_MOST_SIDES
 #undef SIDE_C
 #undef SIDE_T_0

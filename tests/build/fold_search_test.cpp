@@ -2,7 +2,6 @@
 // differences that it stands for: no fold that one finds may escape the other.
 
 #include <array>
-#include <numbers>
 
 #include "gliss/build/fair_sides.h"
 #include "gliss/build/patch_draft.h"
@@ -24,24 +23,11 @@ const ValenceTables& fold_tables() {
   return all;
 }
 
-// A prism whose caps have n sides, of a size near 10.
-Mesh prism(Rng& rng, std::uint32_t n, double shake, double tilt) {
-  Mesh mesh;
-  for (std::uint32_t i = 0; i < 2 * n; ++i) {
-    const double turn = 2 * std::numbers::pi * (i % n) / n;
-    mesh.positions.push_back(10 * Vec3(std::cos(turn), std::sin(turn), i < n ? 0 : 1) +
-                             shake * oracle::random_unit(rng));
-  }
-  std::vector<std::uint32_t> below, above;
-  for (std::uint32_t i = 0; i < n; ++i) {
-    below.push_back(n - 1 - i), above.push_back(n + i);
-    test::add_face(mesh, {i, (i + 1) % n, n + (i + 1) % n, n + i});
-  }
-  for (const auto& cap : {below, above}) {
-    mesh.corner_vertex.insert(mesh.corner_vertex.end(), cap.begin(), cap.end());
-    mesh.face_begin.push_back(static_cast<std::uint32_t>(mesh.corner_vertex.size()));
-  }
-  test::add_normals(mesh, rng, tilt, [](const Vec3& p) { return Vec3(p - Vec3(0, 0, 5)); });
+// The mesh with its vertices moved and their normals tilted at random.
+Mesh shaken(Mesh mesh, Rng& rng, double shake, double tilt) {
+  mesh = test::with_normals(mesh);
+  for (Vec3& p : mesh.positions) p += shake * oracle::random_unit(rng);
+  for (Vec3& m : mesh.normals) m = oracle::random_tilt(rng, m, tilt);
   return mesh;
 }
 
@@ -127,7 +113,7 @@ struct Search {
 
 std::vector<Mesh> meshes_of_all_valences(Rng& rng) {
   return {test::random_sphere(rng, 40, 1, 0.2), torus(12, 8).mesh, goldberg(2).mesh,
-          prism(rng, 7, 0.5, 0.2), prism(rng, 8, 0.5, 0.2)};
+          shaken(prism(7).mesh, rng, 0.5, 0.2), shaken(prism(8).mesh, rng, 0.5, 0.2)};
 }
 
 TEST(FoldSearch, second_derivatives_agree_with_differences) {
@@ -143,12 +129,15 @@ TEST(FoldSearch, second_derivatives_agree_with_differences) {
       ASSERT_NE(table, nullptr);
       const double curvature = shape_by(nullptr, d, inside)[kShapeCurvature];
       EXPECT_NEAR(shape_by(table, d, inside)[kShapeCurvature], curvature, 2e-4 * curvature);
-      // At corners it depends on the direction, and so on the step.
-      EXPECT_NEAR(a.rho_min, b.rho_min, 0.1 * b.rho_min);
-      EXPECT_NEAR(a.turn, b.turn, 1e-11);
+      // At corners it depends on the direction, and so on the step: more so where sides are
+      // blended.
+      const bool is_blend = d.form != kFormSextic && d.form != kFormBezier;
+      EXPECT_NEAR(a.rho_min, b.rho_min, (is_blend ? 0.1 : 1e-2) * b.rho_min);
+      EXPECT_NEAR(a.turn, b.turn, is_blend ? 1e-11 : 1e-12);
       // Widened by what that curvature bends between samples.
-      EXPECT_NEAR(a.sag, b.sag, 1e-2 * b.sag + 1e-9);
-      EXPECT_LE((a.low - b.low).norm() + (a.high - b.high).norm(), 1e-2);
+      const double bent = is_blend ? 1e-2 : 1e-3;
+      EXPECT_NEAR(a.sag, b.sag, bent * b.sag + 1e-9);
+      EXPECT_LE((a.low - b.low).norm() + (a.high - b.high).norm(), bent);
     });
   }
 }
@@ -167,9 +156,10 @@ TEST(FoldSearch, samples_are_those_of_the_patch) {
           kernels<double>().sample(fold_tables().domain_of(n), d.control.data(), d.form, axes, n,
                                    fold_tables().probes_of(n), samples.count, rows.data());
       EXPECT_NEAR(samples.stretch2, stretch2, 1e-12 * stretch2);
+      const double most = d.form == kFormCurved ? 1e-10 : 1e-12;  // its weights change fast
       for (std::size_t row = 0; row < kCutRows; ++row) {
         for (std::uint32_t i = 0; i < fold_tables().probe_count[n]; ++i)
-          ASSERT_NEAR(samples.rows[row * samples.count + i], rows[row * samples.count + i], 1e-10);
+          ASSERT_NEAR(samples.rows[row * samples.count + i], rows[row * samples.count + i], most);
       }
     });
   }
@@ -190,12 +180,9 @@ TEST(FoldSearch, loses_no_fold_of_random_faces) {
     sheet.tilt = tilt;
     sheet.has_quads = true;
     add(test::random_sheet(rng, sheet));
-    Mesh quads = torus(12, 8).mesh;
     const double shake = oracle::uniform(rng, 0, 4);
-    for (Vec3& p : quads.positions) p += shake * oracle::random_unit(rng);
-    for (Vec3& m : quads.normals) m = oracle::random_tilt(rng, m, tilt);
-    add(quads);
-    for (const std::uint32_t n : {5u, 6u, 8u}) add(prism(rng, n, shake, tilt));
+    add(shaken(torus(12, 8).mesh, rng, shake, tilt));
+    for (const int n : {5, 6, 8}) add(shaken(prism(n).mesh, rng, shake, tilt));
   }
   EXPECT_EQ(search.lost, 0u) << search.text();
   EXPECT_GT(search.folded, search.patches / 50) << search.text();

@@ -1,8 +1,6 @@
 // The writers of files, killed at every system call that has to do with files, and with each of
 // these calls failing: afterwards the old file is there or the whole new one, and nothing else.
-// Without GLISS_LONG_TESTS the middle ones of many calls of one name are left out.
 #include <sstream>
-#include <utility>
 
 #include "gliss/tables/hdf5_reader.h"
 #include "tests/support/places.h"
@@ -21,8 +19,6 @@ using ::testing::StartsWith;
 constexpr char kCalls[] =
     "openat,write,pwrite64,fsync,rename,close,ftruncate,truncate,unlink,flock,fchmod";
 constexpr char kOld[] = "what was there before";
-
-constexpr int kEnds = 3;  // the first calls of a name, and as many of the last
 
 bool is_long() { return std::getenv("GLISS_LONG_TESTS") != nullptr; }
 
@@ -53,8 +49,8 @@ class FaultInjection : public test::RunTest {
     return process.wait();
   }
 
-  // The calls of the main thread from the first that has to do with the temporary, without the
-  // middle ones of a name; with GLISS_LONG_TESTS all of them.
+  // The calls of the main thread from the first that has to do with the temporary; with
+  // GLISS_LONG_TESTS all of them.
   std::vector<Call> calls_of(const std::vector<std::string>& words) const {
     const Outcome outcome = strace({"-o", "told", "-e", std::string("trace=") + kCalls}, words);
     EXPECT_EQ(outcome.code, 0) << outcome.err;
@@ -75,12 +71,6 @@ class FaultInjection : public test::RunTest {
       writing = writing || line.find(".gliss-tmp") != line.npos;
       if ((writing || is_long()) && !fails_anyway) calls.push_back({name, number, writing});
     }
-    if (is_long()) return calls;
-    const std::map<std::string, int> all = std::exchange(count, {});
-    std::erase_if(calls, [&](const Call& call) {
-      const int from_end = all.at(call.name) - call.number;
-      return ++count[call.name] > kEnds && from_end >= kEnds;
-    });
     return calls;
   }
 

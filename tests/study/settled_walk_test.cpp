@@ -113,7 +113,7 @@ TEST(SettledWalk, is_felt_alike_where_patches_are_built_on_the_way) {
   const PatchCache cache = build_cache(mesh);
   const double depth = walk_depth(mesh);
   std::size_t slides = 0;
-  for (const Walk& walk : paths_on(mesh, depth, 40'000)) {
+  for (const Walk& walk : paths_on(mesh, depth, 10'000)) {
     LazyTracker lazy(mesh, {.rings = 2});
     ContactTracker whole(cache, {});
     ForceStatistics felt(depth);
