@@ -1,12 +1,10 @@
 // Cuts a patch into tiles (tile.h). Lanes are tiles. On the host only, in double: words have 32
 // bits.
 //
-// A tile's bounds are from CUT_POINTS samples, CUT_RINGS to a side, widened by what may lie
-// between them. Its points are those of a triangle of CUT_RINGS rows: (a, b), b <= a, is point
+// A tile's bounds are from samples, CUT_RINGS or CUT_FEW_RINGS to a side, widened by what may lie
+// between them. Its points are those of a triangle of so many rows: (a, b), b <= a, is point
 // a (a + 1) / 2 + b. Between them lie small triangles, most of them turned as the tile is, (a, b),
 // (a + 1, b), (a + 1, b + 1), and some the other way, (a, b), (a, b + 1), (a + 1, b + 1).
-
-#define CUT_TRIANGLES 16
 
 // Local: what curves more has no end of it.
 #define CUT_MOST_CURVATURE K(1e4f)
@@ -56,12 +54,12 @@ FN cut_sample cut_sample_of(patch_point p, GLOBAL scalar* frame) {
 // Samples of a patch at `count` points, a multiple of CUT_PAD, as CUT_ROWS rows. Returns the
 // largest squared length of G_xi and G_eta.
 FN_LARGE scalar sample_patch(GLOBAL scalar* domain, GLOBAL scalar* control, uint form,
-                             GLOBAL scalar* frame, int n, GLOBAL scalar* at, int count,
-                             GLOBAL_OUT scalar* rows) {
+                             GLOBAL scalar* frame, int n, GLOBAL scalar* xi, GLOBAL scalar* eta,
+                             int count, GLOBAL_OUT scalar* rows) {
   real stretch2 = splat(K(0));
   for (int i = 0; i < count; i += GLISS_LANES) {
     const patch_point p =
-        evaluate_form(domain, control, form, n, load_lanes(at + i), load_lanes(at + count + i));
+        evaluate_form(domain, control, form, n, load_lanes(xi + i), load_lanes(eta + i));
     const cut_sample s = cut_sample_of(p, frame);
     store3(rows + i, (ulong)count, s.p);
     store3(rows + 3 * count + i, (ulong)count, s.n);
@@ -78,7 +76,7 @@ FN_LARGE scalar least_cosine(GLOBAL scalar* rows, int stride, GLOBAL uint* index
   GLOBAL scalar* normals = rows + 3 * stride;
   real least = splat(K(1));
   for (int first = 0; first < tiles; first += GLISS_LANES) {
-    real3 n[CUT_POINTS], sum = make3(splat(K(0)), splat(K(0)), splat(K(0)));
+    real3 n[CUT_POINTS(CUT_RINGS)], sum = make3(splat(K(0)), splat(K(0)), splat(K(0)));
     for (int i = 0; i < points; ++i) {
       n[i] = gather_triple(normals, (ulong)stride, index + i * tiles + first);
       sum = add3(sum, n[i]);
@@ -129,11 +127,11 @@ FN tile_bends add_bend(tile_bends t, int is_same, cut_sample a, cut_sample b, cu
   return t;
 }
 
-FN tile_bends bends_of(const cut_sample* s) {
+FN tile_bends bends_of(const cut_sample* s, int rings) {
   const real zero = splat(K(0)), far = splat(K(INFINITY));
   const real3 none = make3(zero, zero, zero);
   tile_bends t = {far, -far, far, -far, zero, none, none};
-  for (int a = 0; a < CUT_RINGS; ++a) {
+  for (int a = 0; a < rings; ++a) {
     for (int b = 0; b <= a; ++b) {
       const cut_sample *here = s + a * (a + 1) / 2 + b, *next = s + (a + 1) * (a + 2) / 2 + b;
       t = add_bend(t, 1, here[0], next[0], next[1]);
@@ -262,20 +260,21 @@ typedef struct {
   real word[TILE_UINTS], low, high, turn, rest, radius, most;
 } cut_tile;
 
-FN_LARGE cut_tile cut_tile_of(const cut_sample* s, cut_frame f, GLOBAL scalar* transform,
-                              ulong stride) {
+FN cut_tile cut_tile_of(const cut_sample* s, int rings, cut_frame f, GLOBAL scalar* transform,
+                        ulong stride) {
+  const int points = CUT_POINTS(rings);
   const real zero = splat(K(0)), far = splat(K(INFINITY));
   real3 sum = make3(zero, zero, zero), middle = sum;
-  for (int i = 0; i < CUT_POINTS; ++i) {
+  for (int i = 0; i < points; ++i) {
     sum = add3(sum, s[i].n);
     middle = add3(middle, s[i].p);
   }
   const mask is_down = sum.z < zero;
   sum = pick3(is_down, sub3(make3(zero, zero, zero), sum), sum);
   const axis_code axis = axis_code_of(unit3(sum));
-  middle = mul3(splat(K(1) / K(CUT_POINTS)), middle);
+  middle = mul3(splat(K(1) / K(points)), middle);
   real least = splat(K(1)), top = -far, bottom = far;
-  for (int i = 0; i < CUT_POINTS; ++i) {
+  for (int i = 0; i < points; ++i) {
     const real along = dot3(s[i].n, axis.axis), cosine = pick(is_down, -along, along),
                height = dot3(sub3(s[i].p, middle), axis.axis);
     least = pick(cosine >= least, least, pick(cosine == cosine, cosine, -splat(K(1))));
@@ -288,7 +287,7 @@ FN_LARGE cut_tile cut_tile_of(const cut_sample* s, cut_frame f, GLOBAL scalar* t
             centre_code(at.z, f.low.z, f.step.z));
   const real3 centre = make3(fma(code.x, f.step.x, f.low.x), fma(code.y, f.step.y, f.low.y),
                              fma(code.z, f.step.z, f.low.z));
-  const tile_bends bends = bends_of(s);
+  const tile_bends bends = bends_of(s, rings);
   // The outermost samples are not quite on the sides.
   const real slack = sqrt(bends.slack2) + K(2e-5f) * f.stretch;
   const real low = bends.low - CUT_MORE_CURVATURE * (bends.low_most - bends.low),
@@ -299,7 +298,7 @@ FN_LARGE cut_tile cut_tile_of(const cut_sample* s, cut_frame f, GLOBAL scalar* t
   r.high = pick(is_down, -low, high);
   const real mean = K(0.5f) * (r.low + r.high);
   real half = zero, radius2 = zero, rest2 = zero;
-  for (int i = 0; i < CUT_POINTS; ++i) {
+  for (int i = 0; i < points; ++i) {
     const real3 away = sub3(s[i].p, centre);
     const real height = dot3(away, axis.axis);
     const real3 aside = fma3(-height, axis.axis, away);
@@ -321,25 +320,25 @@ FN_LARGE cut_tile cut_tile_of(const cut_sample* s, cut_frame f, GLOBAL scalar* t
   r.word[TILE_HALF_CURVES] = above;
   const real3 second = add3(along_domain_of(bends.same, transform, stride),
                             along_domain_of(bends.turned, transform + 4 * stride, stride));
-  r.word[TILE_BEND] = second_bits(mul3(splat(K(1) / K(CUT_TRIANGLES)), second));
+  // The mean of rings^2 small triangles, whose sides are CUT_RINGS / rings of those that the
+  // transforms are for.
+  r.word[TILE_BEND] = second_bits(mul3(splat(K(1) / K(CUT_RINGS * CUT_RINGS)), second));
   return r;
 }
 
-// The tiles of a patch from its samples, `tiles` a multiple of CUT_PAD. Returns the largest
-// curvature of all, local, at least `curvature`; the words have no curvatures yet.
-FN_LARGE scalar cut_patch(GLOBAL scalar* rows, int stride, GLOBAL uint* index,
-                          GLOBAL scalar* transforms, int tiles, GLOBAL scalar* box, scalar stretch2,
-                          scalar curvature, GLOBAL_OUT scalar* out) {
+FN scalar cut_by(int rings, GLOBAL scalar* rows, int stride, GLOBAL uint* index,
+                 GLOBAL scalar* transforms, int tiles, GLOBAL scalar* box, scalar stretch2,
+                 scalar curvature, GLOBAL_OUT scalar* out) {
   const cut_frame frame = cut_frame_of(box, stretch2);
   real most = splat(curvature);
   for (int first = 0; first < tiles; first += GLISS_LANES) {
-    cut_sample s[CUT_POINTS];
-    for (int i = 0; i < CUT_POINTS; ++i) {
+    cut_sample s[CUT_POINTS(CUT_RINGS)];
+    for (int i = 0; i < CUT_POINTS(rings); ++i) {
       GLOBAL uint* at = index + i * tiles + first;
       s[i].p = gather_triple(rows, (ulong)stride, at);
       s[i].n = gather_triple(rows + 3 * stride, (ulong)stride, at);
     }
-    const cut_tile t = cut_tile_of(s, frame, transforms + first, (ulong)tiles);
+    const cut_tile t = cut_tile_of(s, rings, frame, transforms + first, (ulong)tiles);
     for (int i = 0; i < TILE_UINTS; ++i) store_lanes(out + i * tiles + first, t.word[i]);
     const real later[] = {t.low, t.high, t.turn, t.rest, t.radius};
     for (int i = 0; i < CUT_OUT_ROWS - TILE_UINTS; ++i)
@@ -347,6 +346,18 @@ FN_LARGE scalar cut_patch(GLOBAL scalar* rows, int stride, GLOBAL uint* index,
     most = larger(t.most, most);
   }
   return largest_lane(most);
+}
+
+// The tiles of a patch from its samples, `rings` to a tile's side, `tiles` a multiple of CUT_PAD.
+// Returns the largest curvature of all, local, at least `curvature`; the words have no curvatures
+// yet.
+FN_LARGE scalar cut_patch(GLOBAL scalar* rows, int stride, GLOBAL uint* index, int rings,
+                          GLOBAL scalar* transforms, int tiles, GLOBAL scalar* box, scalar stretch2,
+                          scalar curvature, GLOBAL_OUT scalar* out) {
+  return rings == CUT_RINGS ? cut_by(CUT_RINGS, rows, stride, index, transforms, tiles, box,
+                                     stretch2, curvature, out)
+                            : cut_by(CUT_FEW_RINGS, rows, stride, index, transforms, tiles, box,
+                                     stretch2, curvature, out);
 }
 
 // A curvature as eight bits of it are read.

@@ -18,8 +18,8 @@ __kernel GROUP void examine_patches(
   const uint its_table = second_begin[2 * n + BLENDS_SIDES(form[i])];
   __global const scalar* table = second_rows(form[i], n) > 0 ? second + its_table : 0;
   store_shape(shape + (ulong)i * SHAPE_REALS,
-              examine(domain + domain_begin[n], probe + probe_begin[n], probe_count(n),
-                      control + control_begin[i], form[i], corner + 6 * (ulong)first,
+              examine(domain + domain_begin[n], probe + probe_begin[n], probe_coarse(n),
+                      probe_count(n), control + control_begin[i], form[i], corner + 6 * (ulong)first,
                       triangle + 3 * (ulong)(first - 2 * i), frame + (ulong)i * FRAME_REALS, n,
                       table, rows + rows_begin[i]));
 }

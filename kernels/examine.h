@@ -4,18 +4,31 @@
 
 // Probes of a valence: its centre, then rings of a fan from there to the sides; ring r of L has n r
 // points. Table, made on the host: xi of all, eta of all, each row filled up to a multiple of
-// PROBE_PAD with the centre.
+// PROBE_PAD with the centre. With up to PROBE_MOST_COARSE sides the coarse probes come first,
+// filled up too: every other point of every other ring, then the rest of the outermost, where
+// patches curve most. A gentle patch is sampled there alone.
 #define PROBE_PAD 16
-#define PROBE_STRIDE(n) ((probe_count(n) + PROBE_PAD - 1) / PROBE_PAD * PROBE_PAD)
+#define PROBE_PADDED(count) (((count) + PROBE_PAD - 1) / PROBE_PAD * PROBE_PAD)
+#define PROBE_STRIDE(n) PROBE_PADDED(probe_count(n))
+#define PROBE_MOST_COARSE 8
 // Step of the differences that curvature is taken from; a power of two.
 #define PROBE_STEP K(0x1p-17f)
 
 FN int probe_levels(int n) { return n <= 8 ? 8 : n <= 32 ? 6 : n <= 128 ? 4 : 2; }
-FN int probe_count(int n) { return 1 + n * probe_levels(n) * (probe_levels(n) + 1) / 2; }
+FN int probes_of_rings(int n, int rings) { return 1 + n * rings * (rings + 1) / 2; }
+FN int coarse_probes(int n) {
+  return probes_of_rings(n, probe_levels(n) / 2) + n * probe_levels(n) / 2;
+}
+FN int probe_coarse(int n) { return n <= PROBE_MOST_COARSE ? PROBE_PADDED(coarse_probes(n)) : 0; }
+FN int probe_count(int n) {
+  const int all = probes_of_rings(n, probe_levels(n)), coarse = probe_coarse(n);
+  return coarse ? coarse + all - coarse_probes(n) : all;
+}
 
 typedef struct {
   real3 low, high, along_low, along_high, bend;
   real turn, curvature, stretch2, sag2, finite;
+  int rings;  // that were sampled
 } patch_shape;
 
 FN real3 smaller3(real3 a, real3 b) {
@@ -76,6 +89,17 @@ FN real corner_turn(GLOBAL scalar* control, int reals, GLOBAL scalar* corner, in
     least = pick(twist > TWIST_MOST, splat(K(-1)), least);
   }
   return least;
+}
+
+// The place in the table of point i of a ring (1 to probe_levels).
+FN int probe_place(int n, int ring, int i) {
+  const int inner = probes_of_rings(n, ring - 1), first = probe_coarse(n);
+  if (!first) return inner + i;
+  const int fan = i / ring, along = i % ring, halfway = ring / 2, is_even = ring % 2 == 0;
+  if (is_even && along % 2 == 0) return probes_of_rings(n, halfway - 1) + fan * halfway + along / 2;
+  if (ring == probe_levels(n)) return probes_of_rings(n, halfway) + i / 2;
+  const int before = inner - probes_of_rings(n, (ring - 1) / 2);
+  return first + before + (is_even ? i / 2 : i);
 }
 
 // A probe: the patch, its unit normal and its second fundamental form.
@@ -172,9 +196,34 @@ FN real larger_sag2(real sag2, const sag_frame* s, GLOBAL scalar* corner, GLOBAL
   return larger(smaller(near, polygon_distance2(corner, triangle, n, x)), sag2);
 }
 
-// `count` 0: of the base polygon alone. `table`: null, or that of second.h. `rows`: null, or where
-// samples go for tiles to be cut from (cut.h).
-FN_LARGE patch_shape examine(GLOBAL scalar* domain, GLOBAL scalar* probe, int count,
+// Over all lanes. 0 is added because which of 0 and -0 won depends on their number.
+FN scalar least_lane(real a) {
+  scalar r = lane(a, 0);
+  for (int i = 1; i < GLISS_LANES; ++i) r = lane(a, i) < r ? lane(a, i) : r;
+  return r + K(0);
+}
+FN scalar largest_lane(real a) {
+  scalar r = lane(a, 0);
+  for (int i = 1; i < GLISS_LANES; ++i) r = lane(a, i) > r ? lane(a, i) : r;
+  return r + K(0);
+}
+
+// A gentle patch keeps near its base polygon's direction, and turns so little (rad) from a probe to
+// the next that these tell of what lies between: a fold would have to curve ten times as much as
+// they do. Triangles that blend sides bend most between the coarse probes at their corners.
+#define GENTLE_TURN K(0.1875f)
+FN int is_gentle(patch_shape s, uint form, int n, int rings) {
+  if (n == 3 && BLENDS_SIDES(form)) return 0;
+  const scalar curvature = largest_lane(s.curvature),
+               stretch2 = largest_lane(s.stretch2) / (scalar)(rings * rings);
+  return least_lane(s.turn) > K(GENTLE_COSINE) && least_lane(s.finite) > K(0) &&
+         stretch2 * curvature * curvature < GENTLE_TURN * GENTLE_TURN;
+}
+
+// `count` 0: of the base polygon alone. `coarse`: after so many probes a gentle patch needs no
+// more, or 0. `table`: null, or that of second.h. `rows`: null, or where samples go for tiles to be
+// cut from (cut.h).
+FN_LARGE patch_shape examine(GLOBAL scalar* domain, GLOBAL scalar* probe, int coarse, int count,
                              GLOBAL scalar* control, uint form, GLOBAL scalar* corner,
                              GLOBAL uint* triangle, GLOBAL scalar* frame, int n,
                              GLOBAL scalar* table, GLOBAL_OUT scalar* rows) {
@@ -183,7 +232,8 @@ FN_LARGE patch_shape examine(GLOBAL scalar* domain, GLOBAL scalar* probe, int co
   const real3 normal = load3(frame, FRAME_NORMAL), tangent = load3(frame, FRAME_TANGENT);
   const sag_frame base = sag_frame_of(corner, triangle, n);
   patch_shape r = {
-      most, sub3(nothing, most), most, sub3(nothing, most), nothing, one, zero, zero, zero, one};
+      most, sub3(nothing, most), most, sub3(nothing, most), nothing, one, zero, zero, zero,
+      one,  probe_levels(n)};
   for (int k = 0; k < n; ++k) {
     const real3 p = load3(corner, 2 * k);
     r = widen(r, p, along_frame(p, normal, tangent));
@@ -191,6 +241,10 @@ FN_LARGE patch_shape examine(GLOBAL scalar* domain, GLOBAL scalar* probe, int co
   if (count > 0 && (IS_FORM(form, FORM_PAPER) || IS_FORM(form, FORM_RIBBON)))
     r.turn = corner_turn(control, side_reals(form), corner, n, normal);
   for (int first = 0; first < count; first += GLISS_LANES) {
+    if (first > 0 && first == coarse && is_gentle(r, form, n, r.rings / 2)) {
+      r.rings /= 2;
+      break;
+    }
     const real xi = load_lanes(probe + first), eta = load_lanes(probe + PROBE_STRIDE(n) + first);
     const patch_probe at =
         probe_patch(domain, control, form, n, xi, eta, table ? table + first : 0);
@@ -212,17 +266,6 @@ FN_LARGE patch_shape examine(GLOBAL scalar* domain, GLOBAL scalar* probe, int co
   return r;
 }
 
-// Over all lanes. 0 is added because which of 0 and -0 won depends on their number.
-FN scalar least_lane(real a) {
-  scalar r = lane(a, 0);
-  for (int i = 1; i < GLISS_LANES; ++i) r = lane(a, i) < r ? lane(a, i) : r;
-  return r + K(0);
-}
-FN scalar largest_lane(real a) {
-  scalar r = lane(a, 0);
-  for (int i = 1; i < GLISS_LANES; ++i) r = lane(a, i) > r ? lane(a, i) : r;
-  return r + K(0);
-}
 FN void store_least(GLOBAL_OUT scalar* out, int i, real3 a) {
   out[3 * i] = least_lane(a.x);
   out[3 * i + 1] = least_lane(a.y);
@@ -247,4 +290,5 @@ FN void store_shape(GLOBAL_OUT scalar* out, patch_shape s) {
   out[SHAPE_STRETCH2] = largest_lane(s.stretch2);
   out[SHAPE_SAG2] = largest_lane(s.sag2);
   out[SHAPE_FINITE] = least_lane(s.finite);
+  out[SHAPE_RINGS] = (scalar)s.rings;
 }

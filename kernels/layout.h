@@ -69,7 +69,10 @@
 #define SHAPE_STRETCH2 17   // largest squared length of G_xi and G_eta
 #define SHAPE_SAG2 18       // largest squared distance to the base polygon
 #define SHAPE_FINITE 19     // 1: every probe has a position and a normal; else 0
-#define SHAPE_REALS 20
+#define SHAPE_RINGS 20      // of probes that were sampled
+#define SHAPE_REALS 21
+// The least SHAPE_TURN of a gentle patch.
+#define GENTLE_COSINE 0.75f
 
 // Numbers of a patch besides its sides. ORIGIN, NORMAL, TANGENT, LOW and HIGH count in triples.
 #define PATCH_ORIGIN 0   // origin in the mesh frame: 1 triple
@@ -128,11 +131,12 @@
 #define TILE_UINTS 5
 
 // The samples that tiles are cut from (cut.h): rows of the position and of the unit normal along
-// tangent, normal x tangent and normal of the base polygon; CUT_POINTS of them in a tile,
-// CUT_RINGS to a side.
+// tangent, normal x tangent and normal of the base polygon; a tile has CUT_RINGS of them to a side,
+// or CUT_FEW_RINGS where the patch is gentle (examine.h).
 #define CUT_ROWS 6
 #define CUT_RINGS 4
-#define CUT_POINTS 15
+#define CUT_FEW_RINGS 2
+#define CUT_POINTS(rings) (((rings) + 1) * ((rings) + 2) / 2)
 // Rows of the two transforms from a tile's small triangles to the domain.
 #define CUT_TRANSFORMS 8
 // Rows of tiles: TILE_UINTS words, and what they need of each other (cut_tile).

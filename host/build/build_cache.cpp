@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <span>
 
@@ -42,6 +43,14 @@ struct FinishedPatch {
   std::size_t real_count() const { return kernels<double>().control_reals(form, valence); }
 };
 
+// A patch in a form of the level.
+struct FormedPatch {
+  std::uint32_t form = kNone;  // kNone: none yet
+  std::vector<double> control;
+  PatchShape shape;
+  PatchSamples samples;
+};
+
 // faces_[first] to faces_[first + count - 1] and their patches, those that a backend builds first.
 struct Chunk {
   std::size_t first = 0, count = 0;
@@ -68,10 +77,10 @@ std::vector<std::uint32_t> forms_of(const Level& level, const FinishedPatch& pat
 
 PatchShape base_shape(const PatchBatch& b, std::size_t p) {
   double reals[kShapeReals];
-  kernels<double>().examine(nullptr, nullptr, 0, nullptr, kFormPaper,
+  kernels<double>().examine(nullptr, nullptr, 0, 0, nullptr, kFormPaper,
                             &b.corner[b.side_begin[p] * 6], &b.triangle[3 * b.first_triangle(p)],
                             &b.frame[p * kFrameReals], b.valence(p), nullptr, nullptr, reals);
-  return shape_from(reals, b.valence(p));
+  return shape_from(reals);
 }
 
 // Everything of a build that outlives a step.
@@ -188,14 +197,14 @@ class CacheBuilder {
       if (n >= used.size()) used.resize(n + 1, 0);
       used[n] = 1;
     }
-    tables_ = make_valence_tables(used);
+    tables_ = shared_valence_tables(used);
   }
 
   // Calls body(chunk) for all faces, in order, with their patches.
   template <class Body>
   void for_chunks(Body body) {
     Chunk c;
-    c.batch.tables = &tables_;
+    c.batch.tables = tables_.get();
     std::vector<std::uint32_t> valences, forms;
     Pace pace(8 * kFaceGrain, backend_.chunk);
     pace.for_pieces(faces_.size(), [&](std::size_t begin, std::size_t end) {
@@ -261,29 +270,43 @@ class CacheBuilder {
   template <class Real>
   void build_face(Chunk& c, std::size_t i) const {
     thread_local PatchSamples samples;
+    thread_local FormedPatch formed;
     const std::uint32_t face = faces_[c.first + i], p = c.in_batch[i];
     DraftedFace& drafted = c.drafted[i];
     const PatchBatch& b = c.batch;
-    const double *corner = &b.corner[b.side_begin[p] * 6],
-                 *control = &b.control[b.control_begin[p]];
-    const std::uint32_t *triangle = &b.triangle[3 * b.first_triangle(p)], n = b.valence(p);
+    FinishedPatch& plain = c.plain[i];
+    plain = {b.valence(p),
+             PatchKind::kPlain,
+             &c.frame[p],
+             {},
+             &b.corner[b.side_begin[p] * 6],
+             &b.control[b.control_begin[p]],
+             &b.triangle[3 * b.first_triangle(p)],
+             b.form[p]};
+    PatchSamples* its_samples = nullptr;
+    formed.form = kNone;
     if (base_only_) {
       drafted.shape = base_shape(b, p);
+    } else if (b.shape.empty() && b.turned[p] > 0 && !is_degenerate(b.soundness[p]) &&
+               is_gentle_at_level(plain, formed)) {
+      drafted.shape = formed.shape;
     } else {
-      PatchShape shape = b.shape.empty() ? examine(c.frame[p], corner, triangle, control, b.form[p],
-                                                   n, tables_, &samples)
-                                         : examined(b, p, samples);
+      PatchShape shape = b.shape.empty()
+                             ? examine(c.frame[p], plain.corner, plain.triangle, plain.drafted,
+                                       plain.form, plain.valence, *tables_, &samples)
+                             : examined(b, p, samples);
       if (!(b.turned[p] > 0)) shape.turn = -1;
       judge(face, shape, b.soundness[p], drafted);
+      its_samples = &samples;
     }
     for (const PatchDraft& d : drafted.tamer) {
       c.tamer[i].push_back(to_finish(d));
-      finish<Real>(c.tamer[i].back(), samples, false);
+      formed.form = kNone;
+      finish<Real>(c.tamer[i].back(), nullptr, formed);
     }
     if (!drafted.tamer.empty()) return;
-    c.plain[i] = {n,      PatchKind::kPlain, &c.frame[p], drafted.shape,
-                  corner, control,           triangle,    b.form[p]};
-    finish<Real>(c.plain[i], samples, true);
+    plain.shape = drafted.shape;
+    finish<Real>(plain, its_samples, formed);
   }
 
   // The shape and the samples that a backend found.
@@ -291,8 +314,8 @@ class CacheBuilder {
     const double* shape = &b.shape[p * kShapeReals];
     samples.rows.assign(&b.sample[b.sample_begin[p]], &b.sample[b.sample_begin[p + 1] - 1] + 1);
     samples.count = static_cast<std::uint32_t>(samples.rows.size() / kCutRows);
-    samples.stretch2 = shape[kShapeStretch2];
-    return shape_from(shape, b.valence(p));
+    samples.set_shape(shape, b.valence(p));
+    return shape_from(shape);
   }
 
   static FinishedPatch to_finish(const PatchDraft& d) {
@@ -308,14 +331,14 @@ class CacheBuilder {
   void judge(std::uint32_t face, const PatchShape& shape, double soundness, DraftedFace& d) const {
     d.shape = shape;
     if (may_fold_unseen(d.shape))
-      d.shape.turn = std::min(d.shape.turn, closer_turn(draft(face_of(face)), tables_));
+      d.shape.turn = std::min(d.shape.turn, closer_turn(draft(face_of(face)), *tables_));
     d.folded = is_folded(d.shape);
     d.degenerate = is_degenerate(soundness);
     if (!d.flagged() || !options_.tame) return;
     const FaceCorners corners = face_of(face);
     PatchDraft patch = draft(corners);
     patch.shape = d.shape;
-    d.tamer = draft_tamer(corners, std::move(patch), tables_);
+    d.tamer = draft_tamer(corners, std::move(patch), *tables_);
   }
 
   void report(const Chunk& c) {
@@ -356,7 +379,7 @@ class CacheBuilder {
       s.control_begin.assign(patches, 0);
       s.tile_begin.assign(patches + 1, 0);
     } else {
-      free_sharp_sides(s, backend_.parallel);
+      free_sharp_sides(s, *tables_, backend_.parallel);
     }
     build_hierarchy(boxes, s.node, s.child, backend_.parallel);
     find_parts(boxes, s, [&] { backend_.progress(faces_.size()); });
@@ -433,31 +456,46 @@ class CacheBuilder {
     grow(s.tile, tiles * kTileUints, done);
   }
 
-  // Takes a patch to the level that was asked for and cuts it into tiles. `samples`: those of the
-  // patch as drafted if it `has_samples`; they become those of its form.
-  template <class Real>
-  void finish(FinishedPatch& d, PatchSamples& samples, bool has_samples) const {
-    if (base_only_) return;
+  void form_patch(const FinishedPatch& d, std::uint32_t form, FormedPatch& to) const {
     const Kernels<double>& k = kernels<double>();
+    to.form = form;
+    to.control.resize(k.control_reals(form, d.valence));
+    k.to_form(tables_->domain_of(d.valence), d.corner, d.drafted, d.form, form, d.valence,
+              to.control.data());
+    to.shape = examine(*d.frame, d.corner, d.triangle, to.control.data(), form, d.valence, *tables_,
+                       &to.samples);
+  }
+
+  // True if a patch does not fold, as drafted either, for it is gentle in the first form that it
+  // may have at the level. Spares it an examination as drafted.
+  bool is_gentle_at_level(const FinishedPatch& d, FormedPatch& formed) const {
+    const std::vector<std::uint32_t> forms = forms_of(options_.level, d);
+    if (forms.empty()) return false;
+    form_patch(d, forms.front(), formed);
+    return formed.samples.is_gentle &&
+           keeps_direction(*d.frame, d.drafted, d.form, d.valence, *tables_);
+  }
+
+  // Takes a patch to the level that was asked for and cuts it into tiles. `samples`: those of the
+  // patch as drafted, or null. `formed`: a form that it was taken to already, if any.
+  template <class Real>
+  void finish(FinishedPatch& d, const PatchSamples* samples, FormedPatch& formed) const {
+    if (base_only_) return;
     d.control.clear();
     for (const std::uint32_t form : forms_of(options_.level, d)) {
-      std::vector<double> control(k.control_reals(form, d.valence));
-      k.to_form(tables_.domain_of(d.valence), d.corner, d.drafted, d.form, form, d.valence,
-                control.data());
-      const PatchShape shape = examine(*d.frame, d.corner, d.triangle, control.data(), form,
-                                       d.valence, tables_, &samples);
+      if (formed.form != form) form_patch(d, form, formed);
       // A patch that folds whatever is done about it may as well fold in the form asked for.
-      has_samples = !is_folded(shape) || is_folded(d.shape);
-      if (!has_samples) continue;
-      d.control = std::move(control);
+      if (is_folded(formed.shape) && !is_folded(d.shape)) continue;
+      d.control = formed.control;
       d.form = form;
-      d.shape = shape;
+      d.shape = formed.shape;
+      samples = &formed.samples;
       break;
     }
     // In its box as it is stored.
     d.tiles = cut_tiles(*d.frame, d.shape, d.shape.low.cast<Real>().template cast<double>(),
                         d.shape.high.cast<Real>().template cast<double>(), d.reals(), d.form,
-                        d.valence, tables_, has_samples ? &samples : nullptr);
+                        d.valence, *tables_, samples);
   }
 
   template <class Real>
@@ -499,7 +537,7 @@ class CacheBuilder {
   const BuildBackend& backend_;
   const bool base_only_;
   PatchCache cache_;
-  ValenceTables tables_;
+  std::shared_ptr<const ValenceTables> tables_;
   std::optional<FairSides> fair_;
   std::vector<std::uint32_t> faces_;
   PatchLayout layout_;

@@ -1,6 +1,7 @@
 #include "gliss/build/patch_batch.h"
 
 #include <cmath>
+#include <mutex>
 #include <numbers>
 
 #include "gliss/build/patch_draft.h"
@@ -40,6 +41,23 @@ ValenceTables make_valence_tables(std::span<const char> used) {
     }
   }
   return t;
+}
+
+std::shared_ptr<const ValenceTables> shared_valence_tables(std::span<const char> used) {
+  static std::mutex mutex;
+  static std::shared_ptr<const ValenceTables> kept;
+  static std::vector<char> kept_for;  // [valence]
+  if (used.size() > kMostCutSides + 1)
+    return std::make_shared<const ValenceTables>(make_valence_tables(used));
+  const std::lock_guard lock(mutex);
+  std::vector<char> all(kMostCutSides + 1, 0);
+  for (std::size_t n = 0; n < all.size(); ++n)
+    all[n] = (n < kept_for.size() && kept_for[n]) || (n < used.size() && used[n]);
+  if (all != kept_for) {
+    kept = std::make_shared<const ValenceTables>(make_valence_tables(all));
+    kept_for = std::move(all);
+  }
+  return kept;
 }
 
 const double* ValenceTables::second_of(std::uint32_t form, std::uint32_t n) const {

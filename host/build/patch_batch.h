@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -14,7 +15,7 @@
 
 namespace gliss {
 
-// Tables that patches of one valence share; made once a build.
+// Tables that patches of one valence share.
 struct ValenceTables {
   std::vector<double> domain;               // tables of the valences in use
   std::vector<double> probe;                // points where patches are examined
@@ -35,6 +36,10 @@ struct ValenceTables {
 
 // `used`: [valence], 1 where tables are wanted.
 GLISS_EXPORT ValenceTables make_valence_tables(std::span<const char> used);
+
+// The same, perhaps with those of more valences: kept for the process unless polygons have very
+// many sides, since a small build would take less time than its tables. Any thread may ask.
+std::shared_ptr<const ValenceTables> shared_valence_tables(std::span<const char> used);
 
 // A point of a patch's domain. Vector2d's alignment follows the flags of who includes it.
 using DomainVec = Eigen::Matrix<double, 2, 1, Eigen::DontAlign>;

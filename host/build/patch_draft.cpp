@@ -68,13 +68,18 @@ PatchFrame place_polygon(const FaceCorners& face, std::span<const std::uint32_t>
   return frame;
 }
 
-PatchShape shape_from(const double* reals, std::uint32_t n) {
+void PatchSamples::set_shape(const double* reals, std::uint32_t n) {
+  is_gentle = reals[kShapeRings] < kernels<double>().probe_levels(n);
+  stretch2 = reals[kShapeStretch2];
+}
+
+PatchShape shape_from(const double* reals) {
   const auto triple = [&](std::size_t at) { return Vec3(Eigen::Map<const Vec3>(reals + at)); };
   const double curvature = reals[kShapeCurvature], stretch2 = reals[kShapeStretch2];
-  const std::uint32_t levels = kernels<double>().probe_levels(n);
+  const double rings = reals[kShapeRings];
   // Between samples the patch leaves their triangles by at most (spacing)^2 curvature / 8; half as
   // much again for curvature between samples.
-  const double spacing2 = stretch2 / (levels * levels);
+  const double spacing2 = stretch2 / (rings * rings);
   const double slack =
       std::min(std::sqrt(spacing2), spacing2 * curvature * (1.5 / 8)) + 1e-4 * std::sqrt(stretch2);
   const Vec3 margin = Vec3::Constant(slack);
@@ -204,11 +209,11 @@ PatchShape examine(const PatchFrame& frame, const double* corner, const std::uin
     samples->count = static_cast<std::uint32_t>(k.probe_reals(n) / 2);
     samples->rows.resize(kCutRows * samples->count);
   }
-  k.examine(tables.domain_of(n), tables.probes_of(n), tables.probe_count[n], control, form, corner,
-            triangle, axes, n, tables.second_of(form, n),
+  k.examine(tables.domain_of(n), tables.probes_of(n), k.probe_coarse(n), tables.probe_count[n],
+            control, form, corner, triangle, axes, n, tables.second_of(form, n),
             samples == nullptr ? nullptr : samples->rows.data(), reals);
-  if (samples != nullptr) samples->stretch2 = reals[kShapeStretch2];
-  return shape_from(reals, n);
+  if (samples != nullptr) samples->set_shape(reals, n);
+  return shape_from(reals);
 }
 
 std::vector<Vec3> normals_of(const PatchDraft& d, const ValenceTables& tables,
@@ -233,6 +238,22 @@ PatchShape examine(const PatchDraft& d, const ValenceTables& tables, PatchSample
                              d.valence(), tables, samples);
   if (!(d.turned > 0)) shape.turn = -1;
   return shape;
+}
+
+bool keeps_direction(const PatchFrame& frame, const double* control, std::uint32_t form,
+                     std::uint32_t n, const ValenceTables& tables) {
+  constexpr std::size_t kAlongNormal = 5;  // the row of n . normal of the base polygon
+  const Kernels<double>& k = kernels<double>();
+  const std::uint32_t count = k.probe_coarse(n);
+  if (count == 0 || (n == 3 && blends_sides(form))) return false;
+  thread_local std::vector<double> rows;
+  rows.resize(kCutRows * count);
+  double axes[kFrameReals];
+  frame.store(axes);
+  const double *xi = tables.probes_of(n), *eta = xi + k.probe_reals(n) / 2;
+  k.sample(tables.domain_of(n), control, form, axes, n, xi, eta, count, rows.data());
+  return std::all_of(&rows[kAlongNormal * count], rows.data() + (kAlongNormal + 1) * count,
+                     [](double cosine) { return cosine > kGentleCosine; });
 }
 
 double closer_turn(const PatchDraft& d, const ValenceTables& tables) {

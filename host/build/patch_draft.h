@@ -43,24 +43,29 @@ PatchFrame place_polygon(const FaceCorners& face, std::span<const std::uint32_t>
 
 // The shape of a patch by samples, in its local frame.
 struct PatchShape {
-  Box box;             // of the patch and its base polygon
-  Vec3 low, high;      // the same along tangent, normal x tangent, normal of its frame
-  Vec3 bend;           // n . (G_xixi, G_xieta, G_etaeta) at the centre
-  double sag = 0;      // distance from the base polygon that no point of the patch exceeds
-  double rho_min = 0;  // least radius of curvature
-  double turn = 1;     // least cosine between the patch's normal and the base polygon's
-  double unseen = 0;   // rad, by which the normal may turn between two samples
+  Box box{Vec3::Zero(), Vec3::Zero()};  // of the patch and its base polygon
+  // The same along tangent, normal x tangent, normal of its frame.
+  Vec3 low = Vec3::Zero(), high = Vec3::Zero();
+  Vec3 bend = Vec3::Zero();  // n . (G_xixi, G_xieta, G_etaeta) at the centre
+  double sag = 0;            // distance from the base polygon that no point of the patch exceeds
+  double rho_min = 0;        // least radius of curvature
+  double turn = 1;           // least cosine between the patch's normal and the base polygon's
+  double unseen = 0;         // rad, by which the normal may turn between two samples
 };
 
 // Samples of one patch along its frame: kCutRows rows of `count`.
 struct PatchSamples {
   std::vector<double> rows;
   std::uint32_t count = 0;
-  double stretch2 = 0;  // the largest squared length of G_xi and G_eta
+  bool is_gentle = false;  // the coarse probes alone
+  double stretch2 = 0;     // the largest squared length of G_xi and G_eta
+
+  // Takes from kShapeReals numbers of a patch of n sides, what they tell.
+  void set_shape(const double* reals, std::uint32_t n);
 };
 
-// From kShapeReals numbers of a patch of n sides: bounds are widened by what lies between samples.
-PatchShape shape_from(const double* reals, std::uint32_t n);
+// From kShapeReals numbers: bounds are widened by what lies between samples.
+PatchShape shape_from(const double* reals);
 
 // Below it the slopes of a ribbon lose too many of a float's digits.
 inline constexpr double kDegenerate = 1e-2;
@@ -110,6 +115,10 @@ PatchShape examine(const PatchDraft& draft, const ValenceTables& tables,
 PatchShape examine(const PatchFrame& frame, const double* corner, const std::uint32_t* triangle,
                    const double* control, std::uint32_t form, std::uint32_t n,
                    const ValenceTables& tables, PatchSamples* samples = nullptr);
+// True if the normals of a patch at the coarse probes are as near to its base polygon's as a gentle
+// patch's. False for triangles that blend sides and where there are no such probes.
+bool keeps_direction(const PatchFrame& frame, const double* control, std::uint32_t form,
+                     std::uint32_t n, const ValenceTables& tables);
 // PatchShape::turn of more samples.
 double closer_turn(const PatchDraft& draft, const ValenceTables& tables);
 

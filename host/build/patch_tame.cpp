@@ -23,19 +23,16 @@ constexpr double kInside = 1 - 1e-5;  // how far from the centre to a side count
 // PatchShape::turn of the outermost probes alone, where most patches that fold do so: examine()
 // finds no more than that. It takes a tenth of the time.
 double turn_at_rim(const PatchDraft& d, const ValenceTables& tables) {
-  const std::uint32_t n = d.valence(), rim = n * kernels<double>().probe_levels(n),
-                      first = tables.probe_count[n] - rim;
+  const std::uint32_t n = d.valence(), levels = kernels<double>().probe_levels(n);
   const double *xi = tables.probes_of(n), *eta = xi + kernels<double>().probe_reals(n) / 2;
-  std::vector<double> rows(9 * rim);
-  kernels<double>().evaluate(tables.domain_of(n), d.control.data(), d.form, n, xi + first,
-                             eta + first, rim, rim, rows.data());
-  double turn = 1;
-  for (std::uint32_t i = 0; i < rim; ++i) {
-    const auto row = [&](std::size_t r) {
-      return Vec3(rows[r * rim + i], rows[(r + 1) * rim + i], rows[(r + 2) * rim + i]);
-    };
-    turn = std::min(turn, row(3).cross(row(6)).normalized().dot(d.frame.normal));
+  std::vector<Eigen::Vector2d> at;
+  for (std::uint32_t i = 0; i < n * levels; ++i) {
+    const std::uint32_t place = kernels<double>().probe_place(n, levels, i);
+    at.emplace_back(xi[place], eta[place]);
   }
+  double turn = 1;
+  for (const Vec3& normal : normals_of(d, tables, at))
+    turn = std::min(turn, normal.normalized().dot(d.frame.normal));
   return turn + kRounding;
 }
 

@@ -49,26 +49,30 @@ PatchTiles cut_tiles(const PatchFrame& frame, const PatchShape& shape, const Vec
     frame.store(axes);
     own.count = count;
     own.rows.resize(kCutRows * count);
-    own.stretch2 =
-        k.sample(tables.domain_of(n), control, form, axes, n, at, count, own.rows.data());
+    own.stretch2 = k.sample(tables.domain_of(n), control, form, axes, n, at, at + count, count,
+                            own.rows.data());
     return &own;
   };
   if (samples == nullptr)
     samples = sample(tables.probes_of(n), static_cast<std::uint32_t>(k.probe_reals(n) / 2));
   // The fewest tiles that keep the normals of each together.
+  const auto points = samples->is_gentle ? &TileCut::gentle : &TileCut::all;
   const std::vector<TileCut>& cuts = cuts_of(n, tables);
   const TileCut* cut = &cuts.front();
   for (; cut != &cuts.back(); ++cut) {
-    if (k.least_cosine(samples->rows.data(), samples->count, cut->probe.data(), cut->probe_points,
+    const TileSamples& tile = cut->*points;
+    if (tile.probe_points == 0 ||
+        k.least_cosine(samples->rows.data(), samples->count, tile.probe.data(), tile.probe_points,
                        cut->padded) >= kLeastCosine)
       break;
   }
-  if (!cut->at.empty()) samples = sample(cut->at.data(), cut->samples);
+  const TileSamples& tile = cut->*points;
+  if (!tile.at.empty()) samples = sample(tile.at.data(), tile.count);
   out.resize(kCutOutRows * cut->padded);
   const double box[] = {low.x(), low.y(), low.z(), high.x(), high.y(), high.z()};
-  const double curvature =
-      k.cut(samples->rows.data(), samples->count, cut->sample.data(), cut->transform.data(),
-            cut->padded, box, samples->stretch2, 1 / shape.rho_min, out.data());
+  const double curvature = k.cut(samples->rows.data(), samples->count, tile.sample.data(),
+                                 tile.rings, cut->transform.data(), cut->padded, box,
+                                 samples->stretch2, 1 / shape.rho_min, out.data());
   PatchTiles tiles;
   // A float's, so that it is the same number in both precisions.
   tiles.curvature =
@@ -89,36 +93,43 @@ namespace {
 constexpr double kAlong[] = {1.0 / 64, 0.25, 0.5, 0.75, 63.0 / 64};
 constexpr std::size_t kCompared = std::size(kAlong);
 
+// The places along all sides of n, off them: xi and eta of each, filled up for `sample`.
+struct SidePoints {
+  std::uint32_t n = 0, count = 0;
+  std::vector<double> xi, eta;
+
+  explicit SidePoints(std::uint32_t sides)
+      : n(sides), count((sides * kCompared + kCutPad - 1) / kCutPad * kCutPad) {
+    for (std::uint32_t k = 0; k < n; ++k) {
+      for (const double t : kAlong) {
+        const Vec2 at = kShrink * ((1 - t) * domain_corner(n, k) + t * domain_corner(n, k + 1));
+        xi.push_back(at.x()), eta.push_back(at.y());
+      }
+    }
+    xi.resize(count), eta.resize(count);
+  }
+};
+
 // Unit normals of some patches along their sides: [side][kCompared].
 template <class Real>
 void side_normals(const Surface<Real>& s, std::size_t begin, std::size_t end,
-                  LargeArray<Eigen::Vector3f>& normals) {
-  std::vector<Real> xi, eta, rows;
+                  const ValenceTables& tables, LargeArray<Eigen::Vector3f>& normals) {
+  constexpr double kMeshAxes[kFrameReals] = {0, 0, 1, 1, 0, 0};  // normal and tangent
+  SidePoints points(0);
+  std::vector<double> control, rows;
   for (std::size_t p = begin; p < end; ++p) {
-    const std::uint32_t n = s.valence(static_cast<std::uint32_t>(p)), first = s.side_begin[p];
-    const std::size_t count = n * kCompared;
-    if (xi.size() != count) {
-      xi.clear(), eta.clear();
-      for (std::uint32_t k = 0; k < n; ++k) {
-        for (const double t : kAlong) {
-          const Vec2 at = kShrink * ((1 - t) * domain_corner(n, k) + t * domain_corner(n, k + 1));
-          xi.push_back(static_cast<Real>(at.x())), eta.push_back(static_cast<Real>(at.y()));
-        }
-      }
-      rows.resize(9 * count);
-    }
-    kernels<Real>().evaluate(&s.domain[s.domain_begin[n]],
-                             &s.control[3 * std::size_t{s.control_begin[p]}], s.form[p], n,
-                             xi.data(), eta.data(), count, count, rows.data());
-    for (std::size_t i = 0; i < count; ++i) {
-      const auto row = [&](std::size_t r) {
-        return Vec3(static_cast<double>(rows[r * count + i]),
-                    static_cast<double>(rows[(r + 1) * count + i]),
-                    static_cast<double>(rows[(r + 2) * count + i]));
-      };
-      const Vec3 d_xi = row(3), d_eta = row(6);
-      normals[first * kCompared + i] = d_xi.cross(d_eta).normalized().cast<float>();
-    }
+    const std::uint32_t n = s.valence(static_cast<std::uint32_t>(p));
+    const std::size_t first = kCompared * s.side_begin[p];
+    if (points.n != n) points = SidePoints(n);
+    const Real* own = &s.control[3 * std::size_t{s.control_begin[p]}];
+    control.assign(own, own + kernels<double>().control_reals(s.form[p], n));
+    rows.resize(kCutRows * points.count);
+    kernels<double>().sample(tables.domain_of(n), control.data(), s.form[p], kMeshAxes, n,
+                             points.xi.data(), points.eta.data(), points.count, rows.data());
+    const double* normal = &rows[3 * points.count];
+    for (std::size_t i = 0; i < n * kCompared; ++i, ++normal)
+      normals[first + i] =
+          Vec3(normal[0], normal[points.count], normal[2 * points.count]).cast<float>();
   }
 }
 
@@ -134,11 +145,12 @@ bool is_smooth(const LargeArray<Eigen::Vector3f>& normals, std::uint32_t side, s
 }  // namespace
 
 template <class Real>
-void free_sharp_sides(Surface<Real>& s, const ParallelFor& parallel) {
+void free_sharp_sides(Surface<Real>& s, const ValenceTables& tables, const ParallelFor& parallel) {
   constexpr std::size_t kGrain = 64;
   LargeArray<Eigen::Vector3f> normals(s.side_twin.size() * kCompared);
-  parallel(s.patch_count(), kGrain,
-           [&](std::size_t begin, std::size_t end) { side_normals(s, begin, end, normals); });
+  parallel(s.patch_count(), kGrain, [&](std::size_t begin, std::size_t end) {
+    side_normals(s, begin, end, tables, normals);
+  });
   parallel(s.patch_count(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p) {
       const std::uint32_t first = s.side_begin[p], n = s.side_begin[p + 1] - first;
@@ -156,7 +168,7 @@ void free_sharp_sides(Surface<Real>& s, const ParallelFor& parallel) {
   });
 }
 
-template void free_sharp_sides(Surface<float>&, const ParallelFor&);
-template void free_sharp_sides(Surface<double>&, const ParallelFor&);
+template void free_sharp_sides(Surface<float>&, const ValenceTables&, const ParallelFor&);
+template void free_sharp_sides(Surface<double>&, const ValenceTables&, const ParallelFor&);
 
 }  // namespace gliss

@@ -26,6 +26,6 @@ PatchTiles cut_tiles(const PatchFrame& frame, const PatchShape& shape, const Vec
 // Takes the bound on normals from the tiles along borders and along edges whose two patches differ
 // in their normals: a nearest point may lie there that is no foot.
 template <class Real>
-void free_sharp_sides(Surface<Real>& s, const ParallelFor& parallel);
+void free_sharp_sides(Surface<Real>& s, const ValenceTables& tables, const ParallelFor& parallel);
 
 }  // namespace gliss

@@ -21,10 +21,13 @@ Vec2 corner_at(std::uint32_t n, std::uint32_t k) {
   return {std::cos(angle), std::sin(angle)};
 }
 
-// Point (r, i) of fan k: the i-th of r + 1 on ring r.
-std::uint32_t lattice_point(std::uint32_t n, std::uint32_t k, std::uint32_t r, std::uint32_t i) {
-  return r == 0 ? 0 : 1 + n * r * (r - 1) / 2 + (k * r + i) % (n * r);
-}
+// The place in a lattice of point (r, i) of fan k, the i-th of r + 1 on ring r.
+struct LatticePlace {
+  std::uint32_t n;
+  std::uint32_t operator()(std::uint32_t k, std::uint32_t r, std::uint32_t i) const {
+    return r == 0 ? 0 : 1 + n * r * (r - 1) / 2 + (k * r + i) % (n * r);
+  }
+};
 
 std::uint32_t lattice_size(std::uint32_t n, std::uint32_t rings) {
   return 1 + n * rings * (rings + 1) / 2;
@@ -46,16 +49,18 @@ void for_tiles(std::uint32_t n, std::uint32_t levels, F f) {
   }
 }
 
-// The places of the points of tiles of m rings in their lattice, [point][padded].
-std::vector<std::uint32_t> points_of(std::uint32_t n, std::uint32_t levels, std::uint32_t m) {
+// The places of the points of tiles of m rings in their lattice, [point][padded]; place(k, r, i) is
+// that of point (r, i) of fan k.
+template <class PlaceOf>
+std::vector<std::uint32_t> points_of(std::uint32_t n, std::uint32_t levels, std::uint32_t m,
+                                     PlaceOf place) {
   const std::uint32_t tiles = n * levels * levels, stride = padded(tiles);
   std::vector<std::uint32_t> index(std::size_t{(m + 1) * (m + 2) / 2} * stride);
   for_tiles(n, levels, [&](std::uint32_t tile, const Place& at) {
     std::uint32_t* to = &index[tile];
     for (std::uint32_t a = 0; a <= m; ++a) {
       for (std::uint32_t b = 0; b <= a; ++b, to += stride)
-        *to = lattice_point(n, at.k, at.row * m + (at.is_up() ? a : b),
-                            at.j / 2 * m + (at.is_up() ? b : a));
+        *to = place(at.k, at.row * m + (at.is_up() ? a : b), at.j / 2 * m + (at.is_up() ? b : a));
     }
   });
   for (auto row = index.begin(); row != index.end(); row += stride)
@@ -105,18 +110,39 @@ std::vector<double> lattice_of(std::uint32_t n, std::uint32_t rings) {
   return at;
 }
 
+// `probe_rings`: of the probes, whose places place(k, r, i) tells.
+template <class PlaceOf>
+TileSamples samples_of(std::uint32_t n, std::uint32_t levels, std::uint32_t probe_rings,
+                       std::uint32_t rings, PlaceOf place) {
+  TileSamples s;
+  if (const std::uint32_t m = probe_rings / levels; m > 0) {
+    s.probe_points = (m + 1) * (m + 2) / 2;
+    s.probe = points_of(n, levels, m, place);
+  }
+  s.rings = rings;
+  s.count = padded(lattice_size(n, levels * rings));
+  if (levels * rings == probe_rings) {
+    s.sample = s.probe;
+  } else {
+    s.at = lattice_of(n, levels * rings);
+    s.sample = points_of(n, levels, rings, LatticePlace{n});
+  }
+  return s;
+}
+
 TileCut cut_of(std::uint32_t n, std::uint32_t levels) {
-  const std::uint32_t probe_rings = kernels<double>().probe_levels(n), m = probe_rings / levels,
-                      rings = levels * kCutRings;
+  const Kernels<double>& kernel = kernels<double>();
+  const std::uint32_t rings = kernel.probe_levels(n);
   TileCut cut;
   cut.levels = levels;
   cut.tiles = n * levels * levels;
   cut.padded = padded(cut.tiles);
-  cut.probe_points = (m + 1) * (m + 2) / 2;
-  cut.probe = points_of(n, levels, m);
-  cut.sample = points_of(n, levels, kCutRings);
-  cut.samples = padded(lattice_size(n, rings));
-  if (rings != probe_rings) cut.at = lattice_of(n, rings);
+  cut.all = samples_of(n, levels, rings, kCutRings,
+                       [&](std::uint32_t k, std::uint32_t r, std::uint32_t i) {
+                         return r == 0 ? 0 : kernel.probe_place(n, r, (k * r + i) % (n * r));
+                       });
+  if (kernel.probe_coarse(n) > 0)
+    cut.gentle = samples_of(n, levels, rings / 2, kCutFewRings, LatticePlace{n});
   cut.transform = transforms_of(n, levels);
   return cut;
 }

@@ -6,19 +6,25 @@
 
 namespace gliss {
 
+// Where the samples of tiles lie, [point][padded]: a point's place in an array of samples.
+struct TileSamples {
+  // Points among the probes, `probe_points` of them: they tell if normals keep together. None:
+  // probes are too far apart, as they are only where all normals keep together.
+  std::uint32_t probe_points = 0;
+  std::vector<std::uint32_t> probe;
+  // The points that are sampled, xi of all and eta of all; empty: the probes.
+  std::uint32_t count = 0;
+  std::vector<double> at;
+  std::uint32_t rings = 0;  // of samples in a tile, kCutRings or kCutFewRings
+  std::vector<std::uint32_t> sample;
+};
+
 // Each fan of a patch, from its centre to a side, in `levels` rows of tiles (kernels/tile.h). Tiles
 // are padded to a multiple of kCutPad by the first one, samples by the centre.
 struct TileCut {
   std::uint32_t levels = 0, tiles = 0, padded = 0;
-  // Points of each tile among the probes, [point][padded], `probe_points` of them: they tell if
-  // normals keep together.
-  std::uint32_t probe_points = 0;
-  std::vector<std::uint32_t> probe;
-  // The points that are sampled, xi of all and eta of all; empty: the probes.
-  std::uint32_t samples = 0;
-  std::vector<double> at;
-  std::vector<std::uint32_t> sample;  // [kCutPoints][padded]
-  std::vector<double> transform;      // [kCutTransforms][padded]
+  TileSamples all, gentle;        // `gentle`: of a gentle patch, whose probes are the coarse ones
+  std::vector<double> transform;  // [kCutTransforms][padded]
 };
 
 // The size of the samples' domain, off the sides.

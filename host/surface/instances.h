@@ -91,8 +91,12 @@ struct Kernels {
   std::size_t (*domain_reals)(std::uint32_t n);
   void (*fill_domain)(std::uint32_t n, Real* table);
   // Where patches of a valence are examined: rings from the centre to the sides, `probe_levels` of
-  // them. The table has `probe_reals` numbers for `probe_count` points.
+  // them. The table has `probe_reals` numbers for `probe_count` points. The first `probe_coarse`,
+  // or none, are every other one on every other ring. Point i of ring 1 and on stands at
+  // `probe_place`.
   std::uint32_t (*probe_levels)(std::uint32_t n);
+  std::uint32_t (*probe_coarse)(std::uint32_t n);
+  std::uint32_t (*probe_place)(std::uint32_t n, std::uint32_t ring, std::uint32_t i);
   std::uint32_t (*probe_count)(std::uint32_t n);
   std::size_t (*probe_reals)(std::uint32_t n);
   void (*fill_probes)(std::uint32_t n, const Real* domain, Real* table);
@@ -154,26 +158,28 @@ struct Kernels {
                       const SurfaceArrays<float>& out);
   // Samples a patch and gives its shape, kShapeReals numbers, from its base polygon's corners and
   // triangles, its frame (unit normal and tangent) and its control data; `count` probes, or none
-  // for the base polygon alone. `table`: null, or that of the form's second derivatives. `rows`:
-  // null, or room for samples as `sample` makes them of the probes.
-  void (*examine)(const Real* domain, const Real* probes, std::uint32_t count, const Real* control,
-                  std::uint32_t form, const Real* corners, const std::uint32_t* triangles,
-                  const Real* frame, std::uint32_t n, const Real* table, Real* rows, Real* shape);
+  // for the base polygon alone. `coarse`: how many are enough for a gentle patch, or 0. `table`:
+  // null, or that of the form's second derivatives. `rows`: null, or room for samples as `sample`
+  // makes them of the probes.
+  void (*examine)(const Real* domain, const Real* probes, std::uint32_t coarse, std::uint32_t count,
+                  const Real* control, std::uint32_t form, const Real* corners,
+                  const std::uint32_t* triangles, const Real* frame, std::uint32_t n,
+                  const Real* table, Real* rows, Real* shape);
   // In double only, null else: a patch is cut into tiles (kernels/cut.h) from samples at `count`
-  // points, `at` xi of all and eta of all, along its frame: rows [kCutRows][count]. Counts of
-  // samples and tiles are multiples of kCutPad. Returns the largest squared length of G_xi and
-  // G_eta.
+  // points along its frame: rows [kCutRows][count]. Counts of samples and tiles are multiples of
+  // kCutPad. Returns the largest squared length of G_xi and G_eta.
   Real (*sample)(const Real* domain, const Real* control, std::uint32_t form, const Real* frame,
-                 std::uint32_t n, const Real* at, std::uint32_t count, Real* rows);
+                 std::uint32_t n, const Real* xi, const Real* eta, std::uint32_t count, Real* rows);
   // The least cosine between a normal of a tile and their mean; index [points][tiles]: samples.
   Real (*least_cosine)(const Real* rows, std::uint32_t stride, const std::uint32_t* index,
                        std::uint32_t points, std::uint32_t tiles);
-  // Tiles, from samples [kCutPoints][tiles]: rows [kCutOutRows][tiles], the first kTileUints of
-  // them their words. `transforms` [8][tiles]; box: low and high. Returns the largest curvature,
-  // `curvature` at least; relative to one, add_curves then completes the words.
+  // Tiles, from samples [points][tiles], kCutRings or kCutFewRings of them to a side: rows
+  // [kCutOutRows][tiles], the first kTileUints of them their words. `transforms` [8][tiles]; box:
+  // low and high. Returns the largest curvature, `curvature` at least; relative to one, add_curves
+  // then completes the words.
   Real (*cut)(const Real* rows, std::uint32_t stride, const std::uint32_t* index,
-              const Real* transforms, std::uint32_t tiles, const Real* box, Real stretch2,
-              Real curvature, Real* out);
+              std::uint32_t rings, const Real* transforms, std::uint32_t tiles, const Real* box,
+              Real stretch2, Real curvature, Real* out);
   void (*add_curves)(Real* out, std::uint32_t tiles, Real curvature);
   // Surface normal (not unit) along side data at t: n_c of eq. 10.
   void (*side_normal)(const Real* side, Real t, Real* out);

@@ -53,6 +53,8 @@ const Kernels<GLISS_SCALAR>& GLISS_TABLE() {
       instance::domain_reals,
       instance::fill_domain,
       instance::probe_rings,
+      instance::coarse_probes_of,
+      instance::place_of_probe,
       instance::probes_of,
       instance::probe_reals,
       instance::fill_probes,

@@ -43,13 +43,15 @@ inline constexpr std::size_t kShapeLow = 3 * SHAPE_LOW, kShapeHigh = 3 * SHAPE_H
                              kShapeAlongHigh = 3 * SHAPE_ALONG_HIGH, kShapeBend = 3 * SHAPE_BEND,
                              kShapeTurn = SHAPE_TURN, kShapeCurvature = SHAPE_CURVATURE,
                              kShapeStretch2 = SHAPE_STRETCH2, kShapeSag2 = SHAPE_SAG2,
-                             kShapeFinite = SHAPE_FINITE;
+                             kShapeFinite = SHAPE_FINITE, kShapeRings = SHAPE_RINGS;
+inline constexpr double kGentleCosine = GENTLE_COSINE;
 inline constexpr std::uint32_t kNodeLeaf = NODE_LEAF;
 inline constexpr std::uint32_t kPatchBuried = PATCH_BURIED, kPatchMixed = PATCH_MIXED;
 inline constexpr std::uint32_t kPartMask = PART_MASK;
 inline constexpr std::size_t kPartUints = PART_UINTS;
 inline constexpr std::size_t kTileAxis = TILE_AXIS, kTileUints = TILE_UINTS;
-inline constexpr std::uint32_t kCutRings = CUT_RINGS, kCutPoints = CUT_POINTS, kCutPad = CUT_PAD;
+inline constexpr std::uint32_t kCutRings = CUT_RINGS, kCutFewRings = CUT_FEW_RINGS,
+                               kCutPad = CUT_PAD;
 inline constexpr std::size_t kCutRows = CUT_ROWS, kCutTransforms = CUT_TRANSFORMS,
                              kCutOutRows = CUT_OUT_ROWS;
 inline constexpr std::uint32_t kTileAnyTurn = TILE_ANY_TURN, kTileBends = TILE_BENDS;
@@ -127,6 +129,8 @@ bool is_outer_side(const PatchCache& cache, const Surface<Real>& surface, std::u
 #undef SHAPE_STRETCH2
 #undef SHAPE_SAG2
 #undef SHAPE_FINITE
+#undef SHAPE_RINGS
+#undef GENTLE_COSINE
 #undef SHAPE_REALS
 #undef PATCH_ORIGIN
 #undef PATCH_NORMAL
@@ -158,6 +162,7 @@ bool is_outer_side(const PatchCache& cache, const Surface<Real>& surface, std::u
 #undef TILE_UINTS
 #undef CUT_ROWS
 #undef CUT_RINGS
+#undef CUT_FEW_RINGS
 #undef CUT_POINTS
 #undef CUT_TRANSFORMS
 #undef CUT_OUT_ROWS

@@ -83,9 +83,9 @@ TEST(Examine, finds_what_the_oracle_finds_at_the_probes) {
     const std::uint32_t count = tables().probe_count[valence];
     const double *xi = tables().probes_of(valence),
                  *eta = xi + kernels<double>().probe_reals(valence) / 2;
-    kernels<double>().examine(tables().domain_of(valence), xi, count, d.control.data(), kFormPaper,
-                              d.corner.data(), d.triangle.data(), frame, valence, nullptr, nullptr,
-                              reals);
+    kernels<double>().examine(tables().domain_of(valence), xi, 0, count, d.control.data(),
+                              kFormPaper, d.corner.data(), d.triangle.data(), frame, valence,
+                              nullptr, nullptr, reals);
     const Polygon base = local(polygon, d.frame);
     Vec3 low = Vec3::Constant(kInfinity), high = -low, along_low = low, along_high = high;
     const auto widen = [&](const Vec3& p) {
@@ -168,14 +168,14 @@ TEST(Examine, no_probes_leave_the_base_polygon) {
   const PatchDraft d = examined(oracle::random_polygon(rng, 5, 0.3));
   double frame[kFrameReals], reals[kShapeReals];
   d.frame.store(frame);
-  kernels<double>().examine(nullptr, nullptr, 0, nullptr, kFormPaper, d.corner.data(),
+  kernels<double>().examine(nullptr, nullptr, 0, 0, nullptr, kFormPaper, d.corner.data(),
                             d.triangle.data(), frame, 5, nullptr, nullptr, reals);
   Vec3 low = Vec3::Constant(kInfinity), high = -low;
   for (std::size_t k = 0; k < 5; ++k) {
     low = low.cwiseMin(Vec3(&d.corner[6 * k]));
     high = high.cwiseMax(Vec3(&d.corner[6 * k]));
   }
-  const PatchShape s = shape_from(reals, 5);
+  const PatchShape s = shape_from(reals);
   EXPECT_EQ(s.box.low, low);
   EXPECT_EQ(s.box.high, high);
   EXPECT_EQ(s.sag, 0);
