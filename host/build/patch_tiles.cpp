@@ -15,6 +15,7 @@ namespace {
 using Vec2 = Eigen::Vector2d;
 
 constexpr double kMostTurn = 0.2;       // rad, of a normal from the mean of its tile, if possible
+constexpr double kLittleTurn = 0.05;    // the same where a tile goes from the centre to a side
 constexpr double kMostCurvature = 1e4;  // local: what curves more has no end of it
 constexpr double kLeastTurn = 2e-3;  // rad: more than what two patches that meet smoothly differ by
 constexpr std::uint32_t kTurnShift = 24;  // of its bits in a tile's axis
@@ -42,7 +43,7 @@ PatchTiles cut_tiles(const PatchFrame& frame, const PatchShape& shape, const Vec
                      const ValenceTables& tables, const PatchSamples* samples) {
   thread_local PatchSamples own;
   thread_local std::vector<double> out;
-  static const double kLeastCosine = std::cos(kMostTurn);
+  static const double kLeastCosine = std::cos(kMostTurn), kLeastOfOne = std::cos(kLittleTurn);
   const Kernels<double>& k = kernels<double>();
   const auto sample = [&](const double* at, std::uint32_t count) {
     double axes[kFrameReals];
@@ -61,9 +62,10 @@ PatchTiles cut_tiles(const PatchFrame& frame, const PatchShape& shape, const Vec
   const TileCut* cut = &cuts.front();
   for (; cut != &cuts.back(); ++cut) {
     const TileSamples& tile = cut->*points;
+    if (tile.sample.empty()) continue;
     if (tile.probe_points == 0 ||
         k.least_cosine(samples->rows.data(), samples->count, tile.probe.data(), tile.probe_points,
-                       cut->padded) >= kLeastCosine)
+                       cut->padded) >= (cut->levels == 1 ? kLeastOfOne : kLeastCosine))
       break;
   }
   const TileSamples& tile = cut->*points;

@@ -137,12 +137,16 @@ TileCut cut_of(std::uint32_t n, std::uint32_t levels) {
   cut.levels = levels;
   cut.tiles = n * levels * levels;
   cut.padded = padded(cut.tiles);
-  cut.all = samples_of(n, levels, rings, kCutRings,
-                       [&](std::uint32_t k, std::uint32_t r, std::uint32_t i) {
-                         return r == 0 ? 0 : kernel.probe_place(n, r, (k * r + i) % (n * r));
-                       });
-  if (kernel.probe_coarse(n) > 0)
-    cut.gentle = samples_of(n, levels, rings / 2, kCutFewRings, LatticePlace{n});
+  const bool has_gentle = kernel.probe_coarse(n) > 0;
+  if (levels > 1 || !has_gentle) {
+    cut.all = samples_of(n, levels, rings, kCutRings,
+                         [&](std::uint32_t k, std::uint32_t r, std::uint32_t i) {
+                           return r == 0 ? 0 : kernel.probe_place(n, r, (k * r + i) % (n * r));
+                         });
+  }
+  if (has_gentle)
+    cut.gentle =
+        samples_of(n, levels, rings / 2, levels > 1 ? kCutFewRings : kCutRings, LatticePlace{n});
   cut.transform = transforms_of(n, levels);
   return cut;
 }
@@ -150,9 +154,11 @@ TileCut cut_of(std::uint32_t n, std::uint32_t levels) {
 }  // namespace
 
 std::vector<TileCut> tile_cuts_of(std::uint32_t n) {
-  const std::uint32_t rings = kernels<double>().probe_levels(n);
+  const std::uint32_t rings = kernels<double>().probe_levels(n),
+                      fewest = kernels<double>().probe_coarse(n) > 0 ? 1 : 2;
   std::vector<TileCut> cuts;
-  for (std::uint32_t levels = 2; levels <= rings && n * levels * levels <= kMostTiles; ++levels) {
+  for (std::uint32_t levels = fewest; levels <= rings && n * levels * levels <= kMostTiles;
+       ++levels) {
     if (rings % levels == 0) cuts.push_back(cut_of(n, levels));
   }
   if (cuts.empty()) cuts.push_back(cut_of(n, 1));

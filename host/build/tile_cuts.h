@@ -23,7 +23,8 @@ struct TileSamples {
 // are padded to a multiple of kCutPad by the first one, samples by the centre.
 struct TileCut {
   std::uint32_t levels = 0, tiles = 0, padded = 0;
-  TileSamples all, gentle;        // `gentle`: of a gentle patch, whose probes are the coarse ones
+  // `gentle`: of a gentle patch, whose probes are the coarse ones. No samples: not for such.
+  TileSamples all, gentle;
   std::vector<double> transform;  // [kCutTransforms][padded]
 };
 

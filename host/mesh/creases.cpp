@@ -126,12 +126,12 @@ class Sharpener {
 
 // The angles by which the faces beside each inner edge turn, rad, by side; negative elsewhere.
 std::vector<double> turns_of(const Mesh& mesh, const Topology& topology) {
+  const LargeArray<Vec3> normal = normals_beside(mesh, topology);
   std::vector<double> turns(topology.side_twin.size(), -1);
   for (std::uint32_t side = 0; side < turns.size(); ++side) {
     const std::uint32_t twin = topology.side_twin[side];
     if (twin == kNone || twin < side) continue;
-    turns[side] =
-        angle_between(normal_beside(mesh, topology, side), normal_beside(mesh, topology, twin));
+    turns[side] = angle_between(normal[side], normal[twin]);
   }
   return turns;
 }

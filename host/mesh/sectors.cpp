@@ -118,20 +118,50 @@ Vec3 edge_of(const Mesh& mesh, const Topology& topology, std::uint32_t side) {
   return start_of(mesh, next_side(mesh, topology, side)) - start_of(mesh, side);
 }
 
-Vec3 corner_normal(const Mesh& mesh, const Topology& topology, std::uint32_t corner,
-                   const Vec3& face_normal) {
-  const Vec3 m = edge_of(mesh, topology, prev_side(mesh, topology, corner))
-                     .stableNormalized()
-                     .cross(edge_of(mesh, topology, corner).stableNormalized());
+namespace {
+
+// The normal between two sides of a face, which come to a corner and leave it. Unit vectors.
+Vec3 normal_between(const Vec3& in, const Vec3& out, const Vec3& face_normal) {
+  const Vec3 m = in.cross(out);
   if (!(m.norm() > kCollinear)) return face_normal.stableNormalized();
   return (m.dot(face_normal) < 0 ? Vec3(-m) : m).normalized();
 }
 
+Vec3 normal_of_both(const Vec3& start, const Vec3& end, const Vec3& face_normal) {
+  const Vec3 sum = start + end;
+  return sum.norm() > kCollinear ? sum : face_normal;
+}
+
+}  // namespace
+
+Vec3 corner_normal(const Mesh& mesh, const Topology& topology, std::uint32_t corner,
+                   const Vec3& face_normal) {
+  return normal_between(
+      edge_of(mesh, topology, prev_side(mesh, topology, corner)).stableNormalized(),
+      edge_of(mesh, topology, corner).stableNormalized(), face_normal);
+}
+
 Vec3 normal_beside(const Mesh& mesh, const Topology& topology, std::uint32_t side) {
   const Vec3 face = newell_normal(mesh, topology.side_face[side]);
-  const Vec3 sum = corner_normal(mesh, topology, side, face) +
-                   corner_normal(mesh, topology, next_side(mesh, topology, side), face);
-  return sum.norm() > kCollinear ? sum : face;
+  return normal_of_both(corner_normal(mesh, topology, side, face),
+                        corner_normal(mesh, topology, next_side(mesh, topology, side), face), face);
+}
+
+LargeArray<Vec3> normals_beside(const Mesh& mesh, const Topology& topology) {
+  LargeArray<Vec3> beside(mesh.corner_vertex.size());
+  std::vector<Vec3> along, corner;  // of one face
+  for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
+    const std::uint32_t begin = mesh.face_begin[f], n = mesh.valence(f);
+    const Vec3 face = newell_normal(mesh, f);
+    along.resize(n), corner.resize(n);
+    for (std::uint32_t k = 0; k < n; ++k)
+      along[k] = edge_of(mesh, topology, begin + k).stableNormalized();
+    for (std::uint32_t k = 0; k < n; ++k)
+      corner[k] = normal_between(along[(k + n - 1) % n], along[k], face);
+    for (std::uint32_t k = 0; k < n; ++k)
+      beside[begin + k] = normal_of_both(corner[k], corner[(k + 1) % n], face);
+  }
+  return beside;
 }
 
 bool normals_differ(const Mesh& mesh, std::uint32_t corner, std::uint32_t other) {

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "gliss/base/large_array.h"
 #include "gliss/mesh/topology.h"
 
 namespace gliss {
@@ -25,6 +26,8 @@ Vec3 corner_normal(const Mesh& mesh, const Topology& topology, std::uint32_t cor
 
 // The normal of a face beside one of its sides, of any length: that of the two corners there.
 Vec3 normal_beside(const Mesh& mesh, const Topology& topology, std::uint32_t side);
+// The same of all sides: [side].
+LargeArray<Vec3> normals_beside(const Mesh& mesh, const Topology& topology);
 
 // True if the mesh's own normals at two corners are not the same.
 bool normals_differ(const Mesh& mesh, std::uint32_t corner, std::uint32_t other);

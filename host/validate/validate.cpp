@@ -180,7 +180,7 @@ void validate(Mesh& mesh, const LoadOptions& options, Report& report) {
   check_sizes(mesh, report);
   repair_manifold(mesh, !options.strict && !options.keep_non_manifold, report);
   report.stop_on_error();
-  repair_orientation(mesh, report);
+  const std::size_t parts = repair_orientation(mesh, report);
   report.stop_on_error();
   mesh.lost_faces = lost_faces(faces, report);
   const bool keeps =
@@ -188,7 +188,7 @@ void validate(Mesh& mesh, const LoadOptions& options, Report& report) {
   repair_normals(mesh, keeps ? NormalSource::kFile : options.normals, report);
   if (!options.creases.any()) warn_of_sharp_normals(mesh, mesh.corner_vertex, report);
   warn_of_shapes(mesh, report);
-  warn_of_parts(mesh, report);
+  if (parts > 1) warn_of_parts(mesh, report);
 }
 
 void validate(Mesh& mesh, const LoadOptions& options, std::vector<Finding>* findings) {

@@ -73,16 +73,23 @@ std::vector<Polygon> put_into(const Mesh& mesh, std::uint32_t face, std::uint32_
   return {{at(0), at(1), at(2)}, {at(0), at(2), at(3)}};
 }
 
-// One pass over the faces without area; those beside a face that has just changed wait for the
-// next. Returns true if any is left that may find a neighbour then.
-bool flatten_some(Mesh& mesh, Report& report) {
-  const std::vector<std::uint32_t> side_face = side_faces(mesh),
-                                   other = pair_sides(mesh, side_face);
-  std::vector<bool> is_flat(mesh.face_count());
+// [face], 1 where it has no area; empty: all have.
+std::vector<char> find_flat(const Mesh& mesh, Report& report) {
+  std::vector<char> is_flat;
   for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
     report.poll();
-    is_flat[face] = has_no_area(mesh, face);
+    if (!has_no_area(mesh, face)) continue;
+    is_flat.resize(mesh.face_count());
+    is_flat[face] = 1;
   }
+  return is_flat;
+}
+
+// One pass over the faces without area; those beside a face that has just changed wait for the
+// next. Returns true if any is left that may find a neighbour then.
+bool flatten_some(Mesh& mesh, const std::vector<char>& is_flat, Report& report) {
+  const std::vector<std::uint32_t> side_face = side_faces(mesh),
+                                   other = pair_sides(mesh, side_face);
   FaceEdit edit(mesh, report);
   bool waits = false;
   for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
@@ -113,6 +120,19 @@ bool flatten_some(Mesh& mesh, Report& report) {
   return edit.apply() && waits;
 }
 
+// True if a face has three sides or a few more and names no vertex twice, which is quickly told.
+bool names_each_once(const Mesh& mesh, std::uint32_t face) {
+  constexpr std::uint32_t kFew = 8;
+  const std::uint32_t begin = mesh.face_begin[face], end = mesh.face_begin[face + 1];
+  if (end - begin < 3 || end - begin > kFew) return false;
+  for (std::uint32_t a = begin; a < end; ++a) {
+    for (std::uint32_t b = a + 1; b < end; ++b) {
+      if (mesh.corner_vertex[a] == mesh.corner_vertex[b]) return false;
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 void mend_faces(Mesh& mesh, std::vector<bool>& joined, Report& report) {
@@ -120,6 +140,7 @@ void mend_faces(Mesh& mesh, std::vector<bool>& joined, Report& report) {
   FaceEdit edit(mesh, report);
   for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
     report.poll();
+    if (names_each_once(mesh, face)) continue;
     const Polygon polygon = polygon_of(mesh, face);
     if (polygon.size() > kMaxValence) continue;
     Loops found = loops_of(polygon);
@@ -142,7 +163,10 @@ void mend_faces(Mesh& mesh, std::vector<bool>& joined, Report& report) {
 
 void flatten_faces(Mesh& mesh, Report& report) {
   constexpr int kPasses = 64;
-  for (int pass = 0; pass < kPasses && flatten_some(mesh, report); ++pass) {
+  for (int pass = 0; pass < kPasses; ++pass) {
+    const std::vector<char> is_flat = find_flat(mesh, report);
+    if (is_flat.empty()) return;
+    if (!flatten_some(mesh, is_flat, report)) break;
   }
   FaceEdit edit(mesh, report);
   for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {

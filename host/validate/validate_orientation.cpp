@@ -41,7 +41,8 @@ class Orientation {
         turn_(mesh.face_count(), Turn::kUnknown),
         flipped_(mesh.face_count(), false) {}
 
-  void repair() {
+  // Returns the number of parts.
+  std::size_t repair() {
     report_borders();
     std::size_t parts = 0;
     std::uint32_t second = kNone;
@@ -51,11 +52,12 @@ class Orientation {
       if (++parts == 2) second = face;
     }
     report_flipped();
-    if (parts < 2) return;
+    if (parts < 2) return parts;
     report_
         .add(Severity::kWarning, "several-parts", {.face = second},
              "shares no edge with the part of the first face ({} parts)", parts)
         .count = parts;
+    return parts;
   }
 
  private:
@@ -179,6 +181,8 @@ class Orientation {
 
 }  // namespace
 
-void repair_orientation(Mesh& mesh, Report& report) { Orientation(mesh, report).repair(); }
+std::size_t repair_orientation(Mesh& mesh, Report& report) {
+  return Orientation(mesh, report).repair();
+}
 
 }  // namespace gliss

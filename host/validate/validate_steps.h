@@ -42,8 +42,9 @@ bool has_no_area(const Mesh& mesh, std::uint32_t face);
 // Edges of three and more faces, and vertices where fans of faces touch: refused or split.
 void repair_manifold(Mesh& mesh, bool split, Report& report);
 
-// Turns the faces of each part one way, closed parts outward; reports borders and parts.
-void repair_orientation(Mesh& mesh, Report& report);
+// Turns the faces of each part one way, closed parts outward; reports borders and parts. Returns
+// the number of parts.
+std::size_t repair_orientation(Mesh& mesh, Report& report);
 
 // Leaves unit normals at every corner, or none at all: as of a file that has each face's own.
 void repair_normals(Mesh& mesh, NormalSource source, Report& report);
