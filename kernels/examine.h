@@ -209,7 +209,7 @@ FN scalar largest_lane(real a) {
 }
 
 // A gentle patch keeps near its base polygon's direction, and turns so little (rad) from a probe to
-// the next that these tell of what lies between: a fold would have to curve ten times as much as
+// the next that these tell of what lies between: a fold would have to curve nine times as much as
 // they do. Triangles that blend sides bend most between the coarse probes at their corners.
 #define GENTLE_TURN K(0.1875f)
 FN int is_gentle(patch_shape s, uint form, int n, int rings) {

@@ -1,11 +1,8 @@
 // A patch by its form and valence.
 
-// Up to this valence loops over the sides are unrolled, and patches can be packed.
-#define UNROLLED_VALENCE 6
-
 // There is code for these forms and valences: those that a device's surface has, else all. A
-// compiler takes a minute for all. Form bit 8: parts may overlap. Valence bit 7: more than
-// UNROLLED_VALENCE.
+// compiler takes a minute for all. Form bit 8: parts may overlap. Valence bit MANY_SIDES:
+// so many sides and more.
 #ifndef GLISS_FORMS
 #define GLISS_FORMS 319u
 #define GLISS_VALENCES 248u
@@ -29,7 +26,8 @@ FN patch_point evaluate_valence(GLOBAL scalar* domain, control_data control, uin
   }
   if (IS_VALENCE(n, 5)) return blend_sides(domain, control, form, 5, xi, eta);
 #ifndef GLISS_PACKED
-  if (HAS_VALENCE(7) && n > UNROLLED_VALENCE) return blend_sides(domain, control, form, n, xi, eta);
+  if (HAS_VALENCE(MANY_SIDES) && n > UNROLLED_VALENCE)
+    return blend_sides(domain, control, form, n, xi, eta);
 #endif
   if (HAS_VALENCE(6)) return blend_sides(domain, control, form, UNROLLED_VALENCE, xi, eta);
   return evaluate_quad(control, form, xi, eta);  // of no valence that there is

@@ -20,6 +20,9 @@
 #define BLENDS_SIDES(form) ((form) == FORM_PAPER || (form) == FORM_RIBBON)
 // The most cells of a table along half a side.
 #define TABLE_MOST_CELLS 64
+// Up to this valence loops over the sides are unrolled, and patches can be packed.
+#define UNROLLED_VALENCE 6
+#define MANY_SIDES (UNROLLED_VALENCE + 1)
 // The most sides of a fair patch; the blend of more is the paper's, whose numbers are made for it.
 #define FAIR_MOST_SIDES 31
 

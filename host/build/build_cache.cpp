@@ -456,6 +456,7 @@ class CacheBuilder {
     grow(s.tile, tiles * kTileUints, done);
   }
 
+  // Takes a patch as drafted to a form, and examines it there.
   void form_patch(const FinishedPatch& d, std::uint32_t form, FormedPatch& to) const {
     const Kernels<double>& k = kernels<double>();
     to.form = form;
@@ -466,8 +467,8 @@ class CacheBuilder {
                        &to.samples);
   }
 
-  // True if a patch does not fold, as drafted either, for it is gentle in the first form that it
-  // may have at the level. Spares it an examination as drafted.
+  // True if a patch is gentle in the first form that it may have at the level, and its normals as
+  // drafted tell no fold either: then it needs no examination as drafted.
   bool is_gentle_at_level(const FinishedPatch& d, FormedPatch& formed) const {
     const std::vector<std::uint32_t> forms = forms_of(options_.level, d);
     if (forms.empty()) return false;

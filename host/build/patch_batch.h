@@ -37,8 +37,8 @@ struct ValenceTables {
 // `used`: [valence], 1 where tables are wanted.
 GLISS_EXPORT ValenceTables make_valence_tables(std::span<const char> used);
 
-// The same, perhaps with those of more valences: kept for the process unless polygons have very
-// many sides, since a small build would take less time than its tables. Any thread may ask.
+// Gives tables that are kept for the process, since they take longer than a small build, perhaps
+// with those of more valences. Polygons of very many sides have them made anew. Any thread may ask.
 std::shared_ptr<const ValenceTables> shared_valence_tables(std::span<const char> used);
 
 // A point of a patch's domain. Vector2d's alignment follows the flags of who includes it.

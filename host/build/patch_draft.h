@@ -60,7 +60,7 @@ struct PatchSamples {
   bool is_gentle = false;  // the coarse probes alone
   double stretch2 = 0;     // the largest squared length of G_xi and G_eta
 
-  // Takes from kShapeReals numbers of a patch of n sides, what they tell.
+  // Takes what does not stand in the rows from kShapeReals numbers of a patch of n sides.
   void set_shape(const double* reals, std::uint32_t n);
 };
 

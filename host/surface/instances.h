@@ -92,8 +92,7 @@ struct Kernels {
   void (*fill_domain)(std::uint32_t n, Real* table);
   // Where patches of a valence are examined: rings from the centre to the sides, `probe_levels` of
   // them. The table has `probe_reals` numbers for `probe_count` points. The first `probe_coarse`,
-  // or none, are every other one on every other ring. Point i of ring 1 and on stands at
-  // `probe_place`.
+  // or none, are enough for a gentle patch. Point i of ring 1 and on stands at `probe_place`.
   std::uint32_t (*probe_levels)(std::uint32_t n);
   std::uint32_t (*probe_coarse)(std::uint32_t n);
   std::uint32_t (*probe_place)(std::uint32_t n, std::uint32_t ring, std::uint32_t i);

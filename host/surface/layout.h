@@ -21,9 +21,9 @@ inline constexpr std::uint32_t kFormPaper = FORM_PAPER, kFormRibbon = FORM_RIBBO
 constexpr bool blends_sides(std::uint32_t form) { return BLENDS_SIDES(form); }
 static_assert(kMostTableCells == TABLE_MOST_CELLS);
 inline constexpr std::uint32_t kMostFairSides = FAIR_MOST_SIDES;
-inline constexpr std::uint32_t kFormsUnited = 256;  // among bits of forms: parts overlap
-inline constexpr std::size_t kManySides = 7;        // among bits of valences: so many and more
-inline constexpr std::uint32_t kFormMask = 255;     // above it, the r of a table
+inline constexpr std::uint32_t kFormsUnited = 256;     // among bits of forms: parts overlap
+inline constexpr std::size_t kManySides = MANY_SIDES;  // among bits of valences: so many and more
+inline constexpr std::uint32_t kFormMask = 255;        // above it, the r of a table
 inline constexpr std::size_t kSideLength = SIDE_LENGTH, kSideEase = SIDE_EASE;
 inline constexpr std::size_t kPatchOrigin = 3 * PATCH_ORIGIN, kPatchNormal = 3 * PATCH_NORMAL,
                              kPatchScale = PATCH_SCALE, kPatchUnscale = PATCH_UNSCALE,
@@ -98,6 +98,8 @@ bool is_outer_side(const PatchCache& cache, const Surface<Real>& surface, std::u
 #undef FORM_COUNT
 #undef BLENDS_SIDES
 #undef FAIR_MOST_SIDES
+#undef UNROLLED_VALENCE
+#undef MANY_SIDES
 #undef SIDE_C
 #undef SIDE_T_0
 #undef SIDE_T_1
