@@ -1,7 +1,10 @@
 // gliss sweep --shard as users run it.
 #include <gmock/gmock.h>
+#include <sys/stat.h>
 
+#include <fmt/format.h>
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "tests/support/run_files.h"
@@ -81,11 +84,27 @@ TEST_F(Shards, that_make_no_sense_are_refused_with_the_cure) {
   EXPECT_FALSE(fs::exists(folder_ / "s.h5.parts"));
 }
 
+// True if a process holds a lock of a folder.
+bool has_locked(pid_t process, const fs::path& folder) {
+  struct stat status;
+  if (stat(folder.c_str(), &status) != 0) return false;
+  std::ifstream locks("/proc/locks");
+  for (std::string line; std::getline(locks, line);) {
+    if (line.find(fmt::format(" {} ", process)) != line.npos &&
+        line.find(fmt::format(":{} ", status.st_ino)) != line.npos)
+      return true;
+  }
+  return false;
+}
+
 TEST_F(Shards, and_a_whole_sweep_do_not_work_in_one_folder_at_once) {
   const std::string words = sweep_ + " --summary s.json";
+  // It takes seconds, and has locked its folder a while after that is there.
   Process shard(folder_ / "", test::kProgram,
-                test::split(words + "0 --parts p --shard 1/1 --stiffness 1N/mm", ' '));
-  ASSERT_TRUE(test::await([&] { return fs::exists(folder_ / "p"); }));
+                test::split("sweep ball.obj --unit mm --depth 1mm,2mm,3mm,4mm --method flat "
+                            "--samples 1.7e6 --summary s.json0 --parts p --shard 1/1",
+                            ' '));
+  ASSERT_TRUE(test::await([&] { return has_locked(shard.id(), folder_ / "p"); }));
   // It is stopped lest it ends first.
   shard.kill(SIGSTOP);
   const Outcome outcome = gliss(words + " --parts p");
