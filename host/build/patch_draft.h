@@ -64,7 +64,7 @@ struct PatchSamples {
   void set_shape(const double* reals, std::uint32_t n);
 };
 
-// From kShapeReals numbers: bounds are widened by what lies between samples.
+// Makes a shape of kShapeReals numbers: its bounds are widened by what lies between samples.
 PatchShape shape_from(const double* reals);
 
 // Below it the slopes of a ribbon lose too many of a float's digits.

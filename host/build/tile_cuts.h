@@ -6,7 +6,8 @@
 
 namespace gliss {
 
-// Where the samples of tiles lie, [point][padded]: a point's place in an array of samples.
+// TileSamples holds where tiles take their samples from: a point's place in an array of samples,
+// [point][padded].
 struct TileSamples {
   // Points among the probes, `probe_points` of them: they tell if normals keep together. None:
   // probes are too far apart, as they are only where all normals keep together.
@@ -23,7 +24,8 @@ struct TileSamples {
 // are padded to a multiple of kCutPad by the first one, samples by the centre.
 struct TileCut {
   std::uint32_t levels = 0, tiles = 0, padded = 0;
-  // `gentle`: of a gentle patch, whose probes are the coarse ones. No samples: not for such.
+  // `gentle` is for gentle patches, whose probes are the coarse ones, `all` for others. One without
+  // samples is not for its kind.
   TileSamples all, gentle;
   std::vector<double> transform;  // [kCutTransforms][padded]
 };

@@ -73,7 +73,7 @@ std::vector<Polygon> put_into(const Mesh& mesh, std::uint32_t face, std::uint32_
   return {{at(0), at(1), at(2)}, {at(0), at(2), at(3)}};
 }
 
-// [face], 1 where it has no area; empty: all have.
+// Marks the faces without area: [face], 1 for such; empty if there are none.
 std::vector<char> find_flat(const Mesh& mesh, Report& report) {
   std::vector<char> is_flat;
   for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
