@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <utility>
 
 #include "gliss/surface/instances.h"
@@ -12,18 +11,11 @@
 namespace gliss {
 namespace {
 
-using Vec2 = Eigen::Vector2d;
-
 constexpr double kMostTurn = 0.2;       // rad, of a normal from the mean of its tile, if possible
 constexpr double kLittleTurn = 0.05;    // the same where a tile goes from the centre to a side
 constexpr double kMostCurvature = 1e4;  // local: what curves more has no end of it
 constexpr double kLeastTurn = 2e-3;  // rad: more than what two patches that meet smoothly differ by
 constexpr std::uint32_t kTurnShift = 24;  // of its bits in a tile's axis
-
-Vec2 domain_corner(std::uint32_t n, std::uint32_t k) {
-  const double angle = 2 * std::numbers::pi * k / n;
-  return {std::cos(angle), std::sin(angle)};
-}
 
 // Those of many sides are made for each patch that follows one of others: tables of all valences
 // might take more memory than the surface.
@@ -101,10 +93,10 @@ struct SidePoints {
   std::vector<double> xi, eta;
 
   explicit SidePoints(std::uint32_t sides)
-      : n(sides), count((sides * kCompared + kCutPad - 1) / kCutPad * kCutPad) {
+      : n(sides), count(padded(static_cast<std::uint32_t>(sides * kCompared))) {
     for (std::uint32_t k = 0; k < n; ++k) {
       for (const double t : kAlong) {
-        const Vec2 at = kShrink * ((1 - t) * domain_corner(n, k) + t * domain_corner(n, k + 1));
+        const DomainVec at = kShrink * on_side(n, k, t);
         xi.push_back(at.x()), eta.push_back(at.y());
       }
     }

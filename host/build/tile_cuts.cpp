@@ -14,8 +14,6 @@ using Vec2 = Eigen::Vector2d;
 
 constexpr std::uint32_t kMostTiles = 512;  // of a patch of few sides
 
-std::uint32_t padded(std::uint32_t count) { return (count + kCutPad - 1) / kCutPad * kCutPad; }
-
 Vec2 corner_at(std::uint32_t n, std::uint32_t k) {
   const double angle = 2 * std::numbers::pi * k / n;
   return {std::cos(angle), std::sin(angle)};
@@ -152,6 +150,8 @@ TileCut cut_of(std::uint32_t n, std::uint32_t levels) {
 }
 
 }  // namespace
+
+std::uint32_t padded(std::uint32_t count) { return (count + kCutPad - 1) / kCutPad * kCutPad; }
 
 std::vector<TileCut> tile_cuts_of(std::uint32_t n) {
   const std::uint32_t rings = kernels<double>().probe_levels(n),

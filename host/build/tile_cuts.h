@@ -30,6 +30,9 @@ struct TileCut {
   std::vector<double> transform;  // [kCutTransforms][padded]
 };
 
+// Rounds a count of samples or of tiles up to a multiple of kCutPad.
+std::uint32_t padded(std::uint32_t count);
+
 // The size of the samples' domain, off the sides.
 inline constexpr double kShrink = 1 - 0x1p-16;
 
