@@ -16,11 +16,16 @@
 namespace gliss::bench {
 namespace {
 
-Work make_sweep(Precision precision, int threads) {
-  const PatchCache& cache = cache_of(Shape::kKnot, precision);
+// Short ones pay for memory that is new.
+constexpr std::uint32_t kShort = 2, kLong = 11;  // rings: 35,000 HIPs, 760,000
+
+Work make_sweep(const Level& level, Precision precision, int threads, std::uint32_t rings,
+                const std::vector<Method>& methods = SweepOptions().methods) {
+  const PatchCache& cache = cache_of(Shape::kKnot, precision, level);
   SweepOptions options;
   options.depths = {2e-3, 4e-3};  // m
-  options.rings = 2;
+  options.rings = rings;
+  options.methods = methods;
   const double contacts = static_cast<double>(sample_count(cache, options.rings) *
                                               options.depths.size() * options.methods.size());
   return {contacts, [&cache, options, threads] { sweep(cache, engine_of(threads), options); }};
@@ -83,10 +88,17 @@ void register_whole() {
   for (const Precision p : {Precision::kFloat, Precision::kDouble}) {
     for (const int threads : {1, 2}) {
       std::vector<Rival> rivals;
-      if (threads > 1) rivals.push_back({"x_one_thread", [=] { return make_sweep(p, 1); }});
+      if (threads > 1)
+        rivals.push_back({"x_one_thread", [=] { return make_sweep(kPapers, p, 1, kShort); }});
       add_work(
           work_name("sweep", kPapers, p, 4, threads), threads,
-          [=] { return make_sweep(p, threads); }, rivals);
+          [=] { return make_sweep(kPapers, p, threads, kShort); }, rivals);
+    }
+    for (const Level& level : {kPapers, Level()}) {
+      add_work(work_name("sweep_long", level, p, 4, 1), 1,
+               [=] { return make_sweep(level, p, 1, kLong); });
+      add_work(work_name("sweep_long_gregory", level, p, 4, 1), 1,
+               [=] { return make_sweep(level, p, 1, kLong, {Method::kGregory}); });
     }
     add_work(work_name("load", kPapers, p, 4, 1), 1, [=] { return make_load(p); },
              {{"x_read", [=] { return make_read(p); }}});

@@ -280,12 +280,41 @@ FN int nearest_open(const open_tiles* open, real distance2) {
   return found;
 }
 
-// True if a minimum is the only one of its patch: nowhere there is the distance beyond half the
-// radius of curvature.
-FN int is_sole_minimum(surface_view view, foot f) {
-  GLOBAL scalar* numbers = numbers_of(view, f.patch);
+// True if nowhere in a patch the distance of a minimum is beyond half the radius of curvature.
+FN int is_within_half_radius(surface_view view, foot f, uint patch) {
+  GLOBAL scalar* numbers = numbers_of(view, patch);
   const real curvature = numbers[PATCH_CURVATURE] * numbers[PATCH_SCALE];
-  return (f.flags & FOOT_CONVERGED) && f.distance2 * curvature * curvature < K(0.25f);
+  return f.distance2 * curvature * curvature < K(0.25f);
+}
+
+// True if a minimum is the only one of its patch.
+FN int is_sole_minimum(surface_view view, foot f) {
+  return (f.flags & FOOT_CONVERGED) && is_within_half_radius(view, f, f.patch);
+}
+
+// True if a patch joins another along one of its sides, with one normal there.
+FN int joins(surface_view view, uint patch, uint other) {
+  const uint first = view.side_begin[patch], end = view.side_begin[patch + 1];
+  for (uint side = first; side < end; ++side) {
+    const uint twin = view.side_twin[side];
+    if (twin != NONE && view.side_patch[twin] == other && is_smooth_side(view, patch, side - first))
+      return 1;
+  }
+  return 0;
+}
+
+// True if no point of another patch is nearer than a minimum that is its own patch's only one, and
+// that no border or crease holds: the patches join, in both the distance is within half the radius
+// of curvature, and the other's polygon is turned by less than 60 degrees from the minimum's
+// normal. So the surface does not come back to the HIP there.
+FN int is_sole_beside(surface_view view, foot f, uint patch) {
+  if ((f.flags & (FOOT_BORDER | FOOT_CREASE)) || !is_sole_minimum(view, f) ||
+      !is_within_half_radius(view, f, patch))
+    return 0;
+  const real3 normal = patch_normal(f.at), other = load3(numbers_of(view, patch), PATCH_NORMAL);
+  if (!(dot3(normal, other) > K(0.5f) * norm3(normal))) return 0;
+  const int is_smaller = valence_of(view, patch) < valence_of(view, f.patch);
+  return joins(view, is_smaller ? patch : f.patch, is_smaller ? f.patch : patch);
 }
 
 // True if the squared distance is convex all the way to the minimum that is known, in its patch.
@@ -385,10 +414,9 @@ FN foot search_tile(surface_view view, hip_point h, uint patch, patch_tiles tile
 
 // The better of a known minimum and those of a patch. A search starts from the middle of each tile
 // that may hold a nearer point, but where a convex neighbourhood has but one minimum.
-FN_LARGE foot search_patch(surface_view view, hip_point h, uint patch, track_options options,
+FN_LARGE foot search_tiles(surface_view view, hip_point h, uint patch, track_options options,
                            foot best) {
   const real scale = numbers_of(view, patch)[PATCH_SCALE];
-  if (best.patch == patch && is_sole_minimum(view, best)) return best;
   const patch_tiles tiles = tiles_of(view, h, patch);
   open_tiles open;
   for (int next = 0; next < tiles.count;) {
@@ -407,6 +435,13 @@ FN_LARGE foot search_patch(surface_view view, hip_point h, uint patch, track_opt
     }
   }
   return best;
+}
+
+// The same, without a search where the minimum that is known rules it out.
+FN foot search_patch(surface_view view, hip_point h, uint patch, track_options options, foot best) {
+  const int is_sole =
+      best.patch == patch ? is_sole_minimum(view, best) : is_sole_beside(view, best, patch);
+  return is_sole ? best : search_tiles(view, h, patch, options, best);
 }
 
 // Ends a search: clear2 and FOOT_UNFINISHED say what it left out, and its iterations count all
@@ -464,7 +499,7 @@ FN_LARGE foot search_beyond(surface_view view, hip_point h, uint first, const ne
 FN_LARGE foot nearest_foot(surface_view view, hip_point h, foot first, const near_patches* near,
                            track_options options) {
   const known_minimum none = {NONE, K(0)};
-  foot best = end_foot(view, h, first, options, none);
+  foot best = is_descending(first, options) ? end_foot(view, h, first, options, none) : first;
   best.clear2 = K(INFINITY);
   best = search_patch(view, h, first.patch, options, best);
   const real rounding = K(64) * EPSILON * best.distance2;

@@ -37,6 +37,16 @@ FN patch_tiles tiles_of(surface_view view, hip_point h, uint patch) {
 
 FN uint tile_word(patch_tiles t, int row, int i) { return tile_words(t.ball, row, i); }
 
+// True if a patch has its neighbour's normals along a side: else any may lead from a tile there to
+// a HIP.
+FN int is_smooth_side(surface_view view, uint patch, uint k) {
+  const uint first = view.tile_begin[patch], count = view.tile_begin[patch + 1] - first,
+             of_side = count / (uint)valence_of(view, patch);
+  const uint last =
+      view.tile[TILE_UINTS * (ulong)first + TILE_AXIS * count + (k + 1) * of_side - 1];
+  return (last >> 24 & TILE_ANY_TURN) != TILE_ANY_TURN;
+}
+
 typedef struct {
   real distance2;  // squared, mesh frame: no point of the tile is nearer
   real height;     // of the HIP over the tile, local

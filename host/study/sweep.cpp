@@ -199,12 +199,13 @@ class Sweeper {
                   SweepParts* parts, bool keeps_last) {
     const std::uint64_t total = samples_before(grid_.chunk_count());
     const bool keeps_samples = sink || (parts != nullptr && parts->keeps_samples());
-    const auto policy = engine_.threads() > 1 ? std::launch::async : std::launch::deferred;
+    const bool overlaps = engine_.threads() > 1;
+    const auto policy = overlaps ? std::launch::async : std::launch::deferred;
     SweepResult result;
     result.statistics = no_statistics(options_);
     const std::size_t part_count = parts_.count();
     auto of_part = no_statistics(options_);
-    Window windows[2];  // the last one is counted while the next is computed
+    Window windows[2];  // where threads allow, the last one is counted while the next is computed
     std::size_t turn = 0;
     std::future<void> counting;
     const auto finish = [&] {
@@ -239,7 +240,7 @@ class Sweeper {
         if (progress && !progress(done, total)) result.complete = false;
       }
       while (first < part_end && result.complete) {
-        Window& window = windows[turn++ % 2];
+        Window& window = windows[overlaps ? turn++ % 2 : 0];
         if (kept && kept->begun > 0)
           collect(first, first + kept->begun, std::numeric_limits<std::size_t>::max(), window);
         else
@@ -275,6 +276,7 @@ class Sweeper {
           merge(of_part, result.statistics);
           of_part = no_statistics(options_);
         });
+        if (!overlaps) finish();
         done += samples;
         result.computed += samples * options_.methods.size() * (window.felt - ready) / window.felt;
         first = next;

@@ -86,6 +86,26 @@ TEST(Nearest, agrees_with_brute_force) {
   }
 }
 
+// A minimum within half the radius of curvature is the only one of the patches beside its own too:
+// nothing is asked of them. Each start from one of them takes two evaluations.
+TEST(Nearest, starts_from_no_patch_that_joins_smoothly) {
+  const Mesh mesh = test::with_normals(torus(24, 16, 30, 10).mesh);
+  const PatchCache cache = test::cache_of(mesh);
+  Rng rng(27);
+  constexpr int kHips = 1000;
+  for (const double depth : {1.0, 3.0}) {
+    int iterations = 0;
+    for (int i = 0; i < kHips; ++i) {
+      const SurfacePoint point = random_point(rng, mesh, cache);
+      const Contact contact = nearest(cache, point.position - depth * point.normal);
+      EXPECT_NEAR(contact.distance, -depth, 1e-9);
+      iterations += contact.iterations;
+    }
+    EXPECT_LE(iterations, depth * kHips + 2 * kHips);
+    test::record("torus", "{:.1f} iterations, {} mm deep", iterations / double{kHips}, depth);
+  }
+}
+
 // Cheaper than a search, so it can ask more often: no sample of the surface may be nearer.
 TEST(Nearest, is_nearer_than_every_sample_up_to_ten_sizes_away) {
   Rng rng(22);
