@@ -578,7 +578,7 @@ PatchCache build_cache(const Mesh& mesh, const BuildOptions& options, BuildRepor
   if (has_vertex_normals(mesh))
     return build_cache(mesh, build_topology(mesh), options, report, backend);
   Mesh with_normals = mesh;
-  add_vertex_normals(with_normals, normal_weights(options.level.construction));
+  add_vertex_normals(with_normals, normal_weights(options.level.construction), backend.parallel);
   PatchCache cache =
       build_cache(with_normals, build_topology(with_normals), options, report, backend);
   cache.mesh_hash = hash_of(mesh);

@@ -22,9 +22,10 @@ constexpr double kNarrow = 0.25, kTrusted = 0.8, kLeastSeen = 0.2;
 // Finds normals and tangents, vertex by vertex and then edge by edge.
 class Sharpener {
  public:
-  Sharpener(const Mesh& mesh, const Topology& topology, NormalWeights weights)
+  Sharpener(const Mesh& mesh, const Topology& topology, NormalWeights weights,
+            const ParallelFor& parallel)
       : mesh_(mesh), topology_(topology) {
-    Sectors sectors = cut_sectors(mesh, topology, mesh.sharp, weights);
+    Sectors sectors = cut_sectors(mesh, topology, mesh.sharp, weights, parallel);
     sectors_ = std::move(sectors.cut);
     tau_ = std::move(sectors.tau);
     group_ = std::move(sectors.group);
@@ -304,8 +305,9 @@ std::vector<VertexPair> crease_edges(const Mesh& mesh, const Topology& topology)
   return edges;
 }
 
-SharpCorners sharp_corners(const Mesh& mesh, const Topology& topology, NormalWeights weights) {
-  return Sharpener(mesh, topology, weights).find();
+SharpCorners sharp_corners(const Mesh& mesh, const Topology& topology, NormalWeights weights,
+                           const ParallelFor& parallel) {
+  return Sharpener(mesh, topology, weights, parallel).find();
 }
 
 }  // namespace gliss

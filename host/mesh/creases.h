@@ -64,6 +64,7 @@ struct SharpCorners {
 // From the marks and the normals of the mesh, if it has some: they count where they agree with the
 // marks. `weights`: of normals that are made. Any number of threads may call it.
 GLISS_EXPORT SharpCorners sharp_corners(const Mesh& mesh, const Topology& topology,
-                                        NormalWeights weights = NormalWeights::kAngle);
+                                        NormalWeights weights = NormalWeights::kAngle,
+                                        const ParallelFor& parallel = serial_for);
 
 }  // namespace gliss

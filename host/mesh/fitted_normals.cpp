@@ -72,6 +72,12 @@ FittedNormal fit_normal(const std::vector<Vec3>& around, const Vec3& start) {
 // The corners of each group and what their edges lead to.
 class Neighbours {
  public:
+  // Arrays of a thread that asks.
+  struct Work {
+    std::vector<std::uint32_t> vertices, groups;
+    std::vector<Vec3> ways;
+  };
+
   Neighbours(const Mesh& mesh, std::span<const std::uint32_t> group, std::size_t count)
       : mesh_(mesh), group_(group), edges_(group.size()), begin_(count + 1, 0) {
     for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
@@ -88,35 +94,35 @@ class Neighbours {
   // The ways from a group's vertex to those that one edge or two lead to, over the least of their
   // lengths. A neighbour where more than kMostCorners meet leads no farther. None if the corners
   // of the group do not go all round the vertex.
-  const std::vector<Vec3>& around(std::uint32_t g) {
+  const std::vector<Vec3>& around(std::uint32_t g, Work& work) const {
     constexpr std::size_t kMostCorners = 64;
-    ways_.clear();
-    if (corners(g).empty()) return ways_;
-    vertices_.clear();
-    groups_.clear();
+    auto& [vertices, groups, ways] = work;
+    ways.clear();
+    if (corners(g).empty()) return ways;
+    vertices.clear();
+    groups.clear();
     for_ends(g, [&](std::uint32_t end) {
-      vertices_.push_back(mesh_.corner_vertex[end]);
-      groups_.push_back(group_[end]);
+      vertices.push_back(mesh_.corner_vertex[end]);
+      groups.push_back(group_[end]);
     });
-    keep_one_each(groups_);
-    if (groups_.size() != corners(g).size()) return ways_;
-    for (const std::uint32_t neighbour : groups_) {
+    keep_one_each(groups);
+    if (groups.size() != corners(g).size()) return ways;
+    for (const std::uint32_t neighbour : groups) {
       if (corners(neighbour).size() > kMostCorners) continue;
-      for_ends(neighbour,
-               [&](std::uint32_t end) { vertices_.push_back(mesh_.corner_vertex[end]); });
+      for_ends(neighbour, [&](std::uint32_t end) { vertices.push_back(mesh_.corner_vertex[end]); });
     }
-    keep_one_each(vertices_);
+    keep_one_each(vertices);
     const Vec3& at = mesh_.positions[mesh_.corner_vertex[corners(g).front()]];
     double least = std::numeric_limits<double>::infinity();
-    for (const std::uint32_t v : vertices_) {
+    for (const std::uint32_t v : vertices) {
       const Vec3 way = mesh_.positions[v] - at;
       const double length = way.stableNorm();
       if (length == 0) continue;  // the vertex itself, or one that lies on it
-      ways_.push_back(way);
+      ways.push_back(way);
       least = std::min(least, length);
     }
-    for (Vec3& way : ways_) way /= least;
-    return ways_;
+    for (Vec3& way : ways) way /= least;
+    return ways;
   }
 
  private:
@@ -140,17 +146,21 @@ class Neighbours {
   std::span<const std::uint32_t> group_;
   std::vector<std::array<std::uint32_t, 2>> edges_;  // [corner], the corners that its edges lead to
   std::vector<std::uint32_t> begin_, corners_;       // [group], [begin_]
-  std::vector<std::uint32_t> vertices_, groups_;     // of the last group asked for
-  std::vector<Vec3> ways_;
 };
 
 }  // namespace
 
 std::vector<FittedNormal> fitted_normals(const Mesh& mesh, std::span<const std::uint32_t> group,
-                                         std::size_t count, std::span<const Vec3> start) {
-  Neighbours neighbours(mesh, group, count);
+                                         std::size_t count, std::span<const Vec3> start,
+                                         const ParallelFor& parallel) {
+  constexpr std::size_t kGrain = 1024;
+  const Neighbours neighbours(mesh, group, count);
   std::vector<FittedNormal> fitted(count);
-  for (std::uint32_t g = 0; g < count; ++g) fitted[g] = fit_normal(neighbours.around(g), start[g]);
+  parallel(count, kGrain, [&](std::size_t begin, std::size_t end) {
+    Neighbours::Work work;
+    for (std::size_t g = begin; g < end; ++g)
+      fitted[g] = fit_normal(neighbours.around(static_cast<std::uint32_t>(g), work), start[g]);
+  });
   return fitted;
 }
 

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "gliss/base/parallel.h"
 #include "gliss/mesh/mesh.h"
 
 namespace gliss {
@@ -27,6 +28,7 @@ struct FittedNormal {
 // which a sphere is exactly, with p = q = 0. What a surface has besides grows with |d|^3, so the
 // weights are 1 / |d|^6. The normal is turned by a and b, and the fit made once more.
 std::vector<FittedNormal> fitted_normals(const Mesh& mesh, std::span<const std::uint32_t> group,
-                                         std::size_t count, std::span<const Vec3> start);
+                                         std::size_t count, std::span<const Vec3> start,
+                                         const ParallelFor& parallel = serial_for);
 
 }  // namespace gliss

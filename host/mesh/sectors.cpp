@@ -22,11 +22,12 @@ class Cutter {
     s_.group = mesh.corner_vertex;
   }
 
-  Sectors find(NormalWeights weights) {
+  Sectors find(NormalWeights weights, const ParallelFor& parallel) {
     for (const std::uint32_t first : topology_.vertex_side) {
       if (first != kNone) cut_vertex(first);
     }
-    s_.normals = group_normals(mesh_, s_.group, mesh_.positions.size() + s_.cut.size(), weights);
+    s_.normals =
+        group_normals(mesh_, s_.group, mesh_.positions.size() + s_.cut.size(), weights, parallel);
     take_given_normals();
     return std::move(s_);
   }
@@ -170,8 +171,8 @@ bool normals_differ(const Mesh& mesh, std::uint32_t corner, std::uint32_t other)
 }
 
 Sectors cut_sectors(const Mesh& mesh, const Topology& topology, std::span<const std::uint8_t> cuts,
-                    NormalWeights weights) {
-  return Cutter(mesh, topology, cuts).find(weights);
+                    NormalWeights weights, const ParallelFor& parallel) {
+  return Cutter(mesh, topology, cuts).find(weights, parallel);
 }
 
 Vec3 tangent_along(const Vec3& edge, const Vec3& normal, const Vec3& mean) {

@@ -51,7 +51,7 @@ struct Sectors {
 // the tangent of the circle through the vertex and their other ends. Normals of the mesh count at
 // vertices that are not cut, and where they differ between sectors; others are made by `weights`.
 Sectors cut_sectors(const Mesh& mesh, const Topology& topology, std::span<const std::uint8_t> cuts,
-                    NormalWeights weights);
+                    NormalWeights weights, const ParallelFor& parallel = serial_for);
 
 // The unit tangent of eq. 8 at an end of an edge whose normal is n; `mean`: n_avg, of any length.
 Vec3 tangent_along(const Vec3& edge, const Vec3& normal, const Vec3& mean);

@@ -184,9 +184,11 @@ std::vector<double> turn_to_quadrics(const Mesh& mesh, Groups group,
 }
 
 // Moves normals towards those of the quadrics, where these fit.
-void smooth_normals(const Mesh& mesh, Groups group, std::vector<Vec3>& normals) {
+void smooth_normals(const Mesh& mesh, Groups group, std::vector<Vec3>& normals,
+                    const ParallelFor& parallel) {
   std::vector<Vec3> smooth = max_normals(mesh, group, normals.size());
-  const std::vector<FittedNormal> fitted = fitted_normals(mesh, group, normals.size(), smooth);
+  const std::vector<FittedNormal> fitted =
+      fitted_normals(mesh, group, normals.size(), smooth, parallel);
   const std::vector<double> believed = turn_to_quadrics(mesh, group, fitted, smooth);
   std::vector<double> agreed(normals.size(), 1), seen(normals.size(), 1);  // least cosines
   for_corners(mesh, group, [&](std::uint32_t g, const Vec3& ahead, const Vec3& back) {
@@ -206,29 +208,31 @@ void smooth_normals(const Mesh& mesh, Groups group, std::vector<Vec3>& normals) 
 }  // namespace
 
 std::vector<Vec3> group_normals(const Mesh& mesh, std::span<const std::uint32_t> group,
-                                std::size_t count, NormalWeights weights) {
+                                std::size_t count, NormalWeights weights,
+                                const ParallelFor& parallel) {
   std::vector<Vec3> normals = angle_normals(mesh, group, count);
-  if (weights == NormalWeights::kSmooth) smooth_normals(mesh, group, normals);
+  if (weights == NormalWeights::kSmooth) smooth_normals(mesh, group, normals, parallel);
   return normals;
 }
 
-std::vector<Vec3> vertex_normals(const Mesh& mesh, NormalWeights weights) {
-  return group_normals(mesh, mesh.corner_vertex, mesh.positions.size(), weights);
+std::vector<Vec3> vertex_normals(const Mesh& mesh, NormalWeights weights,
+                                 const ParallelFor& parallel) {
+  return group_normals(mesh, mesh.corner_vertex, mesh.positions.size(), weights, parallel);
 }
 
 bool has_vertex_normals(const Mesh& mesh) {
   return !mesh.normals.empty() && (mesh.sharp.empty() || !mesh.tangents.empty());
 }
 
-void add_vertex_normals(Mesh& mesh, NormalWeights weights) {
+void add_vertex_normals(Mesh& mesh, NormalWeights weights, const ParallelFor& parallel) {
   if (has_vertex_normals(mesh)) return;
   if (!mesh.sharp.empty()) {
-    SharpCorners corners = sharp_corners(mesh, build_topology(mesh), weights);
+    SharpCorners corners = sharp_corners(mesh, build_topology(mesh), weights, parallel);
     mesh.normals = std::move(corners.normals);
     mesh.corner_normal = std::move(corners.corner_normal);
     mesh.tangents = std::move(corners.tangents);
   } else {
-    mesh.normals = vertex_normals(mesh, weights);
+    mesh.normals = vertex_normals(mesh, weights, parallel);
     mesh.corner_normal = mesh.corner_vertex;
   }
 }

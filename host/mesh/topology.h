@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gliss/base/export.h"
+#include "gliss/base/parallel.h"
 #include "gliss/mesh/mesh.h"
 
 namespace gliss {
@@ -48,19 +49,22 @@ enum class NormalWeights {
 };
 
 // Gives a mesh without normals one unit normal per vertex, and one with creases the normals and
-// tangents of creases.h. Leaves others alone.
-GLISS_EXPORT void add_vertex_normals(Mesh& mesh, NormalWeights weights = NormalWeights::kAngle);
+// tangents of creases.h. Leaves others alone. `parallel` runs what quadrics take.
+GLISS_EXPORT void add_vertex_normals(Mesh& mesh, NormalWeights weights = NormalWeights::kAngle,
+                                     const ParallelFor& parallel = serial_for);
 // True if it has nothing to add.
 GLISS_EXPORT bool has_vertex_normals(const Mesh& mesh);
 
 // One unit normal per vertex; an unused one gets (0, 0, 1).
 GLISS_EXPORT std::vector<Vec3> vertex_normals(const Mesh& mesh,
-                                              NormalWeights weights = NormalWeights::kAngle);
+                                              NormalWeights weights = NormalWeights::kAngle,
+                                              const ParallelFor& parallel = serial_for);
 
 // The same where the corners of a vertex may be of several groups, [corner] numbers below `count`.
 GLISS_EXPORT std::vector<Vec3> group_normals(const Mesh& mesh, std::span<const std::uint32_t> group,
                                              std::size_t count,
-                                             NormalWeights weights = NormalWeights::kAngle);
+                                             NormalWeights weights = NormalWeights::kAngle,
+                                             const ParallelFor& parallel = serial_for);
 
 // Normal of a polygon by Newell's method; length is twice the area of a planar polygon.
 GLISS_EXPORT Vec3 newell_normal(const Mesh& mesh, std::size_t face);
