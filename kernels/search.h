@@ -170,6 +170,7 @@ FN foot begin_foot(surface_view view, hip_point h, domain_point at, track_option
 }
 FN foot end_foot(surface_view view, hip_point h, foot f, track_options options,
                  known_minimum known) {
+  if (!is_descending(f, options)) return f;
   return options.solver == SOLVER_PAPER ? track_as_printed(view, h, f, options)
                                         : track_foot(view, h, f, options, known);
 }
@@ -499,7 +500,7 @@ FN_LARGE foot search_beyond(surface_view view, hip_point h, uint first, const ne
 FN_LARGE foot nearest_foot(surface_view view, hip_point h, foot first, const near_patches* near,
                            track_options options) {
   const known_minimum none = {NONE, K(0)};
-  foot best = is_descending(first, options) ? end_foot(view, h, first, options, none) : first;
+  foot best = end_foot(view, h, first, options, none);
   best.clear2 = K(INFINITY);
   best = search_patch(view, h, first.patch, options, best);
   const real rounding = K(64) * EPSILON * best.distance2;

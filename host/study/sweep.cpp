@@ -200,7 +200,6 @@ class Sweeper {
     const std::uint64_t total = samples_before(grid_.chunk_count());
     const bool keeps_samples = sink || (parts != nullptr && parts->keeps_samples());
     const bool overlaps = engine_.threads() > 1;
-    const auto policy = overlaps ? std::launch::async : std::launch::deferred;
     SweepResult result;
     result.statistics = no_statistics(options_);
     const std::size_t part_count = parts_.count();
@@ -262,7 +261,7 @@ class Sweeper {
         finish();
         if (!result.complete) break;
         const bool saves = parts != nullptr && (keeps_last || part + 1 < part_count);
-        counting = std::async(policy, [=, this, &window, &sink, &result, &of_part] {
+        const auto count_window = [=, this, &window, &sink, &result, &of_part] {
           count(window, keeps_samples);
           for (const Piece& piece : window.pieces) {
             merge(piece.statistics, of_part);
@@ -275,8 +274,11 @@ class Sweeper {
           if (saves) parts->save(part, of_part, next - part_begin);
           merge(of_part, result.statistics);
           of_part = no_statistics(options_);
-        });
-        if (!overlaps) finish();
+        };
+        if (overlaps)
+          counting = std::async(std::launch::async, count_window);
+        else
+          count_window();
         done += samples;
         result.computed += samples * options_.methods.size() * (window.felt - ready) / window.felt;
         first = next;
