@@ -234,17 +234,18 @@ FN int gather_tiles(surface_view view, patch_tiles tiles, int next, real distanc
   const real below = open_below(distance2), distance = sqrt(open_below(below) / tiles.unscale2);
   open->count = open->left = 0;
   for (; next < tiles.count; next += TILES_AT_ONCE) {
-    ulong near = NEAR_TILES(tiles.ball, next, distance);
+    ulong near = NEAR_TILES(tiles.at, next, distance);
     for (; near != 0; near &= near - 1) {
       const int tile = next + lowest_bit(near);
-      const tile_reach reach = reach_of(tiles, tile);
-      if (!(reach.distance2 < below) || !reach.has_foot) continue;
+      const tile_reach reach = reach_of(tiles.at, tile);
+      const real least2 = reach.distance2 * tiles.unscale2;
+      if (!(least2 < below) || !reach.has_foot) continue;
       if (open->count == OPEN_TILES) return tile;
       const int at = open->count++;
       ++open->left;
       open->tile[at] = tile;
       open->is_settled[at] = 0;
-      open->distance2[at] = reach.distance2;
+      open->distance2[at] = least2;
       open->height[at] = reach.height;
       open->middle[at] = middle_of(tiles, domain, tile);
     }
@@ -346,11 +347,19 @@ FN_LARGE foot leap_ahead(surface_view view, hip_point h, foot from, foot f, int 
   return f;
 }
 
-// The squared distance (mesh frame) that a foot is above the minimum of its model.
-FN real fall_of(surface_view view, foot f, newton_model model) {
-  const domain_vector gradient = gradient_of(f.at, f.r), step = solve(model.m, model.det, gradient);
+// The squared distance (mesh frame) that a foot is above the minimum of its model, a step away.
+FN real fall_of(surface_view view, foot f, domain_vector step) {
+  const domain_vector gradient = gradient_of(f.at, f.r);
   const real unscale = numbers_of(view, f.patch)[PATCH_UNSCALE];
   return -fma(gradient.xi, step.xi, gradient.eta * step.eta) * unscale * unscale;
+}
+
+// True if a step takes a foot to the minimum that is known, but for a quarter of the way at most.
+FN int steps_to(foot f, domain_vector step, sym2 first, foot best) {
+  if (f.patch != best.patch || !(best.flags & FOOT_CONVERGED)) return 0;
+  const domain_vector way = make_vector(best.xi - f.xi, best.eta - f.eta),
+                      rest = make_vector(way.xi - step.xi, way.eta - step.eta);
+  return quadratic(first, rest) <= K(0x1p-4f) * quadratic(first, way);
 }
 
 // A descent falls by no more than so many times what its model says. It is asked after so many
@@ -374,7 +383,8 @@ FN_LARGE foot descend_from_tile(surface_view view, hip_point h, foot f, track_op
     if (some.max_iterations > options.max_iterations) some = options;
     f = end_foot(view, h, f, some, known);
     if ((f.flags & FOOT_CONVERGED) || f.iterations == from.iterations) break;
-    const newton_model model = model_of(first_form(f.at), f.bend);
+    const sym2 first = first_form(f.at);
+    const newton_model model = model_of(first, f.bend);
     const int fell = f.distance2 < from.distance2;
     if (fell && !model.is_sound) f = leap_ahead(view, h, from, f, options.max_iterations);
     if (f.distance2 < best.distance2) continue;
@@ -383,8 +393,11 @@ FN_LARGE foot descend_from_tile(surface_view view, hip_point h, foot f, track_op
       steps *= 2;
       continue;
     }
-    const int is_model = model.is_sound && options.solver == SOLVER_NEWTON;
-    if (is_model && f.distance2 - MOST_FALL * fall_of(view, f, model) > best.distance2) break;
+    if (model.is_sound && options.solver == SOLVER_NEWTON) {
+      const domain_vector step = solve(model.m, model.det, gradient_of(f.at, f.r));
+      if (f.distance2 - MOST_FALL * fall_of(view, f, step) > best.distance2) break;
+      if (steps_to(f, step, first, best)) break;
+    }
     if (leads_to(view, h, f, best)) break;
   }
   return f;

@@ -6,9 +6,9 @@
 // of 2 r + 1 tiles. Made on the host (host/build/patch_tiles.h).
 
 typedef struct {
-  tile_balls ball;
+  tile_places at;
   int n, levels, count;
-  real unscale2, curvature;
+  real unscale2;
 } patch_tiles;
 
 FN patch_tiles tiles_of(surface_view view, hip_point h, uint patch) {
@@ -23,19 +23,17 @@ FN patch_tiles tiles_of(surface_view view, hip_point h, uint patch) {
   while (t.n * t.levels * t.levels < t.count) ++t.levels;
   const real3 low = load3(numbers, PATCH_LOW), size = sub3(load3(numbers, PATCH_HIGH), low),
               step = mul3(K(1) / K(65535), size);
-  const tile_balls ball = {view.tile + TILE_UINTS * (ulong)first,
-                           t.count,
-                           {low.x, low.y, low.z},
-                           {step.x, step.y, step.z},
-                           K(2) * larger(larger(step.x, step.y), step.z),
-                           {dot3(x, tangent), dot3(x, cross3(normal, tangent)), dot3(x, normal)}};
-  t.ball = ball;
+  const tile_places at = {view.tile + TILE_UINTS * (ulong)first,
+                          t.count,
+                          {low.x, low.y, low.z},
+                          {step.x, step.y, step.z},
+                          K(2) * larger(larger(step.x, step.y), step.z),
+                          numbers[PATCH_CURVATURE],
+                          {dot3(x, tangent), dot3(x, cross3(normal, tangent)), dot3(x, normal)}};
+  t.at = at;
   t.unscale2 = numbers[PATCH_UNSCALE] * numbers[PATCH_UNSCALE];
-  t.curvature = numbers[PATCH_CURVATURE];
   return t;
 }
-
-FN uint tile_word(patch_tiles t, int row, int i) { return tile_words(t.ball, row, i); }
 
 // True if a patch has its neighbour's normals along a side: else any may lead from a tile there to
 // a HIP.
@@ -47,68 +45,19 @@ FN int is_smooth_side(surface_view view, uint patch, uint k) {
   return (last >> 24 & TILE_ANY_TURN) != TILE_ANY_TURN;
 }
 
-typedef struct {
-  real distance2;  // squared, mesh frame: no point of the tile is nearer
-  real height;     // of the HIP over the tile, local
-  int has_foot;    // false: no normal of the tile leads to the HIP (Johnson and Cohen 2001)
-} tile_reach;
-
-FN real3 axis_of(patch_tiles t, int i) {
-  const uint axis = tile_word(t, TILE_AXIS, i);
-  const real x = ((real)(int)(axis & 4095u) - K(2048)) * K(0x1p-11f),
-             y = ((real)(int)(axis >> 12 & 4095u) - K(2048)) * K(0x1p-11f);
-  return make3(x, y, sqrt(larger(K(1) - fma(x, x, y * y), K(0))));
-}
-
-FN real curvature_of(patch_tiles t, uint bits) {
-  const real c = ((real)(int)(bits & 255u) - K(128)) * (K(1) / K(127));
-  return c * c * c * t.curvature;
-}
-
-// How far aside of a tile's centre a HIP at a height may be at most, that a normal of the tile
-// leads to. The normal of a point that is u aside passes the height u (1 + height mean) aside, mean
-// being that of the tile's curvatures, and farther by what it turns besides.
-FN real reach_of_normals(patch_tiles t, int i, uint curves, real height, real radius,
-                         real half_height) {
-  const uint bits = tile_word(t, TILE_AXIS, i) >> 24;
-  const real turn = (real)(int)(bits & TILE_ANY_TURN),
-             lean = turn * turn * (K(1) / K(1 << TILE_TURN_SHIFT));
-  real spread = K(1);
-  if (bits & TILE_BENDS) {
-    const real mean = K(0.5f) * (curvature_of(t, curves) + curvature_of(t, curves >> 8));
-    spread = fma(half_height, fabs(mean), fabs(fma(height, mean, K(1))));
-  }
-  if ((bits & TILE_ANY_TURN) == TILE_ANY_TURN) return K(INFINITY);
-  return fma(radius, spread, lean * (fabs(height) + half_height));
-}
-
-FN tile_reach reach_of(patch_tiles t, int i) {
-  const real3 away = away_from(t.ball, i), along = axis_of(t, i);
-  const uint half_curves = tile_word(t, TILE_HALF_CURVES, i);
-  const real radius = t.ball.unit * high_half(tile_word(t, TILE_CENTRE_Z_RADIUS, i)),
-             half_height = t.ball.unit * low_half(half_curves);
-  tile_reach r;
-  r.height = dot3(away, along);
-  const real aside = norm3(fma3(-r.height, along, away)), above = fabs(r.height) - half_height;
-  const real out = larger(aside - radius, K(0)), up = larger(above, K(0));
-  r.distance2 = fma(out, out, up * up) * t.unscale2;
-  r.has_foot = aside <= reach_of_normals(t, i, half_curves >> 16, r.height, radius, half_height);
-  return r;
-}
-
 // True if the squared distance to the HIP is convex over the tile's points that are nearer than
 // `distance` (local): then a minimum is the only one. The curvature towards the HIP decides, with a
 // quarter to spare for what lies between samples.
 FN int is_convex(patch_tiles t, int i, real height, real distance) {
-  const uint word = tile_word(t, TILE_HALF_CURVES, i);
-  const real most = K(0.75f), above = -curvature_of(t, word >> 16) * distance,
-             below = curvature_of(t, word >> 24) * distance;
+  const uint word = tile_words(t.at, TILE_HALF_CURVES, i);
+  const real most = K(0.75f), above = -curvature_of(t.at, word >> 16) * distance,
+             below = curvature_of(t.at, word >> 24) * distance;
   const real steep = distance * K(0.5f);
   return (height < -steep || above <= most) && (height > steep || below <= most);
 }
 
 FN sym2 second_of(patch_tiles t, int i) {
-  const uint word = tile_word(t, TILE_BEND, i);
+  const uint word = tile_words(t.at, TILE_BEND, i);
   const real scale = (real)(int)(1u << (word >> 27)) * K(0x1p-24f);
   const sym2 s = {scale * ((real)(int)(word & 511u) - K(256)),
                   scale * ((real)(int)(word >> 9 & 511u) - K(256)),
@@ -179,7 +128,7 @@ FN_LARGE int is_convex_between(patch_tiles t, GLOBAL scalar* domain, domain_vect
         tile_at(t, domain, make_vector(fma(part, way.xi, a.xi), fma(part, way.eta, a.eta)));
     if (tile == last) continue;
     last = tile;
-    const real height = dot3(away_from(t.ball, tile), axis_of(t, tile));
+    const real height = dot3(away_from(t.at, tile), axis_of(t.at, tile));
     if (!is_convex(t, tile, height, distance)) return 0;
   }
   return 1;
