@@ -15,23 +15,51 @@
 // The forms that blend sides. `form` and, but for the last, `n` are known when this is compiled.
 FN patch_point blend_sides(GLOBAL scalar* domain, control_data control, uint form, int n, real xi,
                            real eta) {
-  return form == FORM_CURVED ? curved_patch(domain, control, n, xi, eta)
-                             : evaluate(domain, control, form, n, xi, eta);
+  if (form == FORM_CURVED) return curved_patch(domain, control, n, xi, eta);
+  return n == 4 ? evaluate_quad(control, form, xi, eta)
+                : evaluate(domain, control, form, n, xi, eta);
 }
-FN patch_point evaluate_valence(GLOBAL scalar* domain, control_data control, uint form, int n,
-                                real xi, real eta) {
-  if (form != FORM_CURVED) {
-    if (IS_VALENCE(n, 4)) return evaluate_quad(control, form, xi, eta);
-    if (IS_VALENCE(n, 3)) return blend_sides(domain, control, form, 3, xi, eta);
-  }
-  if (IS_VALENCE(n, 5)) return blend_sides(domain, control, form, 5, xi, eta);
-#ifndef GLISS_PACKED
-  if (HAS_VALENCE(MANY_SIDES) && n > UNROLLED_VALENCE)
-    return blend_sides(domain, control, form, n, xi, eta);
+// True if a patch has so many sides that loops over them are not unrolled; these are never packed.
+FN int has_many_sides(int n) {
+#ifdef GLISS_PACKED
+  (void)n;
+  return 0;
+#else
+  return HAS_VALENCE(MANY_SIDES) && n > UNROLLED_VALENCE;
 #endif
-  if (HAS_VALENCE(6)) return blend_sides(domain, control, form, UNROLLED_VALENCE, xi, eta);
-  return evaluate_quad(control, form, xi, eta);  // of no valence that there is
 }
+// Each form has functions of its own for each valence, since GCC gives out registers badly in very
+// large ones: hexagons took twice the time. On devices evaluate_form has all of them.
+#ifdef __OPENCL_C_VERSION__
+#define FN_BLEND FN
+#else
+#define FN_BLEND FN_APART
+#endif
+#define BLEND(name, form, valence)                                                       \
+  FN_BLEND patch_point name(GLOBAL scalar* domain, control_data control, int n, real xi, \
+                            real eta) {                                                  \
+    (void)n;                                                                             \
+    return blend_sides(domain, control, form, valence, xi, eta);                         \
+  }
+#define BLENDS(name, form)                                                                     \
+  BLEND(name##_3, form, 3)                                                                     \
+  BLEND(name##_4, form, 4)                                                                     \
+  BLEND(name##_5, form, 5)                                                                     \
+  BLEND(name##_6, form, UNROLLED_VALENCE)                                                      \
+  BLEND(name##_many, form, n)                                                                  \
+  FN patch_point name(GLOBAL scalar* domain, control_data control, int n, real xi, real eta) { \
+    if (form != FORM_CURVED) {                                                                 \
+      if (IS_VALENCE(n, 4)) return name##_4(domain, control, n, xi, eta);                      \
+      if (IS_VALENCE(n, 3)) return name##_3(domain, control, n, xi, eta);                      \
+    }                                                                                          \
+    if (IS_VALENCE(n, 5)) return name##_5(domain, control, n, xi, eta);                        \
+    if (has_many_sides(n)) return name##_many(domain, control, n, xi, eta);                    \
+    if (HAS_VALENCE(6)) return name##_6(domain, control, n, xi, eta);                          \
+    return name##_4(domain, control, n, xi, eta); /* of no valence that there is */            \
+  }
+BLENDS(blend_of_sides, FORM_PAPER)
+BLENDS(blend_of_ribbons, FORM_RIBBON)
+BLENDS(blend_of_curved, FORM_CURVED)
 
 FN_LARGE patch_point evaluate_form(GLOBAL scalar* domain, control_data control, uint form, int n,
                                    real xi, real eta) {
@@ -39,12 +67,12 @@ FN_LARGE patch_point evaluate_form(GLOBAL scalar* domain, control_data control, 
     return IS_VALENCE(n, 3) ? gregory_triangle(domain, control, xi, eta)
                             : gregory_quad(control, xi, eta);
   if (IS_FORM(form, FORM_SEXTIC)) return sextic_triangle(domain, control, xi, eta);
-  if (IS_FORM(form, FORM_CURVED)) return evaluate_valence(domain, control, FORM_CURVED, n, xi, eta);
+  if (IS_FORM(form, FORM_CURVED)) return blend_of_curved(domain, control, n, xi, eta);
 #ifndef GLISS_PACKED
   if (IS_FORM(form, FORM_TABLE))
     return evaluate_table(domain, control, (int)(form >> 8), n, xi, eta);
 #endif
-  if (IS_FORM(form, FORM_RIBBON)) return evaluate_valence(domain, control, FORM_RIBBON, n, xi, eta);
-  if (HAS_FORM(FORM_PAPER)) return evaluate_valence(domain, control, FORM_PAPER, n, xi, eta);
+  if (IS_FORM(form, FORM_RIBBON)) return blend_of_ribbons(domain, control, n, xi, eta);
+  if (HAS_FORM(FORM_PAPER)) return blend_of_sides(domain, control, n, xi, eta);
   return gregory_quad(control, xi, eta);  // of no form that there is
 }
