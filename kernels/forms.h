@@ -15,9 +15,8 @@
 // The forms that blend sides. `form` and, but for the last, `n` are known when this is compiled.
 FN patch_point blend_sides(GLOBAL scalar* domain, control_data control, uint form, int n, real xi,
                            real eta) {
-  if (form == FORM_CURVED) return curved_patch(domain, control, n, xi, eta);
-  return n == 4 ? evaluate_quad(control, form, xi, eta)
-                : evaluate(domain, control, form, n, xi, eta);
+  return form == FORM_CURVED ? curved_patch(domain, control, n, xi, eta)
+                             : evaluate(domain, control, form, n, xi, eta);
 }
 // True if a patch has so many sides that loops over them are not unrolled; these are never packed.
 FN int has_many_sides(int n) {
@@ -35,18 +34,19 @@ FN int has_many_sides(int n) {
 #else
 #define FN_BLEND FN_APART
 #endif
-#define BLEND(name, form, valence)                                                       \
+#define BLEND(name, patch)                                                               \
   FN_BLEND patch_point name(GLOBAL scalar* domain, control_data control, int n, real xi, \
                             real eta) {                                                  \
+    (void)domain;                                                                        \
     (void)n;                                                                             \
-    return blend_sides(domain, control, form, valence, xi, eta);                         \
+    return patch;                                                                        \
   }
 #define BLENDS(name, form)                                                                     \
-  BLEND(name##_3, form, 3)                                                                     \
-  BLEND(name##_4, form, 4)                                                                     \
-  BLEND(name##_5, form, 5)                                                                     \
-  BLEND(name##_6, form, UNROLLED_VALENCE)                                                      \
-  BLEND(name##_many, form, n)                                                                  \
+  BLEND(name##_3, blend_sides(domain, control, form, 3, xi, eta))                              \
+  BLEND(name##_4, evaluate_quad(control, form, xi, eta))                                       \
+  BLEND(name##_5, blend_sides(domain, control, form, 5, xi, eta))                              \
+  BLEND(name##_6, blend_sides(domain, control, form, UNROLLED_VALENCE, xi, eta))               \
+  BLEND(name##_many, blend_sides(domain, control, form, n, xi, eta))                           \
   FN patch_point name(GLOBAL scalar* domain, control_data control, int n, real xi, real eta) { \
     if (form != FORM_CURVED) {                                                                 \
       if (IS_VALENCE(n, 4)) return name##_4(domain, control, n, xi, eta);                      \

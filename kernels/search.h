@@ -233,7 +233,7 @@ FN int gather_tiles(surface_view view, patch_tiles tiles, int next, real distanc
   GLOBAL scalar* domain = domain_of(view, tiles.n);
   const real below = open_below(distance2), distance = sqrt(open_below(below) / tiles.unscale2);
   open->count = open->left = 0;
-  for (; next < tiles.count; next += TILES_AT_ONCE) {
+  for (; next < tiles.at.count; next += TILES_AT_ONCE) {
     ulong near = NEAR_TILES(tiles.at, next, distance);
     for (; near != 0; near &= near - 1) {
       const int tile = next + lowest_bit(near);
@@ -250,7 +250,7 @@ FN int gather_tiles(surface_view view, patch_tiles tiles, int next, real distanc
       open->middle[at] = middle_of(tiles, domain, tile);
     }
   }
-  return tiles.count;
+  return tiles.at.count;
 }
 
 // Settles the open tiles in sight of where a descent began or ended, no farther than `most` in the
@@ -433,7 +433,7 @@ FN_LARGE foot search_tiles(surface_view view, hip_point h, uint patch, track_opt
   const real scale = numbers_of(view, patch)[PATCH_SCALE];
   const patch_tiles tiles = tiles_of(view, h, patch);
   open_tiles open;
-  for (int next = 0; next < tiles.count;) {
+  for (int next = 0; next < tiles.at.count;) {
     next = gather_tiles(view, tiles, next, best.distance2, &open);
     if (best.patch == patch && open.left > 0 && (best.flags & FOOT_CONVERGED))
       settle_tiles(view, tiles, make_vector(best.xi, best.eta), K(2), sqrt(best.distance2) * scale,

@@ -7,7 +7,7 @@
 
 typedef struct {
   tile_places at;
-  int n, levels, count;
+  int n, levels;
   real unscale2;
 } patch_tiles;
 
@@ -17,14 +17,14 @@ FN patch_tiles tiles_of(surface_view view, hip_point h, uint patch) {
   const real3 x = local_hip(view, h, patch);
   patch_tiles t;
   const uint first = view.tile_begin[patch];
-  t.count = (int)(view.tile_begin[patch + 1] - first);
+  const int count = (int)(view.tile_begin[patch + 1] - first);
   t.n = valence_of(view, patch);
   t.levels = 1;
-  while (t.n * t.levels * t.levels < t.count) ++t.levels;
+  while (t.n * t.levels * t.levels < count) ++t.levels;
   const real3 low = load3(numbers, PATCH_LOW), size = sub3(load3(numbers, PATCH_HIGH), low),
               step = mul3(K(1) / K(65535), size);
   const tile_places at = {view.tile + TILE_UINTS * (ulong)first,
-                          t.count,
+                          count,
                           {low.x, low.y, low.z},
                           {step.x, step.y, step.z},
                           K(2) * larger(larger(step.x, step.y), step.z),

@@ -2,6 +2,7 @@
 // GLISS_BITS of it, 32 or 64. Two objects rather than one of both, so that they compile at the same
 // time.
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numbers>
