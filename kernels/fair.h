@@ -1,5 +1,6 @@
 // The fair construction: sides that curve no more than their polygons ask for, the Gregory triangle
-// between three of them and the Gregory quad between four. On the host only, in scalars.
+// between three of them and the Gregory quad between four. On the host only; lanes are sides, or
+// patches of one valence.
 //
 // A side knows its two ends alone, as in the paper, but for three things that it shares with the
 // face beyond: its normals turn about the edge at mid-side by the angle at which the cross sections
@@ -33,7 +34,8 @@ typedef struct {
 // Tangents of eq. 7 and 8. `by_arc`: as long as those of the circle with their directions, which is
 // longer than the edge, whose length they have in the paper. At a crease `own` are those that both
 // faces share.
-FN fair_curve fair_curve_of(corner start, corner end, int by_arc, real3 turn, crease_tangents own) {
+FN fair_curve fair_curve_of(corner start, corner end, mask by_arc, real3 turn,
+                            crease_tangents own) {
   fair_curve r;
   r.p0 = start.p;
   r.p1 = end.p;
@@ -41,29 +43,25 @@ FN fair_curve fair_curve_of(corner start, corner end, int by_arc, real3 turn, cr
   r.n1 = end.n;
   const side_ends ends = side_ends_of(start, end);
   r.edge = ends.edge;
-  r.sound = ends.sound;
-  r.t0 = ends.ts;
-  r.t1 = ends.te;
-  if (has_tangents(own)) {
-    r.t0 = own.start;
-    r.t1 = own.end;
-    r.sound = smaller(norm3(ends.m0), norm3(ends.me));
-  } else if (by_arc) {
-    const real cosine = dot3(unit3(r.t0), unit3(r.t1));
-    const real longer = K(2) / (K(1) + sqrt(larger(K(0.5f) * (K(1) + cosine), K(0))));
-    r.t0 = mul3(longer, r.t0);
-    r.t1 = mul3(longer, r.t1);
-  }
+  const mask is_own = has_tangents(own);
+  r.sound = pick(is_own, smaller(norm3(ends.m0), norm3(ends.me)), ends.sound);
+  const real one = splat(K(1)), cosine = dot3(unit3(ends.ts), unit3(ends.te));
+  const real arc = K(2) / (one + sqrt(larger(K(0.5f) * (one + cosine), splat(K(0))))),
+             longer = pick(by_arc, arc, one);
+  r.t0 = pick3(is_own, own.start, mul3(longer, ends.ts));
+  r.t1 = pick3(is_own, own.end, mul3(longer, ends.te));
   r.turn = turn;
   return r;
 }
 
 // C''(0) and C''(1).
 FN real3 second_at_start(fair_curve c) {
-  return sub3(mul3(K(6), c.edge), fma3(K(4), c.t0, mul3(K(2), c.t1)));
+  const real two = splat(K(2)), four = splat(K(4)), six = splat(K(6));
+  return sub3(mul3(six, c.edge), fma3(four, c.t0, mul3(two, c.t1)));
 }
 FN real3 second_at_end(fair_curve c) {
-  return sub3(fma3(K(2), c.t0, mul3(K(4), c.t1)), mul3(K(6), c.edge));
+  const real two = splat(K(2)), four = splat(K(4)), six = splat(K(6));
+  return sub3(fma3(two, c.t0, mul3(four, c.t1)), mul3(six, c.edge));
 }
 
 // One face beside an edge, over its height h above the edge: how its cross section leans, and what
@@ -76,22 +74,25 @@ typedef struct {
 // corner beyond. alpha is the slope of its chord, beta how far the normal has turned when it gets
 // there: 2 alpha + beta is 0 for any quadratic surface, whose sections are arcs.
 FN fair_section fair_section_of(fair_curve side, corner beyond) {
-  const real length = larger(norm3(side.edge), TINY);
+  const real tiny = splat(TINY), length = larger(norm3(side.edge), tiny);
   const real3 e = mul3(K(1) / length, side.edge);
-  const real t = larger(smaller(dot3(sub3(beyond.p, side.p0), e) / length, K(0.75f)), K(0.25f));
+  const real two = splat(K(2)), three = splat(K(3)),
+             t = larger(smaller(dot3(sub3(beyond.p, side.p0), e) / length, splat(K(0.75f))),
+                        splat(K(0.25f)));
   // The side's cubic at t, its tangent c, the normal n there and b across both.
   const real3 c2 = cubic_2(side.edge, side.t0, side.t1), c3 = cubic_3(side.edge, side.t0, side.t1);
   const real3 at = fma3(t, fma3(t, fma3(t, c3, c2), side.t0), side.p0),
-              along = fma3(t, fma3(K(3) * t, c3, mul3(K(2), c2)), side.t0),
-              second = fma3(K(6) * t, c3, mul3(K(2), c2));
+              along = fma3(t, fma3(three * t, c3, mul3(two, c2)), side.t0),
+              second = fma3(K(6) * t, c3, mul3(two, c2));
   const real3 c = unit3(along), l = fma3(t, sub3(side.n1, side.n0), side.n0);
   const real3 n = unit3(fma3(-dot3(l, c), c, l)), b = cross3(c, n);
-  const real bend = -dot3(n, second) / larger(dot3(along, along), TINY);
+  const real bend = -dot3(n, second) / larger(dot3(along, along), tiny);
   const real twist = dot3(sub3(side.n1, side.n0), b) / length;
   // The corner lies `aside` along the side and `across` it. What the side's own bend and twist
   // explain is taken away.
   const real3 r = sub3(beyond.p, at);
-  const real aside = dot3(r, c), across = dot3(r, b), sign = across < K(0) ? K(-1) : K(1);
+  const real aside = dot3(r, c), across = dot3(r, b),
+             sign = pick(across < splat(K(0)), splat(K(-1)), splat(K(1)));
   const real h = larger(sign * across, K(1e-6f) * length);
   const real alpha = (dot3(n, r) + aside * (K(0.5f) * bend * aside + twist * across)) / h;
   const real beta = sign * (dot3(beyond.n, b) - twist * aside);
@@ -103,12 +104,12 @@ FN fair_section fair_section_of(fair_curve side, corner beyond) {
 // the angle at which the sections of both together lean least, each the more the lower it is. On a
 // smooth surface that angle is noise, which it is not allowed to add.
 FN real3 fair_turn(corner start, corner end, corner left, corner right) {
-  const real3 none = {K(0), K(0), K(0)};
-  const crease_tangents as_asked = {none, none};
-  const fair_curve side = fair_curve_of(start, end, 1, none, as_asked);
+  const crease_tangents as_asked = {zero3(), zero3()};
+  const mask by_arc = splat(K(1)) > splat(K(0));
+  const fair_curve side = fair_curve_of(start, end, by_arc, zero3(), as_asked);
   const fair_section a = fair_section_of(side, left), b = fair_section_of(side, right);
-  real angle = clamp_to(-(a.lean + b.lean) / (a.gain + b.gain), FAIR_MOST_TURN);
-  const real x = smaller(fabs(angle) / FAIR_SMOOTH_TURN, K(1));
+  real angle = clamp_to(-(a.lean + b.lean) / (a.gain + b.gain), splat(FAIR_MOST_TURN));
+  const real x = smaller(fabs(angle) / FAIR_SMOOTH_TURN, splat(K(1)));
   angle *= x * x * (K(3) - K(2) * x);
   const real3 sum = add3(start.n, end.n);
   return mul3(K(2) * norm3(sum) * angle, unit3(cross3(side.edge, sum)));
@@ -130,7 +131,7 @@ FN real3 turn_along(shape_operator s, real3 t) {
 typedef struct {
   real3 x, y;
   real m[6], v[3];  // normal equations: xx, x y, x z, yy, yz, zz; right-hand side
-  int count;
+  real count;       // of the sides
 } shape_fit;
 
 FN shape_fit start_fit(real3 normal, real3 tangent) {
@@ -152,20 +153,28 @@ FN void add_row(shape_fit* f, real a, real b, real c, real value) {
   f->v[2] = fma(c, value, f->v[2]);
 }
 
-FN void add_side(shape_fit* f, fair_curve side) {
-  const real speed = larger(norm3(side.t0), TINY);
+// The bend and the twist of a side where it begins, along its direction in two tangents.
+typedef struct {
+  real x, y, bend, twist;
+} side_shape;
+
+FN side_shape side_shape_of(fair_curve side, real3 x, real3 y) {
+  const real speed = larger(norm3(side.t0), splat(TINY));
   const real3 t = mul3(K(1) / speed, side.t0), b = cross3(side.n0, t);
-  const real bend = -dot3(side.n0, second_at_start(side)) / (speed * speed),
-             twist = dot3(b, add3(sub3(side.n1, side.n0), side.turn)) / speed;
-  const real x = dot3(t, f->x), y = dot3(t, f->y);
-  add_row(f, x * x, K(2) * x * y, y * y, bend);
-  add_row(f, -x * y, x * x - y * y, x * y, twist);
-  ++f->count;
+  const side_shape r = {dot3(t, x), dot3(t, y),
+                        -dot3(side.n0, second_at_start(side)) / (speed * speed),
+                        dot3(b, add3(sub3(side.n1, side.n0), side.turn)) / speed};
+  return r;
+}
+
+FN void add_side(shape_fit* f, side_shape s) {
+  add_row(f, s.x * s.x, K(2) * s.x * s.y, s.y * s.y, s.bend);
+  add_row(f, -s.x * s.y, s.x * s.x - s.y * s.y, s.x * s.y, s.twist);
 }
 
 // By Cholesky; a little is added to the diagonal, for sides that do not span all directions.
 FN shape_operator solve_fit(shape_fit f) {
-  const real more = K(0x1p-44f) * K(f.count);
+  const real more = K(0x1p-44f) * f.count;
   const real l0 = sqrt(f.m[0] + more), l1 = f.m[1] / l0, l2 = f.m[2] / l0;
   const real l3 = sqrt(f.m[3] + more - l1 * l1), l4 = (f.m[4] - l1 * l2) / l3;
   const real l5 = sqrt(f.m[5] + more - l2 * l2 - l4 * l4);
@@ -188,8 +197,8 @@ FN fair_change fair_change_of(shape_operator s, real3 n, real3 e, real3 t, real3
   const real3 asked = turn_along(s, t), m = cross3(n, e);
   const fair_change r = {
       clamp_to(-dot3(t, asked) - dot3(n, second), FAIR_MOST_BEND * norm3(t)),
-      clamp_to(dot3(m, sub3(asked, own)) / larger(dot3(m, cross3(n, unit3(t))), TINY),
-               FAIR_MOST_TWIST)};
+      clamp_to(dot3(m, sub3(asked, own)) / larger(dot3(m, cross3(n, unit3(t))), splat(TINY)),
+               splat(FAIR_MOST_TWIST))};
   return r;
 }
 
@@ -199,27 +208,30 @@ FN real3 smooth_turn(fair_curve c, shape_operator s0, shape_operator s1) {
   const real3 e = unit3(c.edge), rise = sub3(c.n1, c.n0), sum = add3(c.n0, c.n1);
   const real a = fair_change_of(s0, c.n0, e, c.t0, second_at_start(c), rise).twist,
              b = fair_change_of(s1, c.n1, e, c.t1, second_at_end(c), rise).twist;
-  return mul3(K(0.5f) * clamp_to(a - b, K(4) * FAIR_MOST_SMOOTH_TURN), unit3(cross3(sum, e)));
+  return mul3(K(0.5f) * clamp_to(a - b, splat(K(4) * FAIR_MOST_SMOOTH_TURN)),
+              unit3(cross3(sum, e)));
 }
 
 // f a + g b
-FN real3 sum_of(real f, real g, real3 a, real3 b) { return fma3(f, a, mul3(g, b)); }
+FN real3 sum_of(scalar f, scalar g, real3 a, real3 b) {
+  return fma3(splat(f), a, mul3(splat(g), b));
+}
 
-// The side with the shape operators of its ends, or without (`shaped` 0).
-FN void fair_side(fair_curve c, shape_operator s0, shape_operator s1, int shaped,
-                  GLOBAL_OUT scalar* out) {
-  const real3 none = {K(0), K(0), K(0)};
-  fair_change a = {K(0), K(0)}, b = a;
-  const real3 rise = sub3(c.n1, c.n0);
-  if (shaped) {
-    const real3 e = unit3(c.edge);
-    a = fair_change_of(s0, c.n0, e, c.t0, second_at_start(c), add3(rise, c.turn));
-    b = fair_change_of(s1, c.n1, e, c.t1, second_at_end(c), sub3(rise, c.turn));
-  }
+// The side with the shape operators of its ends, or without.
+FN void fair_side(fair_curve c, shape_operator s0, shape_operator s1, mask shaped,
+                  control_out out) {
+  const real3 rise = sub3(c.n1, c.n0), e = unit3(c.edge);
+  const real none = splat(K(0));
+  fair_change a = fair_change_of(s0, c.n0, e, c.t0, second_at_start(c), add3(rise, c.turn)),
+              b = fair_change_of(s1, c.n1, e, c.t1, second_at_end(c), sub3(rise, c.turn));
+  a.bend = pick(shaped, a.bend, none);
+  a.twist = pick(shaped, a.twist, none);
+  b.bend = pick(shaped, b.bend, none);
+  b.twist = pick(shaped, b.twist, none);
   // C + (a / 2) n_0 t^2 (1-t)^3 + (b / 2) n_1 t^3 (1-t)^2
   const real3 p = mul3(K(0.5f) * a.bend, c.n0), q = mul3(K(0.5f) * b.bend, c.n1);
-  real3 curve[6] = {c.p0, c.t0, cubic_2(c.edge, c.t0, c.t1), cubic_3(c.edge, c.t0, c.t1),
-                    none, none};
+  real3 curve[6] = {c.p0,    c.t0,   cubic_2(c.edge, c.t0, c.t1), cubic_3(c.edge, c.t0, c.t1),
+                    zero3(), zero3()};
   curve[2] = add3(curve[2], p);
   curve[3] = add3(curve[3], sum_of(K(-3), K(1), p, q));
   curve[4] = sum_of(K(3), K(-2), p, q);
@@ -230,18 +242,18 @@ FN void fair_side(fair_curve c, shape_operator s0, shape_operator s1, int shaped
   // f(t) = t - 4 t^2 + 5 t^3 - 2 t^4,  f(1-t) = -t^2 + 3 t^3 - 2 t^4
   real3 normal[5] = {c.n0, add3(add3(rise, c.turn), x), sub3(sum_of(K(-4), K(1), x, y), c.turn),
                      sum_of(K(5), K(-3), x, y), sum_of(K(-2), K(2), x, y)};
-  for (int i = 0; i < 6; ++i) store3(out + 3 * (FAIR_CURVE + i), 1, curve[i]);
-  for (int i = 0; i < 5; ++i) store3(out + 3 * (FAIR_NORMAL + i), 1, normal[i]);
+  for (int i = 0; i < 6; ++i) put3(out, FAIR_CURVE + i, curve[i]);
+  for (int i = 0; i < 5; ++i) put3(out, FAIR_NORMAL + i, normal[i]);
   out[FAIR_SOUND] = c.sound;
 }
 
 // Bezier point `i` of degree `degree` of the polynomial of `count` triples in powers of t.
 FN real3 bezier_point(const real3* power, int count, int degree, int i) {
   real3 sum = power[0];
-  real f = K(1);  // binomial(i, j) / binomial(degree, j)
+  scalar f = K(1);  // binomial(i, j) / binomial(degree, j)
   for (int j = 1; j < count && j <= i; ++j) {
     f *= K(i - j + 1) / K(degree - j + 1);
-    sum = fma3(f, power[j], sum);
+    sum = fma3(splat(f), power[j], sum);
   }
   return sum;
 }
@@ -256,24 +268,24 @@ typedef struct {
 // `start` and `end`: T(0) and T(1). `flat`: a unit normal that T shall lie across, for patches that
 // give up their neighbours' normals: T goes straight from one end to the other, `length` times as
 // long. Else null.
-FN fair_tangent fair_tangent_of(GLOBAL scalar* side, real3 start, real3 end, GLOBAL scalar* flat,
-                                real length) {
+FN fair_tangent fair_tangent_of(control_data side, real3 start, real3 end, GLOBAL scalar* flat,
+                                scalar length) {
   fair_tangent r;
   for (int i = 0; i < 6; ++i) r.curve[i] = load3(side, FAIR_CURVE + i);
-  for (int i = 0; i < 5; ++i) r.slope[i] = mul3(K(i + 1), r.curve[i + 1]);
+  for (int i = 0; i < 5; ++i) r.slope[i] = mul3(splat(K(i + 1)), r.curve[i + 1]);
   real3 edge = r.curve[1], last = r.slope[0];  // C(1) - C(0), C'(1)
   for (int i = 2; i < 6; ++i) edge = add3(edge, r.curve[i]);
   for (int i = 1; i < 5; ++i) last = add3(last, r.slope[i]);
   if (flat) {
     const real3 n = load3(flat, 0);
-    const real3 a = mul3(length, fma3(-dot3(start, n), n, start)),
-                b = mul3(length, fma3(-dot3(end, n), n, end));
-    for (int i = 0; i < 6; ++i) r.t[i] = i == 0 ? a : mul3(i == 1 ? K(1) : K(0), sub3(b, a));
-    r.turned = K(1);
+    const real3 a = mul3(splat(length), fma3(-dot3(start, n), n, start)),
+                b = mul3(splat(length), fma3(-dot3(end, n), n, end));
+    for (int i = 0; i < 6; ++i) r.t[i] = i == 0 ? a : mul3(splat(i == 1 ? K(1) : K(0)), sub3(b, a));
+    r.turned = splat(K(1));
     return r;
   }
   const real3 e = unit3(edge);
-  real3 m1 = {K(0), K(0), K(0)};
+  real3 m1 = zero3();
   for (int i = 0; i < 5; ++i) {
     r.m[i] = cross3(load3(side, FAIR_NORMAL + i), e);
     m1 = add3(m1, r.m[i]);
@@ -282,23 +294,24 @@ FN fair_tangent fair_tangent_of(GLOBAL scalar* side, real3 start, real3 end, GLO
                     b = ribbon_part_of(end, last, m1);
   const real dk = b.k - a.k, dh = b.h - a.h;
   for (int i = 0; i < 6; ++i) {
-    r.t[i] = mul3(K(0), edge);
+    r.t[i] = mul3(splat(K(0)), edge);
     if (i < 5) r.t[i] = fma3(a.k, r.slope[i], mul3(a.h, r.m[i]));
     if (i > 0) r.t[i] = add3(r.t[i], fma3(dk, r.slope[i - 1], mul3(dh, r.m[i - 1])));
   }
-  r.turned = smaller(a.h / larger(norm3(start), TINY), b.h / larger(norm3(end), TINY));
+  r.turned =
+      smaller(a.h / larger(norm3(start), splat(TINY)), b.h / larger(norm3(end), splat(TINY)));
   return r;
 }
 
 // The same of side k of n [n][FAIR_REALS].
-FN fair_tangent fair_tangent_at(GLOBAL scalar* sides, int n, int k, GLOBAL scalar* flat,
-                                real length) {
-  GLOBAL scalar *before = sides + wrap(k - 1, n) * FAIR_REALS,
-                *after = sides + wrap(k + 1, n) * FAIR_REALS;
+FN fair_tangent fair_tangent_at(control_data sides, int n, int k, GLOBAL scalar* flat,
+                                scalar length) {
+  const control_data before = sides + wrap(k - 1, n) * FAIR_REALS,
+                     after = sides + wrap(k + 1, n) * FAIR_REALS;
   real3 back = load3(before, FAIR_CURVE + 1);
-  for (int i = 2; i < 6; ++i) back = fma3(K(i), load3(before, FAIR_CURVE + i), back);
-  return fair_tangent_of(sides + k * FAIR_REALS, mul3(K(-1), back), load3(after, FAIR_CURVE + 1),
-                         flat, length);
+  for (int i = 2; i < 6; ++i) back = fma3(splat(K(i)), load3(before, FAIR_CURVE + i), back);
+  return fair_tangent_of(sides + k * FAIR_REALS, mul3(splat(K(-1)), back),
+                         load3(after, FAIR_CURVE + 1), flat, length);
 }
 
 // A polynomial of `count` triples.
@@ -312,10 +325,9 @@ FN real3 power_sum(const real3* power, int count, real t) {
 //   f(m) = sum w_k (f(p_k) + grad f(p_k) . (m - p_k) / 2),  m = sum w_k p_k,
 // so the point lies on any such surface with the face's corners and normals. w_k is the length of
 // both sides at a corner.
-FN real3 fair_middle(GLOBAL scalar* sides, int n) {
-  const real3 zero = {K(0), K(0), K(0)};
-  real3 middle = zero, across = zero;
-  real total = K(0);
+FN real3 fair_middle(control_data sides, int n) {
+  real3 middle = zero3(), across = zero3();
+  real total = splat(K(0));
   for (int k = 0; k < n; ++k) {
     const real3 p = load3(sides + k * FAIR_REALS, FAIR_CURVE),
                 q = load3(sides + wrap(k + 1, n) * FAIR_REALS, FAIR_CURVE);
@@ -330,16 +342,17 @@ FN real3 fair_middle(GLOBAL scalar* sides, int n) {
     across = add3(across, cross3(sub3(p, middle), sub3(q, middle)));
   }
   across = unit3(across);
-  real height = K(0);
+  real height = splat(K(0));
   for (int k = 0; k < n; ++k) {
-    GLOBAL scalar *side = sides + k * FAIR_REALS, *before = sides + wrap(k - 1, n) * FAIR_REALS,
-                  *after = sides + wrap(k + 1, n) * FAIR_REALS;
+    const control_data side = sides + k * FAIR_REALS, before = sides + wrap(k - 1, n) * FAIR_REALS,
+                       after = sides + wrap(k + 1, n) * FAIR_REALS;
     const real3 p = load3(side, FAIR_CURVE), normal = load3(side, FAIR_NORMAL);
     const real weight =
         norm3(sub3(load3(before, FAIR_CURVE), p)) + norm3(sub3(load3(after, FAIR_CURVE), p));
     // Tangent planes that are steeper than FAIR_STEEP tell nothing of the middle.
-    height = fma(weight, dot3(normal, sub3(p, middle)) / larger(dot3(normal, across), FAIR_STEEP),
-                 height);
+    height =
+        fma(weight, dot3(normal, sub3(p, middle)) / larger(dot3(normal, across), splat(FAIR_STEEP)),
+            height);
   }
   return fma3(K(0.5f) * height / total, across, middle);
 }
@@ -351,18 +364,19 @@ FN real3 fair_middle(GLOBAL scalar* sides, int n) {
 // constant u_k meet where the sides beyond do, and d_k / unit goes from 0 to 1 along these. So T is
 // that over `unit`, and Q takes the ribbon's ends to the corners beyond. At u = 1/2 a ribbon shall
 // meet the middle of the face: T goes there, within the tangent plane, and Q takes what is left.
-FN_LARGE real fair_polygon(GLOBAL scalar* sides, int n, real apothem, GLOBAL_OUT scalar* out) {
-  const real unit = K(4) * apothem * (K(1) - apothem * apothem), over = K(1) / unit;
-  const real way = apothem * over, half = K(0.5f);
+FN_LARGE real fair_polygon(control_data sides, int n, scalar apothem, control_out out) {
+  const scalar unit = K(4) * apothem * (K(1) - apothem * apothem), over = K(1) / unit;
+  const scalar way = apothem * over;
+  const real one = splat(K(1)), minus = splat(K(-1)), four = splat(K(4)), half = splat(K(0.5f));
   const real3 middle = fair_middle(sides, n);
-  real turned = K(1);
+  real turned = one;
   for (int k = 0; k < n; ++k) {
     fair_tangent f = fair_tangent_at(sides, n, k, 0, K(1));
-    const real3 start = f.t[0], end = power_sum(f.t, 6, K(1));
+    const real3 start = f.t[0], end = power_sum(f.t, 6, one);
     const real3 slope = power_sum(f.slope, 5, half), m = power_sum(f.m, 5, half),
                 away = sub3(middle, power_sum(f.curve, 6, half));
     const ribbon_part straight = ribbon_part_of(power_sum(f.t, 6, half), slope, m),
-                      wanted = ribbon_part_of(mul3(K(1) / way, away), slope, m);
+                      wanted = ribbon_part_of(mul3(splat(K(1) / way), away), slope, m);
     // 4 t (1 - t) of the difference, which keeps h above 0.
     const real dk = K(4) * (wanted.k - straight.k),
                dh = K(4) * (larger(wanted.h, half * straight.h) - straight.h);
@@ -375,14 +389,14 @@ FN_LARGE real fair_polygon(GLOBAL scalar* sides, int n, real apothem, GLOBAL_OUT
                 before = load3(sides + wrap(k - 1, n) * FAIR_REALS, FAIR_CURVE),
                 after = load3(sides + wrap(k + 2, n) * FAIR_REALS, FAIR_CURVE);
     const real3 q0 = sub3(sub3(before, p), start), q2 = sub3(sub3(after, q), end),
-                q1 = mul3(K(1) / (way * way), fma3(-way, power_sum(f.t, 6, half), away));
-    const real3 bend[3] = {q0, fma3(K(4), q1, fma3(K(-3), q0, mul3(K(-1), q2))),
-                           fma3(K(-4), q1, mul3(K(2), add3(q0, q2)))};
-    GLOBAL_OUT scalar* to = out + k * CURVED_REALS;
-    for (int i = 0; i < 4; ++i)
-      store3(to + 3 * (CURVED_C + i), 1, i == 3 ? q : bezier_point(f.curve, 4, 3, i));
-    for (int i = 0; i < 5; ++i) store3(to + 3 * (CURVED_T + i), 1, mul3(over, f.t[i]));
-    for (int i = 0; i < 3; ++i) store3(to + 3 * (CURVED_Q + i), 1, mul3(over * over, bend[i]));
+                q1 = mul3(splat(K(1) / (way * way)),
+                          fma3(splat(-way), power_sum(f.t, 6, half), away));
+    const real3 bend[3] = {q0, fma3(four, q1, fma3(splat(K(-3)), q0, mul3(minus, q2))),
+                           fma3(-four, q1, mul3(splat(K(2)), add3(q0, q2)))};
+    const control_out to = out + k * CURVED_REALS;
+    for (int i = 0; i < 4; ++i) put3(to, CURVED_C + i, i == 3 ? q : bezier_point(f.curve, 4, 3, i));
+    for (int i = 0; i < 5; ++i) put3(to, CURVED_T + i, mul3(splat(over), f.t[i]));
+    for (int i = 0; i < 3; ++i) put3(to, CURVED_Q + i, mul3(splat(over * over), bend[i]));
     turned = smaller(f.turned, turned);
   }
   return turned;
@@ -390,10 +404,9 @@ FN_LARGE real fair_polygon(GLOBAL scalar* sides, int n, real apothem, GLOBAL_OUT
 
 // Control data of the quad between four sides, whose curves are cubic and whose normals quadratic,
 // in FORM_BEZIER; `flat` and `length` as above. Returns fair_tangent::turned of the worst.
-FN_LARGE real fair_quad(GLOBAL scalar* sides, GLOBAL scalar* flat, real length,
-                        GLOBAL_OUT scalar* out) {
+FN_LARGE real fair_quad(control_data sides, GLOBAL scalar* flat, scalar length, control_out out) {
   bezier_side s[4];
-  real turned = K(1);
+  real turned = splat(K(1));
   for (int k = 0; k < 4; ++k) {
     const fair_tangent f = fair_tangent_at(sides, 4, k, flat, length);
     for (int i = 0; i < 4; ++i) {
@@ -419,7 +432,7 @@ FN sextic_side sextic_side_of(fair_tangent f) {
   sextic_side r;
   for (int i = 0; i < 6; ++i) {
     r.rim[i] = bezier_point(f.curve, 6, 6, i);
-    r.inner[i] = fma3(K(1) / K(6), bezier_point(f.t, 6, 5, i), r.rim[i]);
+    r.inner[i] = fma3(splat(K(1) / K(6)), bezier_point(f.t, 6, 5, i), r.rim[i]);
   }
   return r;
 }
@@ -440,29 +453,30 @@ FN int sextic_point_of(int side, int i, int j, int k) {
 
 // Control data of the triangle between three sides; `flat` and `length` as above. Returns
 // fair_tangent::turned of the worst.
-FN_LARGE real fair_triangle(GLOBAL scalar* sides, GLOBAL scalar* flat, real length,
-                            GLOBAL_OUT scalar* out) {
+FN_LARGE real fair_triangle(control_data sides, GLOBAL scalar* flat, scalar length,
+                            control_out out) {
   sextic_side s[3];
-  real turned = K(1);
+  real turned = splat(K(1));
   for (int k = 0; k < 3; ++k) {
     const fair_tangent f = fair_tangent_at(sides, 3, k, flat, length);
     s[k] = sextic_side_of(f);
     turned = smaller(f.turned, turned);
   }
-  const real half = K(0.5f);
-  real3 near = {K(0), K(0), K(0)}, far = near;  // sums of the points 411 and of the points 321
+  const real half = splat(K(0.5f));
+  real3 near = zero3(), far = near;  // sums of the points 411 and of the points 321
   for (int k = 0; k < 3; ++k) {
-    for (int i = 0; i < 6; ++i) store3(out + 3 * sextic_point_of(k, 6 - i, i, 0), 1, s[k].rim[i]);
+    for (int i = 0; i < 6; ++i) put3(out, sextic_point_of(k, 6 - i, i, 0), s[k].rim[i]);
     const real3 a = s[k].inner[1], b = s[wrap(k - 1, 3)].inner[4];
     const real3 mean = mul3(half, add3(a, b));
-    store3(out + 3 * sextic_point_of(k, 4, 1, 1), 1, mean);
-    store3(out + 3 * (SEXTIC_DIFFERENCE + k), 1, mul3(K(15), sub3(a, b)));
-    store3(out + 3 * sextic_point_of(k, 3, 2, 1), 1, s[k].inner[2]);
-    store3(out + 3 * sextic_point_of(k, 2, 3, 1), 1, s[k].inner[3]);
+    put3(out, sextic_point_of(k, 4, 1, 1), mean);
+    put3(out, SEXTIC_DIFFERENCE + k, mul3(splat(K(15)), sub3(a, b)));
+    put3(out, sextic_point_of(k, 3, 2, 1), s[k].inner[2]);
+    put3(out, sextic_point_of(k, 2, 3, 1), s[k].inner[3]);
     near = add3(near, mean);
     far = add3(far, add3(s[k].inner[2], s[k].inner[3]));
   }
   // The middle goes on as the points before it do: m6 + (m6 - m3) / 2.
-  store3(out + 3 * sextic_point_of(0, 2, 2, 2), 1, fma3(K(0.25f), far, mul3(K(-1) / K(6), near)));
+  put3(out, sextic_point_of(0, 2, 2, 2),
+       fma3(splat(K(0.25f)), far, mul3(splat(K(-1) / K(6)), near)));
   return turned;
 }

@@ -113,4 +113,29 @@ inline void transpose(V* rows) {
   }
 }
 
+// `count` numbers of each lane, as many as lanes at least, number i of all at to[i].
+template <class V, class Scalar>
+inline void load_columns(const Scalar* const* from, std::size_t count, V* to) {
+  constexpr std::size_t kLanes = sizeof(V) / sizeof(Scalar);
+  for (std::size_t begin = 0; begin < count; begin += kLanes) {
+    // The last rows overlap those before, not to read beyond the end.
+    const std::size_t first = begin + kLanes > count ? count - kLanes : begin;
+    for (std::size_t lane = 0; lane < kLanes; ++lane)
+      __builtin_memcpy(&to[first + lane], from[lane] + first, sizeof(V));
+    transpose(to + first);
+  }
+}
+template <class V, class Scalar>
+inline void store_columns(const V* from, std::size_t count, Scalar* const* to) {
+  constexpr std::size_t kLanes = sizeof(V) / sizeof(Scalar);
+  for (std::size_t begin = 0; begin < count; begin += kLanes) {
+    const std::size_t first = begin + kLanes > count ? count - kLanes : begin;
+    V rows[kLanes];
+    for (std::size_t i = 0; i < kLanes; ++i) rows[i] = from[first + i];
+    transpose(rows);
+    for (std::size_t lane = 0; lane < kLanes; ++lane)
+      __builtin_memcpy(to[lane] + first, &rows[lane], sizeof(V));
+  }
+}
+
 }  // namespace gliss::lanes

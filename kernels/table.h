@@ -14,11 +14,11 @@ FN real whole(real x) {
   return pick(near > x, near - K(1), near);
 }
 
-// Along u between two nodes; `triple` 0: G, 2: its slope along v.
-FN curve_point hermite_row(GLOBAL scalar* control, real index, int triple, hermite_basis u) {
-  GLOBAL scalar* at = control + 3 * triple;
-  const real3 f0 = gather3(at, index), d0 = gather3(at + 3, index),
-              f1 = gather3(at + NODE_SAMPLES, index), d1 = gather3(at + NODE_SAMPLES + 3, index);
+// Along u between two nodes that are neighbours; `triple` 0: G, 2: its slope along v.
+FN curve_point hermite_row(const real* nodes, int triple, hermite_basis u) {
+  const real *at = nodes + 3 * triple, *next = at + NODE_SAMPLES;
+  const real3 f0 = make3(at[0], at[1], at[2]), d0 = make3(at[3], at[4], at[5]),
+              f1 = make3(next[0], next[1], next[2]), d1 = make3(next[3], next[4], next[5]);
   curve_point r;
   r.f = fma3(u.g1, d1, fma3(u.g0, d0, fma3(u.h1, f1, mul3(u.h0, f0))));
   r.d = fma3(u.dg1, d1, fma3(u.dg0, d0, fma3(u.dh1, f1, mul3(u.dh0, f0))));
@@ -47,9 +47,11 @@ FN patch_point evaluate_table(GLOBAL scalar* domain, GLOBAL scalar* control, int
   const hermite_basis s = hermite_at(fma(cells, u.f, -i)), t = hermite_at(fma(cells, v.f, -j));
   const real width = splat((scalar)(r + 1));
   const real index = splat(K(NODE_SAMPLES)) * fma(fma(k, width, j), width, i);
-  GLOBAL scalar* above = control + NODE_SAMPLES * (r + 1);
-  const curve_point f0 = hermite_row(control, index, 0, s), f1 = hermite_row(above, index, 0, s),
-                    d0 = hermite_row(control, index, 2, s), d1 = hermite_row(above, index, 2, s);
+  real below[2 * NODE_SAMPLES], above[2 * NODE_SAMPLES];
+  gather_columns(control, index, 2 * NODE_SAMPLES, below);
+  gather_columns(control + NODE_SAMPLES * (r + 1), index, 2 * NODE_SAMPLES, above);
+  const curve_point f0 = hermite_row(below, 0, s), f1 = hermite_row(above, 0, s),
+                    d0 = hermite_row(below, 2, s), d1 = hermite_row(above, 2, s);
   patch_point p;
   p.g = fma3(t.g1, d1.f, fma3(t.g0, d0.f, fma3(t.h1, f1.f, mul3(t.h0, f0.f))));
   const real3 g_u =

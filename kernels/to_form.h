@@ -1,18 +1,6 @@
 // Sides with tangents of their own, and from a patch's exact control data to that of another form.
 // On the host only, in scalars.
 
-// C'(0) and C'(1) of a side at a crease, in place of those of eq. 7 to 9; both (0, 0, 0) at others.
-typedef struct {
-  real3 start, end;
-} crease_tangents;
-
-FN crease_tangents load_tangents(GLOBAL scalar* tangents, int k) {
-  const crease_tangents r = {load3(tangents, 2 * k), load3(tangents, 2 * k + 1)};
-  return r;
-}
-
-FN int has_tangents(crease_tangents t) { return dot3(t.start, t.start) > K(0); }
-
 // Does as store_side does for a polygon with creases; `tangents` [n][2][3]. If the side before has
 // tangents, T begins as it ends: with v_int (12) along -C'_prev(1), which is at right angles to the
 // normal there, (11) has that direction whatever n_int is. In the same way T ends as the side after
@@ -40,19 +28,6 @@ FN real store_crease_side(GLOBAL scalar* corners, GLOBAL scalar* tangents, int n
     data.length[1] = norm3(on.start);
   }
   return store_data(data, side);
-}
-
-// The in-plane vector r as k c + h m.
-typedef struct {
-  real k, h;
-} ribbon_part;
-
-FN ribbon_part ribbon_part_of(real3 r, real3 c, real3 m) {
-  const real3 across = cross3(c, m);
-  const real inverse = K(1) / larger(dot3(across, across), TINY);
-  const ribbon_part p = {dot3(cross3(r, m), across) * inverse,
-                         dot3(cross3(c, r), across) * inverse};
-  return p;
 }
 
 // m(t) = m0 + t m1 of a side, eq. 10.
@@ -118,19 +93,6 @@ FN void to_ribbon(GLOBAL scalar* corners, GLOBAL scalar* exact, int n, GLOBAL_OU
   }
 }
 
-// Bezier points of a side's curve and of its cubic cross tangent.
-typedef struct {
-  real3 c[4], t[4];
-} bezier_side;
-
-FN void to_bezier(real3 p[4]) {  // from powers of t
-  const real third = K(1) / K(3);
-  const real3 a = p[0], b = mul3(third, p[1]), c = mul3(third, p[2]), d = p[3];
-  p[1] = add3(a, b);
-  p[2] = add3(p[1], add3(b, c));
-  p[3] = add3(add3(a, mul3(K(3), b)), add3(mul3(K(3), c), d));
-}
-
 FN bezier_side bezier_side_of(GLOBAL scalar* corners, GLOBAL scalar* exact, int n, int side) {
   GLOBAL scalar* from = exact + side * SIDE_REALS;
   const side_lerp m = lerp_of(corners, n, side);
@@ -150,40 +112,6 @@ FN bezier_side bezier_side_of(GLOBAL scalar* corners, GLOBAL scalar* exact, int 
   to_bezier(r.c);
   to_bezier(r.t);
   return r;
-}
-
-FN void store_quad(const bezier_side* s, GLOBAL_OUT scalar* out) {
-  const real third = K(1) / K(3), half = K(0.5f);
-  real3 p[4][4];  // [j][i]
-  for (int i = 0; i < 4; ++i) {
-    p[0][i] = s[0].c[i];
-    p[i][3] = s[1].c[i];
-    p[3][i] = s[2].c[3 - i];
-    p[i][0] = s[3].c[3 - i];
-  }
-  // At each corner: of the side along u, and of that along v.
-  const real3 a[4] = {fma3(third, s[0].t[1], p[0][1]), fma3(third, s[0].t[2], p[0][2]),
-                      fma3(third, s[2].t[1], p[3][2]), fma3(third, s[2].t[2], p[3][1])};
-  const real3 b[4] = {fma3(third, s[3].t[2], p[1][0]), fma3(third, s[1].t[1], p[1][3]),
-                      fma3(third, s[1].t[2], p[2][3]), fma3(third, s[3].t[1], p[2][0])};
-  p[1][1] = mul3(half, add3(a[0], b[0]));
-  p[1][2] = mul3(half, add3(a[1], b[1]));
-  p[2][2] = mul3(half, add3(a[2], b[2]));
-  p[2][1] = mul3(half, add3(a[3], b[3]));
-  // Powers along u, then along v.
-  const real binomial[4][4] = {
-      {K(1)}, {K(-3), K(3)}, {K(3), K(-6), K(3)}, {K(-1), K(3), K(-3), K(1)}};
-  for (int j = 0; j < 4; ++j) {
-    for (int i = 0; i < 4; ++i) {
-      real3 sum = {K(0), K(0), K(0)};
-      for (int y = 0; y <= j; ++y) {
-        for (int x = 0; x <= i; ++x) sum = fma3(binomial[j][y] * binomial[i][x], p[y][x], sum);
-      }
-      store3(out + 3 * (4 * j + i), 1, sum);
-    }
-  }
-  for (int k = 0; k < 4; ++k)
-    store3(out + 3 * (QUAD_DIFFERENCE + k), 1, mul3(K(4.5f), sub3(a[k], b[k])));
 }
 
 FN void to_gregory_quad(GLOBAL scalar* corners, GLOBAL scalar* exact, GLOBAL_OUT scalar* out) {

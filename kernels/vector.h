@@ -8,6 +8,7 @@ FN real3 make3(real x, real y, real z) {
   real3 r = {x, y, z};
   return r;
 }
+FN real3 zero3() { return make3(splat(K(0)), splat(K(0)), splat(K(0))); }
 FN real3 add3(real3 a, real3 b) { return make3(a.x + b.x, a.y + b.y, a.z + b.z); }
 FN real3 sub3(real3 a, real3 b) { return make3(a.x - b.x, a.y - b.y, a.z - b.z); }
 FN real3 mul3(real s, real3 a) { return make3(s * a.x, s * a.y, s * a.z); }
@@ -39,6 +40,23 @@ FN real3 load3(GLOBAL scalar* at, int i) {
 // The triple that begins at each lane's own index.
 FN real3 gather3(GLOBAL scalar* at, real index) {
   return make3(gather(at, index), gather(at + 1, index), gather(at + 2, index));
+}
+
+// `count` numbers from each lane's own index on, number i of all at to[i]: 8 at least. Of more than
+// 8 lanes rows are not turned into columns, which takes longer than to gather each number.
+FN void gather_columns(GLOBAL scalar* at, real index, int count, real* to) {
+#if GLISS_LANES > 1 && GLISS_LANES <= 8 && !defined(__OPENCL_C_VERSION__)
+  const scalar* from[GLISS_LANES];
+  for (int i = 0; i < GLISS_LANES; ++i) from[i] = at + (int)index[i];
+  gliss::lanes::load_columns(from, (ulong)count, to);
+#else
+#ifdef __clang__
+#pragma unroll 24
+#else
+#pragma GCC unroll 24
+#endif
+  for (int i = 0; i < count; ++i) to[i] = gather(at + i, index);
+#endif
 }
 
 #ifdef GLISS_PACKED

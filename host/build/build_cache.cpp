@@ -27,6 +27,9 @@ namespace {
 // take a hundred times as long as others.
 constexpr std::size_t kFaceGrain = 8;
 
+// Fair patches that are drafted together, in lanes.
+constexpr std::size_t kFairTogether = 16;
+
 // A patch as it goes into the cache.
 struct FinishedPatch {
   std::uint32_t valence;
@@ -166,7 +169,7 @@ class CacheBuilder {
   // Adds the sides of the fair construction to the corners, if it is that.
   void face_of(std::uint32_t face, FaceCorners& c) const {
     corners_of(face, c);
-    if (fair_) fair_->sides_of(face, c.side);
+    if (fair_) fair_->sides_of({&face, 1}, c.side);
   }
   FaceCorners face_of(std::uint32_t face) const {
     FaceCorners c;
@@ -227,7 +230,11 @@ class CacheBuilder {
       }
       c.batch.resize(valences, forms);
       c.frame.resize(valences.size());
-      for_faces(c, [&](std::size_t i) { place(c, c.in_batch[i], faces_[c.first + i]); });
+      backend_.parallel(c.count, kFaceGrain, [&](std::size_t from, std::size_t to) {
+        for (std::size_t i = from; i < to; ++i) place(c, c.in_batch[i], faces_[c.first + i]);
+        for (std::size_t i = from; i < to; i += kFairTogether)
+          place_fair(c, i, std::min(i + kFairTogether, to));
+      });
       if (!base_only_) backend_.build(c.batch, backend_.parallel);
       body(c);
     });
@@ -241,7 +248,8 @@ class CacheBuilder {
     });
   }
 
-  // Puts the polygon of a face into the batch, with its patch if that comes drafted.
+  // Puts the polygon of a face into the batch, with its patch if that comes drafted and is the
+  // paper's.
   void place(Chunk& c, std::size_t p, std::uint32_t face) const {
     thread_local FaceCorners corners;
     thread_local PatchDraft draft;
@@ -249,11 +257,10 @@ class CacheBuilder {
     double* corner = &b.corner[b.side_begin[p] * 6];
     std::uint32_t* triangle = &b.triangle[3 * b.first_triangle(p)];
     b.turned[p] = 1;
-    if (p < b.to_build) {
-      corners_of(face, corners);
+    corners_of(face, corners);
+    if (p < b.to_build || is_fair(face)) {
       c.frame[p] = place_polygon(corners, all_corners(b.valence(p)), corner, triangle);
     } else {
-      face_of(face, corners);
       draft.face_corner = all_corners(b.valence(p));
       draft_patch(corners, draft);
       c.frame[p] = draft.frame;
@@ -264,6 +271,41 @@ class CacheBuilder {
       b.turned[p] = draft.turned;
     }
     c.frame[p].store(&b.frame[p * kFrameReals]);
+  }
+
+  // Puts the patches of those faces of the chunk that are fair, and placed, into the batch: their
+  // sides together, and patches that follow one another and have as many sides.
+  void place_fair(Chunk& c, std::size_t begin, std::size_t end) const {
+    thread_local std::vector<std::uint32_t> faces, patches;
+    thread_local std::vector<double> sides;
+    faces.clear(), patches.clear();
+    for (std::size_t i = begin; i < end; ++i) {
+      if (base_only_ || !is_fair(faces_[c.first + i])) continue;
+      faces.push_back(faces_[c.first + i]);
+      patches.push_back(c.in_batch[i]);
+    }
+    if (faces.empty()) return;
+    fair_->sides_of(faces, sides);
+    PatchBatch& b = c.batch;
+    double* side = sides.data();
+    for (const std::uint32_t p : patches) {
+      b.soundness[p] = 1;
+      for (std::uint32_t k = 0; k < b.valence(p); ++k, side += kFairReals) {
+        c.frame[p].place_side(side);
+        b.soundness[p] = std::min(b.soundness[p], side[kFairSound]);
+      }
+    }
+    side = sides.data();
+    for (std::size_t i = 0, next; i < patches.size(); i = next) {
+      const std::uint32_t p = patches[i], n = b.valence(p);
+      const auto follows = [&](std::size_t k) {
+        return k < patches.size() && patches[k] == p + (k - i) && b.valence(patches[k]) == n;
+      };
+      for (next = i + 1; follows(next);) ++next;
+      kernels<double>().fair_controls(side, next - i, n, nullptr, 1, &b.control[b.control_begin[p]],
+                                      &b.turned[p]);
+      side += (next - i) * n * kFairReals;
+    }
   }
 
   // Examines a face's patch, finds tamer ones if it folds, and finishes what the face becomes.

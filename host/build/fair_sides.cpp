@@ -40,16 +40,13 @@ FairSides::FairSides(const MeshFrame& frame, const Topology& topology,
   if (vertices_.empty() && std::any_of(faces.begin(), faces.end(), is_triangle))
     find_turns(parallel);
   shapes_.resize(has_shape_.size());
-  parallel(shapes_.size(), kVertexGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      if (has_shape_[i]) has_shape_[i] = find_shape(i);
-    }
-  });
+  parallel(shapes_.size(), kVertexGrain,
+           [&](std::size_t begin, std::size_t end) { find_shapes(begin, end); });
 }
 
-FairSides::End FairSides::corner(std::uint32_t side) const {
-  const Vec3 p = frame_.position(side), n = frame_.normal(side);
-  return {{p.x(), p.y(), p.z(), n.x(), n.y(), n.z()}};
+void FairSides::put_corner(std::uint32_t side, double* reals) const {
+  std::copy_n(frame_.position(side).data(), 3, reals);
+  std::copy_n(frame_.normal(side).data(), 3, reals + 3);
 }
 
 // 3 or 4 if both of its faces are triangles, or quads, that have the same normals at its ends, or
@@ -70,65 +67,97 @@ std::uint32_t FairSides::joined_valence(std::uint32_t side) const {
 void FairSides::find_turns(const ParallelFor& parallel) {
   turn_.resize(mesh_.corner_vertex.size());
   parallel(mesh_.face_count(), kVertexGrain, [&](std::size_t begin, std::size_t end) {
+    std::vector<std::uint32_t> sides;
+    std::vector<FairWings<double>> edges;
     for (std::size_t f = begin; f < end; ++f) {
       if (mesh_.valence(f) != 3) continue;
       for (std::uint32_t s = mesh_.face_begin[f]; s < mesh_.face_begin[f + 1]; ++s) {
         const std::uint32_t twin = topology_.side_twin[s];
-        if (twin != kNone && s < twin && joined_valence(s) == 3) turn_[s] = find_turn(s);
+        if (twin == kNone || s > twin || joined_valence(s) != 3) continue;
+        sides.push_back(s);
+        edges.push_back(wings(s));
       }
     }
+    std::vector<double> turns(3 * sides.size());
+    kernels<double>().fair_turns(edges.data(), edges.size(), turns.data());
+    for (std::size_t i = 0; i < sides.size(); ++i)
+      std::copy_n(&turns[3 * i], 3, turn_[sides[i]].data());
   });
 }
 
-Vec3 FairSides::find_turn(std::uint32_t side) const {
+FairWings<double> FairSides::wings(std::uint32_t side) const {
   const std::uint32_t next = next_side(mesh_, topology_, side), twin = topology_.side_twin[side];
-  const End ends[2] = {corner(side), corner(next)},
-            beyond[2] = {corner(next_side(mesh_, topology_, next)),
-                         corner(prev_side(mesh_, topology_, twin))};
-  Vec3 turn;
-  kernels<double>().fair_turn(ends[0].reals, beyond[0].reals, turn.data());
-  return turn;
+  FairWings<double> w;
+  put_corner(side, w.start);
+  put_corner(next, w.end);
+  put_corner(next_side(mesh_, topology_, next), w.left);
+  put_corner(prev_side(mesh_, topology_, twin), w.right);
+  return w;
 }
 
-FairEdge<double> FairSides::edge(std::uint32_t side, std::uint32_t joined, const End& end) const {
+FairEdge<double> FairSides::edge(std::uint32_t side, std::uint32_t joined) const {
   const std::uint32_t twin = topology_.side_twin[side];
   FairEdge<double> e;
-  std::copy_n(end.reals, 6, e.end);
+  put_corner(side, e.start);
+  put_corner(next_side(mesh_, topology_, side), e.end);
   if (frame_.has_tangents(side)) {
     for (std::uint32_t i = 0; i < 2; ++i)
       std::copy_n(frame_.tangent(side, i).data(), 3, e.tangents + 3 * i);
   }
   e.by_arc = joined == 3;
-  if (!e.by_arc || twin == kNone) return e;
+  if (joined != 3 || twin == kNone) return e;
   const std::uint32_t lesser = std::min(side, twin);
-  const Vec3 turn = turn_.empty() ? find_turn(lesser) : turn_[lesser];
-  std::copy_n(turn.data(), 3, e.turn);
+  if (turn_.empty()) {
+    const FairWings<double> w = wings(lesser);
+    kernels<double>().fair_turns(&w, 1, e.turn);
+  } else {
+    std::copy_n(turn_[lesser].data(), 3, e.turn);
+  }
   return e;
 }
 
-bool FairSides::find_shape(std::size_t i) {
+void FairSides::find_shapes(std::size_t begin, std::size_t end) {
+  std::vector<FairEdge<double>> edges;
+  std::vector<std::size_t> vertices;
+  std::vector<std::uint32_t> edge_begin{0};
+  for (std::size_t i = begin; i < end; ++i) {
+    if (!has_shape_[i]) continue;
+    has_shape_[i] = add_edges(i, edges);
+    if (has_shape_[i]) {
+      vertices.push_back(i);
+      edge_begin.push_back(static_cast<std::uint32_t>(edges.size()));
+    }
+    edges.resize(edge_begin.back());
+  }
+  std::vector<FairVertex<double>> shapes(vertices.size());
+  kernels<double>().fair_vertices(edges.data(), edge_begin.data(), vertices.size(), shapes.data());
+  for (std::size_t k = 0; k < vertices.size(); ++k) {
+    shapes_[vertices[k]] = shapes[k];
+    has_shape_[vertices[k]] = is_finite(shapes[k]);
+  }
+}
+
+bool FairSides::add_edges(std::size_t i, std::vector<FairEdge<double>>& edges) const {
   const std::uint32_t first =
       topology_.vertex_side[vertices_.empty() ? static_cast<std::uint32_t>(i) : vertices_[i]];
   const auto normal = [&](std::uint32_t s) { return mesh_.normals[mesh_.corner_normal[s]]; };
-  thread_local std::vector<FairEdge<double>> edges;
-  edges.clear();
   for (std::uint32_t side = first; side != kNone;) {
     if (normal(side) != normal(first)) return false;
     // The arc of a rounded crease, which bends where the faces beside it do not.
     if (!mesh_.strips.empty() && frame_.has_tangents(side)) return false;
-    edges.push_back(edge(side, joined_valence(side), corner(next_side(mesh_, topology_, side))));
+    edges.push_back(edge(side, joined_valence(side)));
     const std::uint32_t last = prev_side(mesh_, topology_, side);
     side = next_around(mesh_, topology_, side);
     if (side == first) break;
     if (side != kNone) continue;
     // The border side that ends here.
     FairEdge<double> e;
-    std::copy_n(corner(last).reals, 6, e.end);
+    put_corner(first, e.start);
+    put_corner(last, e.end);
     e.by_arc = joined_valence(last) == 3;
     edges.push_back(e);
   }
-  kernels<double>().fair_vertex(corner(first).reals, edges.data(), edges.size(), &shapes_[i]);
-  return is_finite(shapes_[i]);
+  return true;
 }
 
 const FairVertex<double>* FairSides::shape_of(std::uint32_t vertex) const {
@@ -141,24 +170,25 @@ const FairVertex<double>* FairSides::shape_of(std::uint32_t vertex) const {
   return i < has_shape_.size() && has_shape_[i] ? &shapes_[i] : nullptr;
 }
 
-void FairSides::sides_of(std::uint32_t face, std::vector<double>& sides) const {
-  const std::uint32_t first = mesh_.face_begin[face], n = mesh_.valence(face);
-  sides.resize(n * kFairReals);
-  const End begin = corner(first);
-  End start = begin;
-  for (std::uint32_t k = 0; k < n; ++k) {
-    const std::uint32_t side = first + k, next = k + 1 < n ? side + 1 : first;
-    const End end = next == first ? begin : corner(next);
-    const std::uint32_t joined = joined_valence(side);
-    const FairVertex<double>*from = nullptr, *to = nullptr;
-    if (joined != 0) {
-      from = shape_of(mesh_.corner_vertex[side]);
-      to = shape_of(mesh_.corner_vertex[next]);
+void FairSides::sides_of(std::span<const std::uint32_t> faces, std::vector<double>& out) const {
+  thread_local std::vector<FairSide<double>> sides;
+  sides.clear();
+  for (const std::uint32_t face : faces) {
+    for (std::uint32_t side = mesh_.face_begin[face]; side < mesh_.face_begin[face + 1]; ++side) {
+      const std::uint32_t joined = joined_valence(side);
+      FairSide<double>& s = sides.emplace_back();
+      s.edge = edge(side, joined);
+      if (joined == 0) continue;
+      const FairVertex<double>*from = shape_of(mesh_.corner_vertex[side]),
+            *to = shape_of(mesh_.corner_vertex[next_side(mesh_, topology_, side)]);
+      if (from == nullptr || to == nullptr) continue;
+      s.from = *from;
+      s.to = *to;
+      (joined == 4 ? s.turns : s.bends) = 1;
     }
-    kernels<double>().fair_side(start.reals, edge(side, joined, end), from, to, joined == 4,
-                                &sides[k * kFairReals]);
-    start = end;
   }
+  out.resize(sides.size() * kFairReals);
+  kernels<double>().fair_sides(sides.data(), sides.size(), out.data());
 }
 
 }  // namespace gliss

@@ -23,20 +23,18 @@ class FairSides {
   FairSides(const MeshFrame& frame, const Topology& topology, std::span<const std::uint32_t> faces,
             const ParallelFor& parallel);
 
-  // Writes the sides of a face: kFairReals numbers each, in the mesh frame.
-  void sides_of(std::uint32_t face, std::vector<double>& sides) const;
+  // Writes the sides of faces, one after the other: kFairReals numbers each, in the mesh frame.
+  void sides_of(std::span<const std::uint32_t> faces, std::vector<double>& sides) const;
 
  private:
-  struct End {
-    double reals[6];  // position, unit normal
-  };
-
-  End corner(std::uint32_t side) const;
+  void put_corner(std::uint32_t side, double* reals) const;  // position, unit normal
   std::uint32_t joined_valence(std::uint32_t side) const;
   void find_turns(const ParallelFor& parallel);
-  Vec3 find_turn(std::uint32_t side) const;
-  FairEdge<double> edge(std::uint32_t side, std::uint32_t joined, const End& end) const;
-  bool find_shape(std::size_t i);  // false: none that its sides agree on
+  FairWings<double> wings(std::uint32_t side) const;
+  FairEdge<double> edge(std::uint32_t side, std::uint32_t joined) const;
+  void find_shapes(std::size_t begin, std::size_t end);
+  // Adds the edges that leave vertices_[i]; false: it has no shape that they agree on.
+  bool add_edges(std::size_t i, std::vector<FairEdge<double>>& edges) const;
   const FairVertex<double>* shape_of(std::uint32_t vertex) const;
 
   const MeshFrame frame_;

@@ -33,6 +33,11 @@ void PatchFrame::store(double* reals) const {
   std::copy_n(tangent.data(), 3, reals + 3);
 }
 
+void PatchFrame::place_side(double* side) const {
+  for (int i = 0; i < 3; ++i) side[i] -= origin[i];
+  for (std::size_t i = 0; i < 3 * kFairCurve; ++i) side[i] *= scale;
+}
+
 PatchFrame place_polygon(const FaceCorners& face, std::span<const std::uint32_t> face_corner,
                          double* corner, std::uint32_t* triangle) {
   PatchFrame frame;
@@ -112,15 +117,15 @@ std::array<double, kFairReals> fair_side(const FaceCorners& face, std::uint32_t 
     std::copy_n(&face.side[start * kFairReals], kFairReals, side.data());
     return side;
   }
-  double from[6];
-  FairEdge<double> edge;
+  FairSide<double> through;
   const auto put = [&](std::uint32_t corner, double* to) {
     std::copy_n(face.position[corner].data(), 3, to);
     std::copy_n(face.normal[corner].data(), 3, to + 3);
   };
-  put(start, from);
-  put(end, edge.end);
-  kernels<double>().fair_side(from, edge, nullptr, nullptr, false, side.data());
+  put(start, through.edge.start);
+  put(end, through.edge.end);
+  through.edge.by_arc = 1;
+  kernels<double>().fair_sides(&through, 1, side.data());
   return side;
 }
 
@@ -167,13 +172,12 @@ void draft_fair(const FaceCorners& face, PatchDraft& d) {
   for (std::uint32_t k = 0; k < n; ++k) {
     std::array<double, kFairReals> side =
         fair_side(face, d.face_corner[k], d.face_corner[(k + 1) % n]);
-    for (std::size_t i = 0; i < 3 * kFairCurve; ++i)
-      side[i] = (i < 3 ? side[i] - d.frame.origin[static_cast<int>(i)] : side[i]) * d.frame.scale;
+    d.frame.place_side(side.data());
     std::copy_n(side.data(), kFairReals, &d.side[k * kFairReals]);
     d.soundness = std::min(d.soundness, side[kFairSound]);
   }
   d.control.resize(kernels<double>().control_reals(d.form, n));
-  d.turned = kernels<double>().fair_control(d.side.data(), n, nullptr, 1, d.control.data());
+  kernels<double>().fair_controls(d.side.data(), 1, n, nullptr, 1, d.control.data(), &d.turned);
 }
 
 }  // namespace

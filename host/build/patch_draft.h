@@ -34,6 +34,8 @@ struct PatchFrame {
   Vec3 normal, tangent;  // unit normal and a tangent of the base polygon
 
   void store(double* reals) const;  // normal and tangent: kFrameReals of them
+  // Takes a side of the fair construction, kFairReals numbers, from the mesh frame to this one.
+  void place_side(double* side) const;
 };
 
 // Frame of the polygon that some corners of a face make, its corners [n][2][3] in that frame, and

@@ -100,8 +100,8 @@ std::optional<PatchDraft> bend(const PatchDraft& draft, double worst, const Vale
     d.soundness = 1;
     const std::uint32_t n = d.valence();
     if (!d.side.empty()) {
-      d.turned = kernels<double>().fair_control(d.side.data(), n, d.frame.normal.data(), length,
-                                                d.control.data());
+      kernels<double>().fair_controls(d.side.data(), 1, n, d.frame.normal.data(), length,
+                                      d.control.data(), &d.turned);
     } else {
       for (std::size_t k = 0; k < n; ++k) {
         for (const std::size_t at : {kSideLength, kSideLength + 1})

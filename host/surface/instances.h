@@ -60,21 +60,36 @@ struct RawHip {
   Real parts[6];
 };
 
-// An edge from a vertex, as the fair construction sees it (kernels/fair.h): its far end (position,
-// unit normal), how its normal turns at mid-side, tangents at both ends of a crease or zeros, and
-// if other tangents have an arc's length.
+// An edge from a vertex, as the fair construction sees it (kernels/fair.h): that and its far end
+// (position, unit normal), how its normal turns at mid-side, tangents at both ends of a crease or
+// zeros, and if other tangents have an arc's length.
 template <class Real>
 struct FairEdge {
-  Real end[6] = {};
+  Real start[6] = {}, end[6] = {};
   Real turn[3] = {};
   Real tangents[6] = {};
-  bool by_arc = true;
+  Real by_arc = {};  // 0 or 1
 };
 
 // The shape operator of a vertex: xx, xy and yy in two unit tangents.
 template <class Real>
 struct FairVertex {
   Real x[3] = {}, y[3] = {}, shape[3] = {};
+};
+
+// An edge between two triangles and the corners beyond it, each a position and a unit normal.
+template <class Real>
+struct FairWings {
+  Real start[6], end[6], left[6], right[6];
+};
+
+// A side of a face, and the vertices of its ends. These bend it (`bends` is 1 and not 0), or tell
+// how its normal turns (`turns`), as between two quads, and no more.
+template <class Real>
+struct FairSide {
+  FairEdge<Real> edge;
+  FairVertex<Real> from, to;
+  Real bends = {}, turns = {};
 };
 
 // Where the mesh frame lies in the mesh: PatchCache's origin, and 1 / its scale.
@@ -122,22 +137,22 @@ struct Kernels {
   std::size_t (*control_reals)(std::uint32_t form, std::uint32_t n);
   void (*to_form)(const Real* domain, const Real* corners, const Real* control, std::uint32_t from,
                   std::uint32_t form, std::uint32_t n, Real* out);
-  // The fair construction, in any frame. The turn of an edge between two triangles, from its ends
-  // [2][2][3] and the corners beyond it, left and right [2][2][3].
-  void (*fair_turn)(const Real* ends, const Real* beyond, Real* turn);
-  // The shape operator of a vertex [2][3] from the edges that leave it, two at least.
-  void (*fair_vertex)(const Real* vertex, const FairEdge<Real>* edges, std::size_t count,
-                      FairVertex<Real>* out);
-  // A side, kFairReals numbers, from its start, its edge, and the vertices of its start and end or
-  // null; `is_smooth`: these tell how an edge between two quads turns, and no more.
-  void (*fair_side)(const Real* start, const FairEdge<Real>& edge, const FairVertex<Real>* from,
-                    const FairVertex<Real>* to, bool is_smooth, Real* side);
-  // Control data from the sides of a triangle (FORM_SEXTIC), a quad (FORM_BEZIER) or another
-  // polygon (FORM_CURVED). Returns the least share of a cross tangent that points into the face: 0
-  // or less where the patch doubles back. `flat`, of triangles and quads: null, or a unit normal
-  // that the cross tangents shall lie across, `length` times as long.
-  Real (*fair_control)(const Real* sides, std::uint32_t n, const Real* flat, Real length,
-                       Real* control);
+  // The fair construction, in any frame, in double only. The turns of edges between two triangles,
+  // [count][3].
+  void (*fair_turns)(const FairWings<Real>* edges, std::size_t count, Real* turns);
+  // The shape operators of vertices from the edges that leave them, two at least each: those of
+  // vertex i are edges[begin[i]] to edges[begin[i + 1] - 1].
+  void (*fair_vertices)(const FairEdge<Real>* edges, const std::uint32_t* begin, std::size_t count,
+                        FairVertex<Real>* out);
+  // Sides, [count][kFairReals].
+  void (*fair_sides)(const FairSide<Real>* sides, std::size_t count, Real* out);
+  // Control data from the sides [count][n][kFairReals] of triangles (FORM_SEXTIC), quads
+  // (FORM_BEZIER) or other polygons (FORM_CURVED). `turned` [count]: the least share of a cross
+  // tangent that points into the face, 0 or less where the patch doubles back. `flat`, of triangles
+  // and quads: null, or a unit normal that the cross tangents shall lie across, `length` times as
+  // long.
+  void (*fair_controls)(const Real* sides, std::size_t count, std::uint32_t n, const Real* flat,
+                        Real length, Real* control, Real* turned);
   // G, G_xi, G_eta as nine rows of `stride` numbers, at `count` points of one patch.
   void (*evaluate)(const Real* domain, const Real* control, std::uint32_t form, std::uint32_t n,
                    const Real* xi, const Real* eta, std::size_t count, std::size_t stride,

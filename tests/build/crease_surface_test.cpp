@@ -56,6 +56,44 @@ TEST(CreaseSurface, faces_of_boxes_and_prisms_are_flat_to_rounding) {
   EXPECT_LT(tilt.value, 1e-14);
 }
 
+Mesh in_order(const Mesh& mesh, const std::vector<std::uint32_t>& faces) {
+  Mesh ordered;
+  ordered.source = mesh.source;
+  ordered.positions = mesh.positions;
+  for (const std::uint32_t f : faces) {
+    for (std::uint32_t s = mesh.face_begin[f]; s < mesh.face_begin[f + 1]; ++s)
+      ordered.corner_vertex.push_back(mesh.corner_vertex[s]);
+    ordered.face_begin.push_back(static_cast<std::uint32_t>(ordered.corner_vertex.size()));
+  }
+  return ordered;
+}
+
+// Patches are built together with others of their kind, whatever faces lie between: here caps whose
+// many sides are not fair.
+TEST(CreaseSurface, a_face_is_the_same_wherever_it_stands) {
+  const Mesh shape = prism(40).mesh;
+  const auto count = static_cast<std::uint32_t>(shape.face_count());
+  std::vector<std::uint32_t> quads, mixed;
+  for (std::uint32_t f = 0; f < count; ++f) {
+    if (shape.valence(f) == 4) quads.push_back(f);
+  }
+  mixed = quads;
+  for (std::uint32_t f = 0; f < count; ++f) {
+    if (shape.valence(f) != 4) mixed.insert(mixed.begin() + 3, f);
+  }
+  for (const Level& level : levels()) {
+    const PatchCache cache = cache_at(sharpened(with_creases(shape), level), level),
+                     other =
+                         cache_at(sharpened(with_creases(in_order(shape, mixed)), level), level);
+    for (std::uint32_t f = 0; f < count; ++f) {
+      const auto there = points_of(cache, mixed[f]), here = points_of(other, f);
+      ASSERT_EQ(there.size(), here.size());
+      for (std::size_t i = 0; i < here.size(); ++i)
+        ASSERT_LT((there[i].position - here[i].position).norm(), 1e-12) << f;
+    }
+  }
+}
+
 // A cylinder of radius 10: how far its caps are off their planes, the rims and the side off the
 // radius.
 TEST(CreaseSurface, a_cylinder_is_round_and_its_caps_are_flat) {

@@ -61,7 +61,7 @@ class Drafts {
         face.position.push_back(frame_.position(s));
         face.normal.push_back(frame_.normal(s));
       }
-      sides_.sides_of(f, face.side);
+      sides_.sides_of({&f, 1}, face.side);
       visit(draft_patch(face, all_corners(n)), f);
       const PatchDraft d = draft_paper(face, all_corners(n));
       visit(d, f);
