@@ -25,7 +25,7 @@ FN corner_blend blend_corner(real p, real q) {
 FN curve_point polynomial(control_data control, int first, int count, real t) {
   curve_point r;
   r.f = load3(control, first + count - 1);
-  r.d = make3(splat(K(0)), splat(K(0)), splat(K(0)));
+  r.d = zero3();
   UNROLL
   for (int i = count - 2; i >= 0; --i) {
     r.d = i == count - 2 ? r.f : fma3(t, r.d, r.f);

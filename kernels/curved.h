@@ -43,7 +43,7 @@ FN patch_point curved_patch(GLOBAL scalar* domain, control_data control, int n, 
   const real next = pick(near.s < splat((scalar)(n - 1)), near.s + one, zero);
   const real corner = pick(near.t == next, near.t, near.s);
   const real3 from = gather3(control, corner * splat(K(CURVED_REALS)));
-  const real3 none = make3(zero, zero, zero);
+  const real3 none = zero3();
   patch_point sum = {none, none, none};
   jet total = make_jet(zero, zero, zero);
   UNROLL

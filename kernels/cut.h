@@ -76,7 +76,7 @@ FN_LARGE scalar least_cosine(GLOBAL scalar* rows, int stride, GLOBAL uint* index
   GLOBAL scalar* normals = rows + 3 * stride;
   real least = splat(K(1));
   for (int first = 0; first < tiles; first += GLISS_LANES) {
-    real3 n[CUT_POINTS(CUT_RINGS)], sum = make3(splat(K(0)), splat(K(0)), splat(K(0)));
+    real3 n[CUT_POINTS(CUT_RINGS)], sum = zero3();
     for (int i = 0; i < points; ++i) {
       n[i] = gather_triple(normals, (ulong)stride, index + i * tiles + first);
       sum = add3(sum, n[i]);
@@ -129,7 +129,7 @@ FN tile_bends add_bend(tile_bends t, int is_same, cut_sample a, cut_sample b, cu
 
 FN tile_bends bends_of(const cut_sample* s, int rings) {
   const real zero = splat(K(0)), far = splat(K(INFINITY));
-  const real3 none = make3(zero, zero, zero);
+  const real3 none = zero3();
   tile_bends t = {far, -far, far, -far, zero, none, none};
   for (int a = 0; a < rings; ++a) {
     for (int b = 0; b <= a; ++b) {
@@ -205,7 +205,7 @@ FN real curve_bits(real relative, int up) {
 FN real second_bits(real3 s) {
   const real zero = splat(K(0));
   const mask is_finite = zero_if_finite(s) == zero;
-  s = pick3(is_finite, s, make3(zero, zero, zero));
+  s = pick3(is_finite, s, zero3());
   const real most = larger(larger(fabs(s.x), fabs(s.y)), fabs(s.z));
   real power = splat(K(0x1p-16f)), count = zero;
   for (int step = 16; step > 0; step /= 2) {
@@ -264,13 +264,13 @@ FN cut_tile cut_tile_of(const cut_sample* s, int rings, cut_frame f, GLOBAL scal
                         ulong stride) {
   const int points = CUT_POINTS(rings);
   const real zero = splat(K(0)), far = splat(K(INFINITY));
-  real3 sum = make3(zero, zero, zero), middle = sum;
+  real3 sum = zero3(), middle = sum;
   for (int i = 0; i < points; ++i) {
     sum = add3(sum, s[i].n);
     middle = add3(middle, s[i].p);
   }
   const mask is_down = sum.z < zero;
-  sum = pick3(is_down, sub3(make3(zero, zero, zero), sum), sum);
+  sum = pick3(is_down, sub3(zero3(), sum), sum);
   const axis_code axis = axis_code_of(unit3(sum));
   middle = mul3(splat(K(1) / K(points)), middle);
   real least = splat(K(1)), top = -far, bottom = far;

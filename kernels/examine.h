@@ -228,7 +228,7 @@ FN_LARGE patch_shape examine(GLOBAL scalar* domain, GLOBAL scalar* probe, int co
                              GLOBAL uint* triangle, GLOBAL scalar* frame, int n,
                              GLOBAL scalar* table, GLOBAL_OUT scalar* rows) {
   const real zero = splat(K(0)), one = splat(K(1)), far = splat(K(INFINITY));
-  const real3 nothing = make3(zero, zero, zero), most = make3(far, far, far);
+  const real3 nothing = zero3(), most = make3(far, far, far);
   const real3 normal = load3(frame, FRAME_NORMAL), tangent = load3(frame, FRAME_TANGENT);
   const sag_frame base = sag_frame_of(corner, triangle, n);
   patch_shape r = {

@@ -113,7 +113,8 @@ inline void transpose(V* rows) {
   }
 }
 
-// `count` numbers of each lane, as many as lanes at least, number i of all at to[i].
+// Reads `count` numbers of each lane, as many as lanes at least, number i of all into to[i];
+// store_columns writes them back.
 template <class V, class Scalar>
 inline void load_columns(const Scalar* const* from, std::size_t count, V* to) {
   constexpr std::size_t kLanes = sizeof(V) / sizeof(Scalar);

@@ -48,7 +48,7 @@ FN patch_point add_twist(patch_point p, jet w, jet u, jet v, real3 a, real3 b) {
 FN patch_point evaluate(GLOBAL scalar* domain, control_data control, uint form, int n, real xi,
                         real eta) {
   const int reals = side_reals(form);
-  const real3 zero = make3(splat(K(0)), splat(K(0)), splat(K(0)));
+  const real3 zero = zero3();
   patch_point sum = {zero, zero, zero};
   jet total = make_jet(zero.x, zero.x, zero.x);
   const near_sides near = find_near_sides(domain, n, xi, eta);

@@ -32,7 +32,7 @@ FN patch_point evaluate_quad(control_data control, uint form, real xi, real eta)
     a[k + 2] = x * x * inverse;
     slope[k] = K(-2) * (x * inverse) * (y * inverse);
   }
-  patch_point sum = {make3(zero, zero, zero), make3(zero, zero, zero), make3(zero, zero, zero)};
+  patch_point sum = {zero3(), zero3(), zero3()};
   UNROLL
   for (int k = 0; k < 4; ++k) {  // derivatives of the sum along u_k and v_k
     const int next = (k + 1) & 3;

@@ -151,12 +151,15 @@ FN real number_at(control_data at, int i) { return splat(at[i]); }
 // Loops over the sides are unrolled where the valence is a constant; not where every fma is a call,
 // which only takes the compiler minutes.
 #if defined(__x86_64__) && !defined(__FMA__) && !defined(__OPENCL_C_VERSION__)
-#define UNROLL
+#define UNROLL_UP_TO(n)
 #elif defined(__clang__)
-#define UNROLL _Pragma("unroll 6")
+#define GLISS_PRAGMA(x) _Pragma(#x)
+#define UNROLL_UP_TO(n) GLISS_PRAGMA(unroll n)
 #else
-#define UNROLL _Pragma("GCC unroll 6")
+#define GLISS_PRAGMA(x) _Pragma(#x)
+#define UNROLL_UP_TO(n) GLISS_PRAGMA(GCC unroll n)
 #endif
+#define UNROLL UNROLL_UP_TO(6)
 
 // A constant of the instance's own type: no double sneaks into float code.
 #define K(x) ((scalar)(x))

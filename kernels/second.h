@@ -84,7 +84,7 @@ FN patch_jet add_along(patch_jet g, jet2 w, jet2 u, curve_jet x) {
 }
 
 FN patch_jet no_jet() {
-  const real3 none = make3(splat(K(0)), splat(K(0)), splat(K(0)));
+  const real3 none = zero3();
   const patch_jet g = {{none, none, none}, none, none, none};
   return g;
 }
@@ -121,7 +121,7 @@ FN_APART patch_jet blend_jet(control_data control, uint form, int n, GLOBAL scal
 
 // The polynomial of `count` triples from `first`, two at least (Horner).
 FN curve_jet polynomial_jet(control_data control, int first, int count, real t) {
-  const real3 none = make3(splat(K(0)), splat(K(0)), splat(K(0)));
+  const real3 none = zero3();
   curve_jet r = {load3(control, first + count - 1), none, none};
   UNROLL
   for (int i = count - 2; i >= 0; --i) {
@@ -213,7 +213,7 @@ FN patch_jet triangle_jet(GLOBAL scalar* domain, control_data control, GLOBAL sc
              c = load_lanes(table + 2 * stride);
   GLOBAL scalar* weight = table + 3 * stride;
   // The six points of the step of de Casteljau's algorithm before the last but one.
-  const real3 none = make3(splat(K(0)), splat(K(0)), splat(K(0)));
+  const real3 none = zero3();
   real3 aa = none, bb = none, cc = none, ab = none, ac = none, bc = none;
   UNROLL
   for (int k = 0; k < 5; ++k) {

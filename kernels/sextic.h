@@ -35,7 +35,7 @@ typedef struct {
 FN sextic_simplex sextic_at(control_data control, real a, real b, real c) {
   const sextic_powers pa = powers_of(a), pb = powers_of(b), pc = powers_of(c);
   const scalar factorial[6] = {K(1), K(1), K(2), K(6), K(24), K(120)};
-  const real3 zero = make3(splat(K(0)), splat(K(0)), splat(K(0)));
+  const real3 zero = zero3();
   sextic_simplex r = {zero, zero, zero};
   UNROLL
   for (int k = 0; k < 6; ++k) {

@@ -42,19 +42,15 @@ FN real3 gather3(GLOBAL scalar* at, real index) {
   return make3(gather(at, index), gather(at + 1, index), gather(at + 2, index));
 }
 
-// `count` numbers from each lane's own index on, number i of all at to[i]: 8 at least. Of more than
-// 8 lanes rows are not turned into columns, which takes longer than to gather each number.
+// Reads `count` numbers from each lane's own index on, 8 at least, number i of all into to[i]. Rows
+// of more than 8 lanes are not turned into columns, which takes longer than to gather each number.
 FN void gather_columns(GLOBAL scalar* at, real index, int count, real* to) {
 #if GLISS_LANES > 1 && GLISS_LANES <= 8 && !defined(__OPENCL_C_VERSION__)
   const scalar* from[GLISS_LANES];
   for (int i = 0; i < GLISS_LANES; ++i) from[i] = at + (int)index[i];
   gliss::lanes::load_columns(from, (ulong)count, to);
 #else
-#ifdef __clang__
-#pragma unroll 24
-#else
-#pragma GCC unroll 24
-#endif
+  UNROLL_UP_TO(24)
   for (int i = 0; i < count; ++i) to[i] = gather(at + i, index);
 #endif
 }

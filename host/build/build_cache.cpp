@@ -280,7 +280,7 @@ class CacheBuilder {
     thread_local std::vector<double> sides;
     faces.clear(), patches.clear();
     for (std::size_t i = begin; i < end; ++i) {
-      if (base_only_ || !is_fair(faces_[c.first + i])) continue;
+      if (!is_fair(faces_[c.first + i])) continue;
       faces.push_back(faces_[c.first + i]);
       patches.push_back(c.in_batch[i]);
     }
