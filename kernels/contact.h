@@ -201,7 +201,7 @@ FN contact within_reach(hip_point h, contact c) {
 }
 
 // Carry a contact found on one part to the union of all (union.h).
-FN_LARGE contact unite_nearest(surface_view view, hip_point h, contact c, track_options options);
+FN_ONCE contact unite_nearest(surface_view view, hip_point h, contact c, track_options options);
 FN_LARGE contact unite_tracked(surface_view view, hip_point h, contact last, contact c,
                                track_options options);
 

@@ -52,6 +52,7 @@ typedef GLISS_JOIN(GLISS_JOIN(GLISS_MASK_, GLISS_SCALAR), GLISS_LANES) mask;
 #endif
 #define FN_LARGE static GLISS_LARGE
 #define FN_APART FN_LARGE
+#define FN_ONCE FN
 // PoCL does not inline by itself what takes structs of vectors; Oclgrind cannot read what inlining
 // leaves behind, and defines this as nothing.
 #ifndef GLISS_INLINE
@@ -71,6 +72,8 @@ FN real gather(GLOBAL scalar* at, real index) {
 #define GLOBAL const
 #define GLOBAL_OUT
 #define FN_LARGE static __attribute__((unused))
+// Large and called from one place: in OpenCL, part of what calls it.
+#define FN_ONCE FN_LARGE
 // Never inlined: what calls it now and then keeps its registers for what it does always.
 #define FN_APART static __attribute__((noinline, unused))
 #define FN static inline __attribute__((always_inline, unused))

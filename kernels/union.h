@@ -500,7 +500,7 @@ FN_LARGE void seek_on_patch(surface_view view, hip_point h, base_point base, uni
 }
 
 // The nearest point of the union, given that of all parts: no point of the union is nearer.
-FN_LARGE contact unite_nearest(surface_view view, hip_point h, contact c, track_options options) {
+FN_ONCE contact unite_nearest(surface_view view, hip_point h, contact c, track_options options) {
   const real reach = reach_of_hip(h);
   if (is_exposed(view, c.patch) || !(reach <= FAR_OUTSIDE) || (c.flags & FOOT_UNFINISHED)) return c;
   const int was_touching = c.state == CONTACT_TOUCHING;

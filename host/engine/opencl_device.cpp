@@ -29,9 +29,11 @@ std::string error_name(cl_int code) {
       {CL_MAP_FAILURE, "CL_MAP_FAILURE"},
       {CL_EXEC_STATUS_ERROR_FOR_EVENTS_IN_WAIT_LIST,
        "CL_EXEC_STATUS_ERROR_FOR_EVENTS_IN_WAIT_LIST"},
+      {CL_INVALID_COMMAND_QUEUE, "CL_INVALID_COMMAND_QUEUE"},
       {CL_INVALID_BUFFER_SIZE, "CL_INVALID_BUFFER_SIZE"},
       {CL_INVALID_WORK_GROUP_SIZE, "CL_INVALID_WORK_GROUP_SIZE"},
-      {-1001, "CL_PLATFORM_NOT_FOUND_KHR"}};
+      {-1001, "CL_PLATFORM_NOT_FOUND_KHR"},
+      {-9999, "a kernel went out of bounds, NVIDIA's driver says"}};
   const auto found = names.find(code);
   return found == names.end() ? fmt::format("error {}", code)
                               : fmt::format("{} ({})", found->second, code);
