@@ -228,9 +228,8 @@ Answers nearest_by_arrays(const ResidentSurface& surface, const Questions& q) {
     const auto vectors = [&](std::size_t column) {
       return strided_vectors(&rows[first + column], 14 * sizeof(float));
     };
-    out.push_back({.scp = vectors(1),
-                   .push = vectors(4),
-                   .distance = {&rows[first], 14 * sizeof(float)}});
+    out.push_back(
+        {.scp = vectors(1), .push = vectors(4), .distance = {&rows[first], 14 * sizeof(float)}});
   }
   surface.nearest(HipArrays<float>{count, strided_vectors<const float>(hips.data())},
                   std::span(kAll).first(2), {}, out);
