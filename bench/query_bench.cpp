@@ -98,9 +98,10 @@ Hips moved_hips(const PatchCache& cache) {
   Hips h = hips_beneath(cache, kTracked);
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
+  const double move = kMove * size_of(cache);
   for (Vec3& hip : h.hips) {
     const Vec3 way(normal(random), normal(random), normal(random));
-    hip += kMove * size_of(cache) * way.normalized();
+    hip += move * way.normalized();
   }
   return h;
 }

@@ -121,8 +121,11 @@ inline void load_columns(const Scalar* const* from, std::size_t count, V* to) {
   for (std::size_t begin = 0; begin < count; begin += kLanes) {
     // The last rows overlap those before, not to read beyond the end.
     const std::size_t first = begin + kLanes > count ? count - kLanes : begin;
-    for (std::size_t lane = 0; lane < kLanes; ++lane)
-      __builtin_memcpy(&to[first + lane], from[lane] + first, sizeof(V));
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      V row;  // from memory to memory, GCC copies word by word
+      __builtin_memcpy(&row, from[lane] + first, sizeof row);
+      to[first + lane] = row;
+    }
     transpose(to + first);
   }
 }
@@ -134,8 +137,10 @@ inline void store_columns(const V* from, std::size_t count, Scalar* const* to) {
     V rows[kLanes];
     for (std::size_t i = 0; i < kLanes; ++i) rows[i] = from[first + i];
     transpose(rows);
-    for (std::size_t lane = 0; lane < kLanes; ++lane)
-      __builtin_memcpy(to[lane] + first, &rows[lane], sizeof(V));
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      const V row = rows[lane];
+      __builtin_memcpy(to[lane] + first, &row, sizeof row);
+    }
   }
 }
 
