@@ -9,6 +9,7 @@
 #include <sstream>
 #include <string>
 
+#include "gliss/base/vector.h"
 #include "gliss/files/cache_format.h"
 #include "gliss/tables/result_table.h"
 
