@@ -6,6 +6,7 @@
 #include <numbers>
 #include <random>
 
+#include "gliss/base/plain_arithmetic.h"
 #include "gliss/build/build_cache.h"
 #include "gliss/mesh/triangulate.h"
 #include "gliss/query/contact_tracker.h"
@@ -178,6 +179,7 @@ double walk_depth(const Mesh& mesh) { return 0.005 * diagonal_of(mesh); }
 
 std::vector<Walk> walk_paths(const Mesh& mesh, const Topology& topology, const WalkOptions& options,
                              const ParallelFor& parallel) {
+  const PlainArithmetic plain;
   const PatchCache base = build_base(mesh, topology, Precision::kDouble);
   const Places places(mesh);
   const double diagonal = diagonal_of(mesh);
