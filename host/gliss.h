@@ -51,6 +51,7 @@
 #include "gliss/query/query.h"
 #include "gliss/query/settling.h"
 #include "gliss/query/texture.h"
+#include "gliss/query/tick_time.h"
 #include "gliss/query/trace.h"
 #include "gliss/query/work.h"
 #include "gliss/scene/open_scene.h"

@@ -9,6 +9,7 @@
 #include "gliss/base/plain_arithmetic.h"
 #include "gliss/query/force_statistics.h"
 #include "gliss/query/frames.h"
+#include "gliss/query/tick_time.h"
 #include "gliss/surface/layout.h"
 
 namespace gliss {
@@ -23,13 +24,14 @@ bool has_energy(Method method) { return method != Method::kShaded; }
 template <class Real>
 class ContactTracker::Tick {
  public:
-  Tick(ContactTracker& tracker, const Surface<Real>& surface, const Vec3& hip)
+  Tick(ContactTracker& tracker, const Surface<Real>& surface, const Vec3& hip, double dt)
       : t_(tracker),
         cache_(*tracker.cache_),
         s_(surface),
         options_(track_options<Real>(tracker.options_)),
         state_(*std::get_if<RawContact<Real>>(&tracker.state_)),
         hip_(hip),
+        dt_(dt),
         on_surface_(1e-6 / cache_.scale),
         glide_(0x1p-12 / cache_.scale),
         rounding_(2 * double{std::numeric_limits<Real>::epsilon()} / cache_.scale) {}
@@ -39,7 +41,7 @@ class ContactTracker::Tick {
     const bool is_first = t_.clear_ < 0;
     const RawContact<Real> last = state_;
     // Through a ball without a surface it went freely.
-    if (!is_first) t_.felt_.move(hip_, t_.clear_);
+    if (!is_first) t_.felt_.move(hip_, t_.clear_, dt_);
     Contact now = follow();
     if (is_first) {
       t_.felt_.begin(hip_, now);
@@ -126,7 +128,7 @@ class ContactTracker::Tick {
     const bool was_on_border = is_on_border(state_);
     if (friction.holds(offset, was_on_border))
       return dragged(state_, offset, friction.axis(), false);
-    friction.narrow();
+    friction.narrow(dt_);
     const Vec3 whole = friction.lag_within(offset, was_on_border);
     const double most = whole.norm();
     Vec3 lag = friction.guess() * whole;
@@ -431,6 +433,7 @@ class ContactTracker::Tick {
   const TrackOptions<Real> options_;
   RawContact<Real>& state_;
   const Vec3 hip_;
+  const double dt_;          // s
   const double on_surface_;  // closer than this is on it, mesh's unit
   const double glide_;       // longest step that the ball round a point does not cover
   const double rounding_;    // of a place on the surface, mesh's unit
@@ -455,30 +458,34 @@ ContactTracker::ContactTracker(const PatchCache& cache, const QueryOptions& opti
       felt_(options.settle, 1e-6 / cache.scale),
       friction_(options.friction) {
   require_patches(cache);
+  if (!(options.settle >= 0 && options.settle <= kMostSettleTime))
+    throw std::invalid_argument("QueryOptions has a settle that is not from 0 to 1 s");
   if (const char* fault = fault_of(options.friction))
     throw std::invalid_argument(std::string("QueryOptions ") + fault);
   if (cache.surface.index() == 1) state_.emplace<1>();
 }
 
-Contact ContactTracker::tick(const Vec3& hip) noexcept {
-  if (cache_->patch_count() == 0) return no_surface();
-  const PlainArithmetic plain;
-  return with_surface(
-      *cache_, [&]<class Real>(const Surface<Real>& s) { return Tick<Real>(*this, s, hip).run(); });
-}
-
-Contact ContactTracker::track(const Vec3& hip, const DomainPoint& start, const Settling* felt,
-                              const Friction* friction) noexcept {
+Contact ContactTracker::tick(const Vec3& hip, double dt) noexcept {
   if (cache_->patch_count() == 0) return no_surface();
   const PlainArithmetic plain;
   return with_surface(*cache_, [&]<class Real>(const Surface<Real>& s) {
-    Contact contact = Tick<Real>(*this, s, hip).take_over(start, friction);
+    return Tick<Real>(*this, s, hip, tick_time(dt)).run();
+  });
+}
+
+Contact ContactTracker::track(const Vec3& hip, const DomainPoint& start, const Settling* felt,
+                              const Friction* friction, double dt) noexcept {
+  if (cache_->patch_count() == 0) return no_surface();
+  const PlainArithmetic plain;
+  return with_surface(*cache_, [&]<class Real>(const Surface<Real>& s) {
+    dt = tick_time(dt);
+    Contact contact = Tick<Real>(*this, s, hip, dt).take_over(start, friction);
     if (options_.settle <= 0 || !hip.allFinite()) return contact;
     if (felt == nullptr) {
       felt_.begin(hip, contact);
     } else {
       felt_ = *felt;
-      felt_.move(hip, 0);
+      felt_.move(hip, 0, dt);
       felt_.feel(contact, has_energy(options_.method));
     }
     return contact;

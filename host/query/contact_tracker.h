@@ -46,18 +46,23 @@ class GLISS_EXPORT ContactTracker {
   // contact.
   static constexpr int kTickEvaluations = 1000, kTickSearches = 128;
 
-  // Throws std::invalid_argument for a cache without patches, and friction that is none.
+  // s, from one tick to the next where nobody tells.
+  static constexpr double kTick = 1e-3;
+
+  // Throws std::invalid_argument for a cache without patches, and for a `settle` or friction that
+  // is invalid.
   ContactTracker(const PatchCache& cache, const QueryOptions& options);
   ContactTracker(const PatchCache&&, const QueryOptions&) = delete;  // it would die at once
-  // The contact after the HIP has moved to `hip` (mesh's unit). A HIP that is not finite has none,
-  // and changes nothing. Where the surface is at fault, the contact is not touching and its push is
-  // NaN; the next tick searches anew.
-  Contact tick(const Vec3& hip) noexcept;
+  // The contact after the HIP has moved to `hip` (mesh's unit), `dt` (s) after the last tick; one
+  // that is not finite and above 0 counts as kTick. At the first tick it means nothing. A HIP that
+  // is not finite has no contact, and changes nothing. Where the surface is at fault, the contact
+  // is not touching and its push is NaN; the next tick searches anew.
+  Contact tick(const Vec3& hip, double dt = kTick) noexcept;
   // Follows the local nearest point from a given contact, whatever the state. With `felt`, that of
   // another tracker before this tick, it settles from there; with `friction`, that of the other one
   // after it, the contact point lags behind as far.
   Contact track(const Vec3& hip, const DomainPoint& start, const Settling* felt = nullptr,
-                const Friction* friction = nullptr) noexcept;
+                const Friction* friction = nullptr, double dt = kTick) noexcept;
   // The contact that the last tick gave, as it is without friction. By central differences: of six
   // HIPs, 1e-5 of the patch away, each with its nearest point. A foot moves at most kMostMoves
   // times as far as the HIP: more, where that is nearly as deep as the radius of curvature, is cut.

@@ -17,22 +17,19 @@ const char* fault_of(const FrictionOptions& options) noexcept {
   if (!is_coefficient(options.at_rest)) return "has a static friction that is not from 0 to 5";
   if (!is_coefficient(options.slipping)) return "has a dynamic friction that is not from 0 to 5";
   if (options.slipping > options.at_rest) return "has a dynamic friction above the static one";
-  if (!(options.settle >= 0 && std::isfinite(options.settle)))
-    return "has a settle of its friction that is not 0 or more";
+  if (!(options.settle >= 0 && options.settle <= kMostSettleTime))
+    return "has a settle of its friction that is not from 0 to 1 s";
   return nullptr;
 }
 
 Friction::Friction(const FrictionOptions& options)
-    : static_(options.at_rest),
-      dynamic_(options.slipping),
-      stays_(options.settle > 0 ? std::exp(-1 / options.settle) : 0),
-      mu_(static_) {}
+    : static_(options.at_rest), dynamic_(options.slipping), settle_(options.settle), mu_(static_) {}
 
 void Friction::change(const FrictionOptions& options) noexcept {
   mu_ = mu_ == static_ ? options.at_rest : std::clamp(mu_, options.slipping, options.at_rest);
   static_ = options.at_rest;
   dynamic_ = options.slipping;
-  stays_ = options.settle > 0 ? std::exp(-1 / options.settle) : 0;
+  settle_ = options.settle;
   has_grip_ = has_grip_ && is_on();
 }
 
@@ -54,8 +51,9 @@ bool Friction::holds(const Vec3& offset, bool on_border) const {
   return (offset - press * axis_).norm() <= coefficient(on_border) * press;
 }
 
-void Friction::narrow() noexcept {
-  const double next = dynamic_ + stays_ * (mu_ - dynamic_);
+void Friction::narrow(double dt) noexcept {
+  const double stays = settle_ > 0 ? std::exp(-dt / settle_) : 0;
+  const double next = dynamic_ + stays * (mu_ - dynamic_);
   narrowed_ = mu_ - next;
   mu_ = next;
 }

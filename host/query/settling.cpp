@@ -45,7 +45,8 @@ void Settling::begin_free(const Vec3& hip) noexcept {
   is_short_ = false;
 }
 
-void Settling::move(const Vec3& hip, double clear) noexcept {
+void Settling::move(const Vec3& hip, double clear, double dt) noexcept {
+  dt_ = dt;
   way_ = hip - hip_;
   hip_ = hip;
   pace_ = std::max(0.0, way_.norm() - std::max(0.0, clear));
@@ -53,7 +54,7 @@ void Settling::move(const Vec3& hip, double clear) noexcept {
 }
 
 double Settling::stride(double size, double way) const {
-  const double share = ForceStatistics::kJump / settle_ * size;
+  const double share = std::min(1.0, ForceStatistics::kJump * dt_ / settle_) * size;
   return std::min(share, std::max(kWays * way, kAtRest * share));
 }
 

@@ -10,9 +10,10 @@ namespace gliss {
 // Knows what was felt at the last tick, and what may be felt now. Lengths: in the mesh's unit.
 //
 // A tick *leaps* if the push changes by more than twice the HIP's way and a stride. A stride is a
-// share of the lesser push of the two ticks, 20 % / settle. But it is at most eight times the HIP's
-// way, or a 32nd of that share: however deep it is, a slow hand feels no more than ten times its
-// own way. Where friction lets go of a contact point, what its force changes by is no leap.
+// share of the lesser push of the two ticks, 20 % of the time of a tick over `settle`. But it is at
+// most eight times the HIP's way, or a 32nd of that share: however deep it is, a slow hand feels no
+// more than ten times its own way. Where friction lets go of a contact point, what its force
+// changes by is no leap.
 //
 // The energy of a contact, over its stiffness, is push . (SCP - HIP) / 2. That is |push|^2 / 2, and
 // the potential of the rim that rounds off an open border. It grows by the work of the hand alone,
@@ -21,14 +22,15 @@ namespace gliss {
 // shading has no such energy; its pushes just do not leap.
 class GLISS_EXPORT Settling {
  public:
-  // `settle`: ticks, as QueryOptions has it; `tiny`: a length that is rounding.
+  // `settle`: s, as QueryOptions has it; `tiny`: a length that is rounding.
   Settling(double settle, double tiny);
 
   // Begins with a contact, felt in full, or free.
   void begin(const Vec3& hip, const Contact& contact) noexcept;
   void begin_free(const Vec3& hip) noexcept;
-  // A tick begins with the HIP at `hip`; no surface is nearer than `clear` to where it was.
-  void move(const Vec3& hip, double clear) noexcept;
+  // A tick of `dt` (s) begins with the HIP at `hip`; no surface is nearer than `clear` to where it
+  // was.
+  void move(const Vec3& hip, double clear, double dt) noexcept;
   // ... with a contact whose push may change by so much more, which is no leap: friction's.
   void allow(double change) noexcept { allowed_ = change; }
   // ... and ends with a contact. Turns it to what is felt of it, which has kSettling if it differs.
@@ -50,6 +52,7 @@ class GLISS_EXPORT Settling {
   void fade(Contact& now);
 
   double settle_, tiny_;
+  double dt_ = 0;  // s, of this tick
   Vec3 hip_ = Vec3::Zero(), way_ = Vec3::Zero(), felt_ = Vec3::Zero();
   double pace_ = 0;        // how far the HIP has come near a surface in this tick
   double allowed_ = 0;     // change of the push that is friction's

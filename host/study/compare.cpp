@@ -5,6 +5,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "gliss/base/plain_arithmetic.h"
+#include "gliss/base/require.h"
 #include "gliss/base/stopwatch.h"
 #include "gliss/build/build_cache.h"
 #include "gliss/study/tessellate.h"
@@ -51,6 +53,7 @@ Comparison::Comparison(const Mesh& mesh, const Topology& topology, std::vector<C
       distance_(std::move(distance)),
       options_(std::move(options)),
       topology_(topology) {
+  require(is_stiffness(options_.stiffness), "CompareOptions has a stiffness that is not 0 or more");
   if (!options_.normals_given) {
     smooth_mesh_ = mesh;
     smooth_mesh_.normals.clear();
@@ -143,6 +146,7 @@ std::unique_ptr<Engine> Comparison::engine_of(const std::string& backend) const 
 }
 
 std::vector<CompareRow> Comparison::measure(const std::function<void()>& measured) const {
+  const PlainArithmetic plain;
   std::vector<CompareRow> rows;
   for (const CompareCandidate& candidate : options_.candidates) {
     for (const Precision precision : options_.precisions) {

@@ -43,7 +43,7 @@ struct CompareOptions {
   // Makes the engine of a backend; null: those of "tbb" and "serial" are known.
   std::function<std::unique_ptr<Engine>(const std::string& backend)> make_engine = nullptr;
   SolverOptions solving;       // but for the solver
-  double settle = 0;           // ticks, as in QueryOptions; by default leaps show
+  double settle = 0;           // s, as in QueryOptions; by default leaps show
   double stiffness = 500;      // N/m
   std::size_t most_jumps = 0;  // that a row tells the places of
   // Asked many times a second, also from an engine's threads; what it throws ends the measuring.

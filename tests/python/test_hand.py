@@ -36,3 +36,39 @@ def test_two_threads_on_one_hand_are_refused(knot, path):
             hand.tick([60, 0, 0])
     long.join()
     assert hand.tick([60, 0, 0]).touching
+
+
+def test_laws_go_by_the_time_of_a_tick(cube):
+    """Viscosity at 500 Hz, 1 and 4 kHz, with ticks left out; None is a millisecond."""
+    for rate in (500, 1000, 4000):
+        hand = cube.hand(stiffness=100, viscosity=4, settle=0)
+        last = None
+        for i in range(rate // 5):
+            if i % 58 > 49:
+                continue
+            t = i / rate
+            # 5 cm/s down and across, in cm
+            force = hand.tick([0.1 + 2 * t, 0.5, 1.05 - 1 * t], 1e-3 if last is None else t - last).force
+            last = t
+            if t > 0.1:
+                assert abs(force[0] + 4 * 0.02) < 0.01 * 4 * 0.02, (rate, t, force)
+    one, other = cube.hand(viscosity=4), cube.hand(viscosity=4)
+    path = np.linspace([0.2, 0.5, 1.1], [0.4, 0.5, 0.9], 50)
+    assert one.ticks(path, "1ms").force.tobytes() == other.ticks(path).force.tobytes()
+    for bad in (0, -1e-3, 2, float("nan")):
+        with pytest.raises(ValueError, match="dt: "):
+            one.tick([0.5, 0.5, 1], bad)
+
+
+def test_a_trace_goes_by_its_times(cube):
+    path = np.linspace([0.2, 0.5, 1.1], [0.4, 0.5, 0.9], 50)
+    options = dict(viscosity=4, friction=(0.5, 0.3), friction_settle="5ms")
+    usual = cube.trace(path, **options).force
+    assert cube.trace(path, time=np.arange(50) * 1e-3, **options).force.tobytes() == usual.tobytes()
+    hand = cube.hand(**options)
+    assert cube.trace(path, time=np.arange(50) * 2e-3, **options).force.tobytes() == hand.ticks(path, 2e-3).force.tobytes()
+    for bad in ([0.0], np.zeros((50, 2)), np.full(50, np.nan)):
+        with pytest.raises(ValueError, match="time: "):
+            cube.trace(path, time=bad)
+    with pytest.raises(ValueError, match="stiffness: -500.0 is not above 0"):
+        cube.hand(stiffness=-500)
