@@ -29,8 +29,7 @@ void describe(Command& command, TracingOptions& options) {
   add_surface_options(command, options, "MESH_OR_CACHE");
   add_input_option(command, "--path", options.path,
                    "HIPs, one a tick: columns x,y,z in the unit of --unit, or x_mm,y_mm,z_mm; "
-                   "perhaps step, time "
-                   "(s) and the device's velocity vx,vy,vz (m/s)",
+                   "perhaps step, time (s), and vx,vy,vz (m/s), the device's velocity",
                    false);
   command.option({"--depth", "DEPTH",
                   "instead of --path: a path of its own so deep beneath the surface, 4000 ticks a "
