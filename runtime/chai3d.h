@@ -15,7 +15,6 @@
 #include <utility>
 #include <vector>
 
-#include "gliss/base/plain_arithmetic.h"
 #include "gliss/contact/tracker.h"
 #include "gliss/study/tessellate.h"
 #include "gliss/thread/clock.h"
@@ -131,7 +130,6 @@ class cGlissObject : public chai3d::cGenericObject {
   // CHAI3D calls this, then its effects, then computeOtherInteractions, each tick of a point.
   void computeLocalInteraction(const chai3d::cVector3d& position, const chai3d::cVector3d& velocity,
                                const unsigned int id) override {
-    const PlainArithmetic plain;
     m_interactionInside = false;
     m_interactionPoint = position;  // no effect of CHAI3D pulls there
     found_ = {};
@@ -143,9 +141,9 @@ class cGlissObject : public chai3d::cGenericObject {
     const Nanoseconds time = now();
     const Vec3 rendered = tracker.step(hip, time, metres_ * vector(velocity)),
                force = point->bridge(rendered, time);
-    if (!rendered.allFinite()) {
+    if (!is_finite(rendered)) {
       found_ = vector(force);
-      return tell(hip.allFinite() ? kNoSurface : kNoPosition);
+      return tell(is_finite(hip) ? kNoSurface : kNoPosition);
     }
 
     const double unit = tracker.unit(0);
@@ -220,6 +218,11 @@ class cGlissObject : public chai3d::cGenericObject {
       "a position is not finite: the force is held and taken away",
       "createEffectSurface adds a second spring: no force of Gliss until deleteEffectSurface"};
 
+  // No operation of it is one that a host may have made fatal (feenableexcept).
+  static bool is_finite(const Vec3& v) {
+    return std::isfinite(v.x()) && std::isfinite(v.y()) && std::isfinite(v.z());
+  }
+
   // An interaction point, with what was felt there.
   struct Point {
     unsigned int id;  // its own from the first tick on
@@ -231,7 +234,7 @@ class cGlissObject : public chai3d::cGenericObject {
     // The force that goes out for one of the tracker's, in a tick at `time`.
     Vec3 bridge(const Vec3& force, Nanoseconds time) {
       const double gap = share_of(time - felt, kHold, kZero);
-      if (!force.allFinite()) {
+      if (!is_finite(force)) {
         last = time;
         return (1 - gap) * held;
       }
