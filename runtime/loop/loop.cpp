@@ -71,7 +71,7 @@ void HapticLoop::feel(Nanoseconds now, LoopTick& tick) noexcept {
   const PlainArithmetic plain;
   const Turn& turn = tick.input.orientation;
   const bool is_turn = std::abs(turn.norm() - 1) < 1e-3;  // of three degrees of freedom as well
-  if (tick.input.sequence > 0 && tick.input.position.allFinite() && is_turn) {
+  if (tick.input.sequence > 0 && is_turn) {
     Pose tool = Pose::Identity();
     if (device_.info().has_orientation) tool.linear() = turn.normalized().toRotationMatrix();
     tool.translation() = tick.input.position;
