@@ -289,8 +289,7 @@ class OpenClSurface final : public ResidentSurface {
   void block_points(const PointArrays<T>& points, std::size_t begin, std::size_t count,
                     Blocks& b) const {
     b.points.take(cache_, surface_, points, begin, count);
-    const bool in_runs =
-        b.order.judge(b.points.runs, surface_.patch_count(), lanes_) == PatchOrder::kInRuns;
+    const bool in_runs = b.order.judge(b.points.runs, lanes_) == PatchOrder::kInRuns;
     if (!in_runs) b.order.sort();
     b.runs = in_runs ? b.points.runs : b.order.runs;
     if (!in_runs && is_mixed_) {

@@ -16,6 +16,7 @@
 #include "gliss/files/mesh_file.h"
 #include "gliss/generate/generate.h"
 #include "gliss/query/contact_tracker.h"
+#include "gliss/query/lazy_mesh.h"
 #include "gliss/query/trace.h"
 #include "gliss/study/sweep.h"
 #include "tests/support/gliss_process.h"
@@ -32,6 +33,15 @@ std::string refused(const Call& call) {
 }
 
 PatchCache ball() { return build_cache(goldberg(3, 10).mesh); }
+
+TEST(HostMisuse, meshes_without_faces_are_refused) {
+  const auto why = [](const auto& call) { return test::message_of<MeshError>(call); };
+  const Mesh empty;
+  const auto nothing = HasSubstr("no faces to build");
+  EXPECT_THAT(why([&] { build_base(empty, Topology(), Precision::kDouble); }), nothing);
+  EXPECT_THAT(why([&] { build_cache(empty); }), nothing);
+  EXPECT_THAT(why([&] { LazyMesh(empty, {}); }), nothing);
+}
 
 TEST(HostMisuse, results_with_too_little_room_are_refused_before_anything_is_written) {
   const PatchCache cache = ball();
