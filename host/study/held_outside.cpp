@@ -1,0 +1,107 @@
+#include "gliss/study/held_outside.h"
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace gliss {
+namespace {
+
+constexpr double kRounding = 1e-6;    // of the size: closer to the surface is on it
+constexpr double kSettleUnit = 1e-3;  // s: QueryOptions::settle is in ticks of as much
+constexpr double kAside = 1e-5;       // of the push: a HIP so far aside has a contact beside it
+constexpr double kApart = 1e-3;       // of the push: a contact so far off is another one
+constexpr int kJudgements = 8;        // ticks that share one: a contact that holds changes slowly
+constexpr std::size_t kAsideCount = 4;
+
+}  // namespace
+
+HeldOutsideCounter::HeldOutsideCounter(const PatchCache& cache, const QueryOptions& options,
+                                       double tick)
+    : cache_(&cache),
+      options_(options),
+      tick_(tick),
+      on_surface_(kRounding / cache.scale),
+      bound_(static_cast<std::uint64_t>(std::floor(HeldContacts::kSettleTimes * kSettleUnit *
+                                                   options.settle / tick * (1 + 1e-12)) +
+                                        1)) {}
+
+void HeldOutsideCounter::add(const Vec3& hip, const Contact& felt) {
+  const bool was_felt = std::exchange(is_felt_, felt.push.allFinite() && !felt.push.isZero(0));
+  if (!was_felt) is_counted_ = false;
+  count_.contacts += is_felt_ && !was_felt;
+  if (!is_felt_ || !is_outside(hip)) {
+    outside_ = 0;
+    judged_for_ = 0;
+    return;
+  }
+  outside_ = is_justified(hip, felt) ? 0 : outside_ + 1;
+  count_.longest = std::max(count_.longest, static_cast<double>(outside_) * tick_);
+  count_.held += outside_ == bound_ + 1 && !std::exchange(is_counted_, true);
+  count_.pulled +=
+      outside_ > bound_ && (felt.flags & kOnBorder) == 0 && (felt.scp - hip).dot(felt.normal) < 0;
+}
+
+bool HeldOutsideCounter::is_outside(const Vec3& hip) {
+  if ((hip - looked_).norm() < clear_) return was_outside_;
+  const Contact found = nearest(*cache_, hip, options_);
+  const bool is_known = (found.flags & kUnfinished) == 0;
+  looked_ = hip;
+  clear_ = (is_known ? std::abs(found.distance) : found.clear) - on_surface_;
+  return was_outside_ = is_known && !found.touching && found.distance > on_surface_;
+}
+
+bool HeldOutsideCounter::is_justified(const Vec3& hip, const Contact& felt) {
+  constexpr std::uint32_t kStates = kConverged | kSettling | kUnfinished;
+  if ((felt.flags & kStates) != kConverged || !((felt.scp - hip).dot(felt.normal) > 0)) {
+    judged_for_ = 0;
+    return false;
+  }
+  const bool is_same = judged_for_ > 0 && judged_hip_ == hip && judged_scp_ == felt.scp;
+  if (is_same || (judged_for_ > 0 && judged_for_ < kJudgements && is_held_justly_)) {
+    ++judged_for_;
+    return is_held_justly_;
+  }
+  judged_for_ = 1;
+  judged_hip_ = hip;
+  judged_scp_ = felt.scp;
+  const bool is_rim = (felt.flags & kOnBorder) != 0;  // of a solid that is not drawn
+  return is_held_justly_ =
+             is_local_minimum(hip, felt) && (is_rim || leads_through_inside(hip, felt.scp));
+}
+
+bool HeldOutsideCounter::is_local_minimum(const Vec3& hip, const Contact& felt) const {
+  const double push = (felt.scp - hip).norm(), aside = std::max(kAside * push, on_surface_);
+  const Vec3 n = felt.normal, u = n.unitOrthogonal(), v = n.cross(u);
+  const Vec3 x = options_.friction.any() ? Vec3(felt.scp - (felt.scp - hip).dot(n) * n) : hip;
+  const std::array<Vec3, kAsideCount + 1> there = {x + aside * u, x - aside * u, x + aside * v,
+                                                   x - aside * v, x};
+  std::array<Vec3, kAsideCount + 1> here;
+  here.fill(x);
+  std::array<DomainPoint, kAsideCount + 1> from;
+  from.fill(felt.at);
+  std::array<Contact, kAsideCount + 1> gone, back;
+  track(*cache_, there, from, options_, gone);
+  for (std::size_t i = 0; i < gone.size(); ++i) from[i] = gone[i].at;
+  track(*cache_, here, from, options_, back);
+  const Contact& own = gone.back();
+  const double apart = (kApart + 2 * options_.friction.at_rest) * push + on_surface_;
+  if (!own.touching || (own.scp - felt.scp).norm() > apart) return false;
+  for (std::size_t i = 0; i < kAsideCount; ++i) {
+    const double went = (gone[i].scp - own.scp).norm(), left = (back[i].scp - own.scp).norm();
+    if (!(left <= std::max(went / 2, on_surface_ / 2))) return false;
+  }
+  return true;
+}
+
+// From the contact point on, for a solid is there or nowhere.
+bool HeldOutsideCounter::leads_through_inside(const Vec3& hip, const Vec3& scp) const {
+  const Vec3 way = hip - scp;
+  const double length = way.norm();
+  for (double at = 4 * on_surface_; at < length; at *= 2) {
+    if (nearest(*cache_, scp + at / length * way, options_).touching) return true;
+  }
+  return false;
+}
+
+}  // namespace gliss
