@@ -89,10 +89,9 @@ PatchOrder::Kind PatchOrder::judge(const std::vector<PatchRun>& given, std::size
   HashIndex index(given.size());
   for (const PatchRun& run : given) {
     const auto new_run = static_cast<std::uint32_t>(runs.size());
-    const std::uint32_t at =
-        index.find_or_insert(new_run, mix_bits(run.patch), [&](std::uint32_t held, std::uint32_t) {
-          return runs[held].patch == run.patch;
-        });
+    const std::uint32_t at = index.find_or_insert(
+        new_run, mix_bits(run.patch),
+        [&](std::uint32_t held, std::uint32_t) { return runs[held].patch == run.patch; });
     if (at == new_run) runs.push_back({run.patch, 0, 0});
     runs[at].end += run.end - run.begin;
     std::fill(&patch[run.begin], &patch[run.begin] + (run.end - run.begin), run.patch);
