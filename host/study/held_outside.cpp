@@ -7,7 +7,8 @@
 namespace gliss {
 namespace {
 
-constexpr double kRounding = 1e-6;    // of the size: closer to the surface is on it
+constexpr double kRounding = 1e-6;  // of the size: closer to the surface is on it
+constexpr double kSettleTimes = 5;
 constexpr double kSettleUnit = 1e-3;  // s: QueryOptions::settle is in ticks of as much
 constexpr double kAside = 1e-5;       // of the push: a HIP so far aside has a contact beside it
 constexpr double kApart = 1e-3;       // of the push: a contact so far off is another one
@@ -16,15 +17,18 @@ constexpr std::size_t kAsideCount = 4;
 
 }  // namespace
 
+std::uint64_t held_bound(double settle, double tick) {
+  const double ticks = kSettleTimes * kSettleUnit * settle / tick;
+  return static_cast<std::uint64_t>(std::floor(ticks * (1 + 1e-12))) + 1;
+}
+
 HeldOutsideCounter::HeldOutsideCounter(const PatchCache& cache, const QueryOptions& options,
                                        double tick)
     : cache_(&cache),
       options_(options),
       tick_(tick),
       on_surface_(kRounding / cache.scale),
-      bound_(static_cast<std::uint64_t>(std::floor(HeldContacts::kSettleTimes * kSettleUnit *
-                                                   options.settle / tick * (1 + 1e-12)) +
-                                        1)) {}
+      bound_(held_bound(options.settle, tick)) {}
 
 void HeldOutsideCounter::add(const Vec3& hip, const Contact& felt) {
   const bool was_felt = std::exchange(is_felt_, felt.push.allFinite() && !felt.push.isZero(0));

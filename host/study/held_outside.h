@@ -9,11 +9,13 @@
 
 namespace gliss {
 
+// The bound: ticks that a contact may be felt outside, which take 5 x `settle` (as in QueryOptions)
+// and one more. `tick`: s.
+GLISS_EXPORT std::uint64_t held_bound(double settle, double tick = 1e-3);
+
 // A contact is a row of ticks with a push. It is *held* if for longer than the bound, in a row, its
 // HIP is outside and nothing justifies it.
 struct HeldContacts {
-  static constexpr double kSettleTimes = 5;  // the bound is so many times `settle`, and a tick
-
   std::uint64_t contacts = 0, held = 0;
   std::uint64_t pulled = 0;  // ticks of held ones, beyond the bound, against the contact's normal
   double longest = 0;        // s, that a contact was outside and unjustified, held or not
@@ -48,8 +50,6 @@ class GLISS_EXPORT HeldOutsideCounter {
   // Takes the next tick.
   void add(const Vec3& hip, const Contact& felt);
   const HeldContacts& count() const { return count_; }
-  // The ticks that a contact may go on outside.
-  std::uint64_t bound() const { return bound_; }
 
  private:
   bool is_outside(const Vec3& hip);

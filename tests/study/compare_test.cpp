@@ -145,7 +145,7 @@ TEST_F(Compare, lets_hands_leave_and_tells_the_speed_of_its_walks) {
   };
   const Json json = left({"--walks", "4", "--settle", "20ms"});
   EXPECT_EQ(json["leaving"]["hands"], 20);
-  EXPECT_EQ(json["leaving"]["rest_ticks"], 300);
+  EXPECT_EQ(json["leaving"]["rest_ticks"], 302);
   for (const Json& row : json["rows"]) {
     EXPECT_GE(row["held_outside_of"], 20);
     EXPECT_LE(row["held_outside"], row["held_outside_of"]);

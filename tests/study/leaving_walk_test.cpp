@@ -102,10 +102,10 @@ TEST_F(HeldBall, counts_a_ghost_that_stays_after_the_hand_has_left) {
   EXPECT_EQ(count_of(settling, inside, kConverged).contacts, 1u);
   EXPECT_EQ(count_of(settling, inside, 0).held, 0u);
   EXPECT_EQ(count_of(settling, inside, 0).longest, 0);
-  const std::uint64_t bound = HeldOutsideCounter(cache_, settling).bound();
+  const std::uint64_t bound = held_bound(settling.settle);
   EXPECT_EQ(bound, 26u);
-  EXPECT_EQ(HeldOutsideCounter(cache_, leaping).bound(), 1u);
-  EXPECT_EQ(HeldOutsideCounter(cache_, settling, 2.5e-4).bound(), 101u);
+  EXPECT_EQ(held_bound(leaping.settle), 1u);
+  EXPECT_EQ(held_bound(settling.settle, 2.5e-4), 101u);
   for (const Vec3& aside : {Vec3(0, 0, 11), Vec3(13, 0, 3)}) {
     std::vector<Vec3> hips = inside;
     hips.insert(hips.end(), bound, aside);

@@ -203,8 +203,7 @@ double walk_depth_of(const ComparingOptions& options, const Mesh& mesh) {
 // Hands that rest for twice as long as a contact may go on, and longer.
 LeavingOptions leaving_of(const ComparingOptions& options) {
   const std::size_t hands = options.leaving.value_or(kHandsAWalk * options.walk.walkers);
-  const double bound = HeldContacts::kSettleTimes * options.compare.settle;  // ticks
-  return {hands, 100 + static_cast<std::size_t>(std::ceil(2 * bound)), options.walk.seed};
+  return {hands, 100 + 2 * held_bound(options.compare.settle), options.walk.seed};
 }
 
 CompareWalks make_walks(const ComparingOptions& options, const Mesh& mesh, const Topology& topology,

@@ -204,8 +204,8 @@ std::string text_of(const LeavingOptions& leaving, double settle) {
   return fmt::format(
       "held: contacts of {} hands that press in, slide, leave at up to 2 % of the mesh's diagonal "
       "a "
-      "tick, and rest outside: felt there for longer than 5 x settle, {:g} ticks, and a tick\n",
-      leaving.hands, HeldContacts::kSettleTimes * settle);
+      "tick, and rest outside: felt there for longer than {} ticks, 5 x settle and one\n",
+      leaving.hands, held_bound(settle));
 }
 
 void write_rows(ResultFile& file, const std::string& name, const std::vector<CompareRow>& rows) {

@@ -26,7 +26,7 @@ std::string rows_heading();
 std::string text_of(const CompareRow& row);
 std::string text_of(const DenseRow& row);
 std::string text_of(const CompareWalks& walks, const WalkOptions& walk);
-// `settle`: ticks, as in CompareOptions. "" where there are no hands.
+// `settle`: as in CompareOptions. "" where there are no hands.
 std::string text_of(const LeavingOptions& leaving, double settle);
 
 // Writes the rows as a table of that name.
