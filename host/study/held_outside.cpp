@@ -12,8 +12,14 @@ constexpr double kSettleTimes = 5;
 constexpr double kSettleUnit = 1e-3;  // s: QueryOptions::settle is in ticks of as much
 constexpr double kAside = 1e-5;       // of the push: a HIP so far aside has a contact beside it
 constexpr double kApart = 1e-3;       // of the push: a contact so far off is another one
-constexpr int kJudgements = 8;        // ticks that share one: a contact that holds changes slowly
+constexpr double kRound = 1e-2;  // of the push: so far round a place in a valley nothing is nearer
+constexpr int kJudgements = 8;   // ticks that share one: a contact that holds changes slowly
 constexpr std::size_t kAsideCount = 4;
+
+// Straight beneath the contact point, as deep as the HIP.
+Vec3 beneath(const Vec3& hip, const Contact& felt) {
+  return felt.scp - (felt.scp - hip).dot(felt.normal) * felt.normal;
+}
 
 }  // namespace
 
@@ -70,14 +76,14 @@ bool HeldOutsideCounter::is_justified(const Vec3& hip, const Contact& felt) {
   judged_hip_ = hip;
   judged_scp_ = felt.scp;
   const bool is_rim = (felt.flags & kOnBorder) != 0;  // of a solid that is not drawn
-  return is_held_justly_ =
-             is_local_minimum(hip, felt) && (is_rim || leads_through_inside(hip, felt.scp));
+  const Vec3 x = options_.friction.any() ? beneath(hip, felt) : hip;
+  return is_held_justly_ = (is_local_minimum(x, felt) || is_in_valley(x, felt)) &&
+                           (is_rim || leads_through_inside(hip, felt.scp));
 }
 
-bool HeldOutsideCounter::is_local_minimum(const Vec3& hip, const Contact& felt) const {
-  const double push = (felt.scp - hip).norm(), aside = std::max(kAside * push, on_surface_);
+bool HeldOutsideCounter::is_local_minimum(const Vec3& x, const Contact& felt) const {
+  const double push = (felt.scp - x).norm(), aside = std::max(kAside * push, on_surface_);
   const Vec3 n = felt.normal, u = n.unitOrthogonal(), v = n.cross(u);
-  const Vec3 x = options_.friction.any() ? Vec3(felt.scp - (felt.scp - hip).dot(n) * n) : hip;
   const std::array<Vec3, kAsideCount + 1> there = {x + aside * u, x - aside * u, x + aside * v,
                                                    x - aside * v, x};
   std::array<Vec3, kAsideCount + 1> here;
@@ -94,6 +100,21 @@ bool HeldOutsideCounter::is_local_minimum(const Vec3& hip, const Contact& felt) 
   for (std::size_t i = 0; i < kAsideCount; ++i) {
     const double went = (gone[i].scp - own.scp).norm(), left = (back[i].scp - own.scp).norm();
     if (!(left <= std::max(went / 2, on_surface_ / 2))) return false;
+  }
+  return true;
+}
+
+// Between parts that overlap, a valley holds the contact as no single part does, which a search
+// from its place on one of them cannot know: nothing round it is nearer.
+bool HeldOutsideCounter::is_in_valley(const Vec3& x, const Contact& felt) const {
+  if ((felt.flags & kOnCrease) == 0) return false;
+  const double push = (felt.scp - x).norm();
+  const Vec3 u = felt.normal.unitOrthogonal(), v = felt.normal.cross(u);
+  for (const Vec3& way : {u, v, Vec3(u + v), Vec3(u - v)}) {
+    for (const double round : {kRound * push, -kRound * push}) {
+      const Vec3 beside = nearest(*cache_, felt.scp + round * way, options_).scp;
+      if ((beside - x).norm() < push - on_surface_) return false;
+    }
   }
   return true;
 }

@@ -37,10 +37,10 @@ struct HeldContacts {
 // Outside, a contact is *justified* if a solid holds the finger that was pressed right through it,
 // as a god-object is held by a thin plate. Then it is converged and does not settle; it pushes
 // along its normal; it is a local nearest point of the HIP, or with friction near one of the place
-// straight beneath it; that nearest point is stable, for a HIP a little aside has one beside it;
-// and a solid lies between, for some of the way from the HIP to it leads through the inside. A ball
-// holds no finger: opposite of a finger that is deeper than its radius is the farthest point, which
-// no HIP beside it keeps.
+// straight beneath it; that nearest point is stable, for a HIP a little aside has one beside it, or
+// lies in a valley between parts, where nothing round it is nearer; and a solid lies between, for
+// some of the way from the HIP to it leads through the inside. A ball holds no finger: opposite of
+// a finger that is deeper than its radius is the farthest point, which no HIP beside it keeps.
 class GLISS_EXPORT HeldOutsideCounter {
  public:
   // Contacts of trackers with these options, `tick` seconds apart. The cache must outlive it.
@@ -54,7 +54,8 @@ class GLISS_EXPORT HeldOutsideCounter {
  private:
   bool is_outside(const Vec3& hip);
   bool is_justified(const Vec3& hip, const Contact& felt);
-  bool is_local_minimum(const Vec3& hip, const Contact& felt) const;
+  bool is_local_minimum(const Vec3& x, const Contact& felt) const;
+  bool is_in_valley(const Vec3& x, const Contact& felt) const;
   bool leads_through_inside(const Vec3& hip, const Vec3& scp) const;
 
   const PatchCache* cache_;

@@ -150,8 +150,8 @@ void expect_held_justly(const PatchCache& cache, const QueryOptions& options, co
   EXPECT_EQ(counter.count().longest, 0);
 }
 
-// A plate holds the finger that was pressed through it, however far, with friction too; and so does
-// a cube with creases, one that has left by another side with friction.
+// A plate holds the finger that was pressed through it, however far, with friction too; and so do a
+// cube with creases, one that has left by another side with friction, and the valley between two.
 TEST(HeldOutside, counts_no_solid_that_holds_the_finger_pressed_through_it) {
   const Mesh mesh = test::with_normals(thin_plate().mesh);
   const Vec3 above(0.2, 0.1, 2), below(0.2, 0.1, -3);
@@ -164,10 +164,14 @@ TEST(HeldOutside, counts_no_solid_that_holds_the_finger_pressed_through_it) {
       expect_held_justly(method == Method::kGregory ? fair : base, options, above, below);
     }
   }
-  const PatchCache cube = build_cache(test::with_creases(gliss::cube(3, 20).mesh));
+  const Mesh box = gliss::cube(3, 20).mesh;
+  const PatchCache cube = build_cache(test::with_creases(box)),
+                   two = build_cache(test::with_creases(
+                       test::joined({box, test::moved(box, Vec3(12, 12, 0.5))})));
   QueryOptions sticky = test::leaping();
   sticky.friction = {0.8, 0.8};
   expect_held_justly(cube, sticky, {2, 8.8, 11}, {2, 10.3, 8});
+  expect_held_justly(two, test::leaping(), {-1, 13, 0.3}, {13, -1.1, 0.4});
 }
 
 // A surface that hands leave.
