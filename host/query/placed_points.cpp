@@ -86,11 +86,11 @@ PatchOrder::Kind PatchOrder::judge(const std::vector<PatchRun>& given, std::size
   if (fills(given)) return kInRuns;
   runs.clear();
   patch.resize(points), run_of_.resize(points);
-  HashIndex index(given.size());
+  HashIndex index(given.size());  // numbers of patches are dense, and their own hash
   for (const PatchRun& run : given) {
     const auto new_run = static_cast<std::uint32_t>(runs.size());
     const std::uint32_t at = index.find_or_insert(
-        new_run, mix_bits(run.patch),
+        new_run, run.patch,
         [&](std::uint32_t held, std::uint32_t) { return runs[held].patch == run.patch; });
     if (at == new_run) runs.push_back({run.patch, 0, 0});
     runs[at].end += run.end - run.begin;
