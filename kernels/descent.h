@@ -2,10 +2,41 @@
 // Newton steps, for as long as they are sound, stay inside and shorten the distance. What is not so
 // is left to track.h.
 
+// The account of a query: all that it has evaluated and walked, whichever of its searches did it.
+typedef struct {
+  int budget;       // evaluations after which no further descent begins; 0: no limit
+  int evaluations;  // of patches
+  int steps;        // those of them at feet: where descents begin, and each of their iterations
+  int fan_steps;    // sides passed on the way round corners that very many share
+  int fan_begin;    // these before the descent that goes on
+  int is_cut;       // the budget has ended a search in a union (union.h), whose answer is unknown
+} effort;
+
+FN effort begin_effort(int budget) {
+  effort r = {budget, 0, 0, 0, 0, 0};
+  return r;
+}
+
+// A walk round a corner of more sides counts: as an evaluation for so many each. No descent begins
+// one after so many.
+#define WIDE_FAN 64
+#define FAN_STEPS_AN_EVALUATION 16
+#define FAN_STEPS_A_DESCENT 8192
+
+// The evaluations that a query has spent, or the time of as many.
+FN int evaluations_spent(const effort* spent) {
+  return spent->evaluations + spent->fan_steps / FAN_STEPS_AN_EVALUATION;
+}
+
+// True if no further descent begins.
+FN int is_spent(const effort* spent) {
+  return spent->budget > 0 && evaluations_spent(spent) >= spent->budget;
+}
+
 typedef struct {
   int solver, max_iterations;
   scalar tolerance;  // length of the last step, local frame: relative to the size of the patch
-  int budget;        // evaluations after which a search begins no further descent; 0: no limit
+  effort* spent;     // by all that have a copy of these options
 } track_options;
 
 // Symmetric 2 x 2 matrix.
@@ -34,8 +65,9 @@ typedef struct {
   sym2 bend;         // estimate of the curvature term sum r . G_ij
   real last2;        // squared length of the last step, in the same patch; -1: there is none
   real before2;      // of the last whole step, in any patch
-  real evaluations;  // after the first
+  real evaluations;  // after the first, but for one that is refused
   mask converged;
+  mask refused;  // the last evaluation was no nearer: no step was taken
 } descent;
 
 FN domain_vector gradient_of(patch_point at, real3 r) {
@@ -154,6 +186,7 @@ FN descent pick_descent(mask m, descent a, descent b) {
   a.before2 = pick(m, a.before2, b.before2);
   a.evaluations = pick(m, a.evaluations, b.evaluations);
   a.converged = pick(m, a.converged, b.converged);
+  a.refused = pick(m, a.refused, b.refused);
   return a;
 }
 
@@ -163,6 +196,7 @@ FN descent descend(GLOBAL scalar* domain, control_data control, uint form, int n
   const scalar tolerance2 = options.tolerance * options.tolerance, near = on_side_within(domain);
   const real most = splat((scalar)options.max_iterations), zero = splat(K(0));
   mask going = d.evaluations < most;
+  d.refused = without(going, going);
   while (any(going)) {
     const domain_vector gradient = gradient_of(d.at, d.r);
     const sym2 first = first_form(d.at);
@@ -201,8 +235,10 @@ FN descent descend(GLOBAL scalar* domain, control_data control, uint form, int n
       next.bend = bend_after(d.bend, d.at, gradient, step, next.at, next.r);
     next.last2 = next.before2 = length2;
     next.evaluations = d.evaluations + K(1);
-    going = going & ((next.distance2 < d.distance2) | at_rounding);
-    d = pick_descent(going, next, d);
+    const mask fell = going & ((next.distance2 < d.distance2) | at_rounding);
+    d = pick_descent(fell, next, d);
+    d.refused = d.refused | without(going, fell);
+    going = fell;
     going = going & (d.evaluations < most);
   }
   return d;

@@ -9,7 +9,8 @@ __kernel GROUP void nearest(SURFACE_ARGUMENTS, uint count, __global const scalar
   const ulong i = get_global_id(0), stride = ROW_STRIDE(count * (ulong)method_count);
   if (i >= count) return;
   const surface_view view = SURFACE_VIEW;
-  const track_options options = {solver, max_iterations, tolerance, budget};
+  effort spent = begin_effort(budget);
+  const track_options options = {solver, max_iterations, tolerance, &spent};
   const hip_point h = load_hip(hip + i, count);
   near_patches near;
   const base_point base = nearest_base(view, h, 0u, 1, &near);

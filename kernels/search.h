@@ -164,7 +164,7 @@ FN_LARGE base_point track_base(surface_view view, hip_point h, uint patch, int m
 // Evaluated where a search starts; end_foot goes on from there, or from where lanes have brought it
 // (descent.h).
 FN foot begin_foot(surface_view view, hip_point h, domain_point at, track_options options) {
-  foot f = start_foot(view, h, at.patch, at.xi, at.eta);
+  foot f = start_foot(view, h, at, options.spent);
   f.bend = start_bend(view, f, options);
   return f;
 }
@@ -192,23 +192,10 @@ FN int is_nearer(foot a, foot b) {
   return a.distance2 < b.distance2 + (converges ? rounding : -rounding);
 }
 
-// True if a search has spent the evaluations that it may.
-FN int is_beyond(int evaluations, track_options options) {
-  return options.budget > 0 && evaluations >= options.budget;
-}
-FN int is_spent(foot best, track_options options) {
-  return is_beyond(best.iterations + best.starts + best.walked / FAN_STEPS_AN_EVALUATION, options);
-}
-
 // The better of what a search has found and another foot of it.
 FN foot better_foot(foot best, foot f) {
-  const int iterations = best.iterations + f.iterations, starts = best.starts + f.starts,
-            walked = best.walked + f.walked;
   const real clear2 = best.clear2;
   if (best.patch == NONE || is_nearer(f, best)) best = f;
-  best.iterations = iterations;
-  best.starts = starts;
-  best.walked = walked;
   best.clear2 = clear2;
   return best;
 }
@@ -330,15 +317,16 @@ FN int leads_to(surface_view view, hip_point h, foot f, foot best) {
 
 // Leaps on along the way from one foot of a descent to the next, for as long as that is nearer.
 // Where the distance is nearly level, along a valley or a ridge, steps are short.
-FN_LARGE foot leap_ahead(surface_view view, hip_point h, foot from, foot f, int max_iterations) {
+FN_LARGE foot leap_ahead(surface_view view, hip_point h, foot from, foot f, track_options options) {
   if (f.patch != from.patch) return f;
   const int n = valence_of(view, f.patch);
   const domain_vector way = make_vector(f.xi - from.xi, f.eta - from.eta);
-  for (real length = K(4); f.iterations < max_iterations; length *= K(4)) {
+  for (real length = K(4); f.iterations < options.max_iterations; length *= K(4)) {
     const domain_vector at = make_vector(fma(length, way.xi, f.xi), fma(length, way.eta, f.eta));
     if (!is_inside(domain_of(view, n), n, at)) break;
     ++f.iterations;
-    const foot to = move_foot(view, h, f, f.patch, at.xi, at.eta);
+    const domain_point there = {f.patch, at.xi, at.eta};
+    const foot to = move_foot(view, h, f, there, options.spent);
     if (!(to.distance2 < f.distance2)) break;
     f = to;
     f.flags &= ~(FOOT_BORDER | FOOT_CREASE);
@@ -386,7 +374,7 @@ FN_LARGE foot descend_from_tile(surface_view view, hip_point h, foot f, track_op
     const sym2 first = first_form(f.at);
     const newton_model model = model_of(first, f.bend);
     const int fell = f.distance2 < from.distance2;
-    if (fell && !model.is_sound) f = leap_ahead(view, h, from, f, options.max_iterations);
+    if (fell && !model.is_sound) f = leap_ahead(view, h, from, f, options);
     if (f.distance2 < best.distance2) continue;
     if (is_sole && f.patch == best.patch) break;
     if (!fell) {  // where so many do not suffice to shorten a step
@@ -409,7 +397,8 @@ FN foot search_tile(surface_view view, hip_point h, uint patch, patch_tiles tile
   const real scale = numbers_of(view, patch)[PATCH_SCALE];
   const domain_vector at = open->middle[from];
   const int tile = open->tile[from];
-  foot f = start_foot(view, h, patch, at.xi, at.eta);
+  const domain_point middle = {patch, at.xi, at.eta};
+  foot f = start_foot(view, h, middle, options.spent);
   f.bend = bend_of(f.at, f.r, second_of(tiles, tile), options.solver);
   f = descend_from_tile(view, h, f, options, best);
   best = better_foot(best, f);
@@ -441,7 +430,7 @@ FN_LARGE foot search_tiles(surface_view view, hip_point h, uint patch, track_opt
     while (open.left > 0) {
       const int from = nearest_open(&open, best.distance2);
       if (from < 0) break;
-      if (is_spent(best, options)) {
+      if (is_spent(options.spent)) {
         best.clear2 = smaller(open.distance2[from], best.clear2);
         break;
       }
@@ -458,10 +447,8 @@ FN foot search_patch(surface_view view, hip_point h, uint patch, track_options o
   return is_sole ? best : search_tiles(view, h, patch, options, best);
 }
 
-// Ends a search: clear2 and FOOT_UNFINISHED say what it left out, and its iterations count all
-// evaluations but the first.
+// Ends a search: clear2 and FOOT_UNFINISHED say what it left out.
 FN foot finish_search(foot best) {
-  best.iterations += best.starts - 1;
   const real rounding = K(64) * EPSILON * best.clear2;
   if (best.clear2 - rounding < best.distance2) {
     best.clear2 = best.clear2 - rounding;
@@ -474,6 +461,9 @@ FN foot finish_search(foot best) {
 
 // Patches whose tiles a search with a budget looks at, for each of its evaluations.
 #define PATCHES_AN_EVALUATION 4
+FN int is_enough(int patches, const effort* spent) {
+  return spent->budget > 0 && patches / PATCHES_AN_EVALUATION >= spent->budget;
+}
 
 // The patches whose boxes are nearer than `limit2`, if there is room for them.
 FN_LARGE void find_near(surface_view view, hip_point h, real limit2, near_patches* near) {
@@ -498,7 +488,7 @@ FN_LARGE foot search_beyond(surface_view view, hip_point h, uint first, const ne
        p = next_patch(view, &w, h.high, best.distance2)) {
     const real box2 = larger(patch_box_distance2(view, h, p), last_box_distance2(&w));
     if (p == first || !(box2 < best.distance2) || !comes_before(last2, last, box2, p)) continue;
-    if (options.budget > 0 && searched++ / PATCHES_AN_EVALUATION >= options.budget) {
+    if (is_enough(searched++, options.spent)) {
       best.clear2 = smaller(box2, best.clear2);
     } else {
       best = search_patch(view, h, p, options, best);
@@ -524,7 +514,7 @@ FN_LARGE foot nearest_foot(surface_view view, hip_point h, foot first, const nea
   }
   for (int i = 0; i < near->count && near->box2[i] < best.distance2; ++i) {
     if (near->patch[i] == first.patch) continue;
-    if (options.budget > 0 && i / PATCHES_AN_EVALUATION >= options.budget) {
+    if (is_enough(i, options.spent)) {
       best.clear2 = smaller(near->box2[i], best.clear2);
     } else {
       best = search_patch(view, h, near->patch[i], options, best);

@@ -10,7 +10,8 @@ __kernel GROUP void track(SURFACE_ARGUMENTS, uint count, __global const scalar* 
   const ulong i = get_global_id(0);
   if (i >= count) return;
   const surface_view view = SURFACE_VIEW;
-  const track_options options = {solver, max_iterations, tolerance, budget};
+  effort spent = begin_effort(budget);
+  const track_options options = {solver, max_iterations, tolerance, &spent};
   contact last;
   last.method = method;
   last.patch = start_patch[i];

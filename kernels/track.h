@@ -14,37 +14,45 @@ typedef struct {
   real3 r;         // SCP - HIP, local frame
   real distance2;  // squared, mesh frame
   real clear2;     // squared, mesh frame: no point of the surface is nearer, as far as is known
-  int starts;      // first evaluations of a search
-  int iterations;  // evaluations after the first
+  int iterations;  // of the descent: evaluations after the first; -1: a place, not evaluated yet
   int crossings;   // edges and corners crossed
-  int walked;      // sides passed on the way round corners that very many share
   uint flags;      // FOOT_*
   sym2 bend;       // as a descent has it, like the next two
   real last2, before2;
 } foot;
 
-FN foot move_foot(surface_view view, hip_point h, foot from, uint patch, real xi, real eta) {
+// Evaluates a patch at a foot, and elsewhere for what a step of it needs to know.
+FN patch_point evaluate_step(surface_view view, domain_point at, effort* spent) {
+  ++spent->evaluations;
+  ++spent->steps;
+  return evaluate_patch(view, at.patch, at.xi, at.eta);
+}
+FN patch_point evaluate_aside(surface_view view, domain_point at, effort* spent) {
+  ++spent->evaluations;
+  return evaluate_patch(view, at.patch, at.xi, at.eta);
+}
+
+FN foot move_foot(surface_view view, hip_point h, foot from, domain_point at, effort* spent) {
   foot f = from;
-  f.patch = patch;
-  f.xi = xi;
-  f.eta = eta;
-  f.at = evaluate_patch(view, patch, xi, eta);
-  f.r = sub3(f.at.g, local_hip(view, h, patch));
-  const real unscale = numbers_of(view, patch)[PATCH_UNSCALE];
+  f.patch = at.patch;
+  f.xi = at.xi;
+  f.eta = at.eta;
+  f.at = evaluate_step(view, at, spent);
+  f.r = sub3(f.at.g, local_hip(view, h, at.patch));
+  const real unscale = numbers_of(view, at.patch)[PATCH_UNSCALE];
   f.distance2 = dot3(f.r, f.r) * unscale * unscale;
   return f;
 }
 
-FN foot start_foot(surface_view view, hip_point h, uint patch, real xi, real eta) {
+FN foot start_foot(surface_view view, hip_point h, domain_point at, effort* spent) {
   foot f;
   f.clear2 = K(0);
-  f.starts = 1;
   f.iterations = 0;
   f.crossings = 0;
-  f.walked = 0;
   f.flags = 0u;
   f.last2 = f.before2 = -K(1);
-  return move_foot(view, h, f, patch, xi, eta);
+  spent->fan_begin = spent->fan_steps;
+  return move_foot(view, h, f, at, spent);
 }
 
 // Sides on which a domain point lies: none (-1), one (a), or the two at corner b.
@@ -110,7 +118,7 @@ typedef struct {
   int are_slopes;  // of the patch there: the shorter has the rounding of the longer
 } corner_tangents;
 
-FN corner_tangents tangents_at(surface_view view, uint side) {
+FN corner_tangents tangents_at(surface_view view, uint side, effort* spent) {
   const uint patch = view.side_patch[side], form = view.form[patch];
   const int n = valence_of(view, patch), k = (int)(side - view.side_begin[patch]);
   corner_tangents r;
@@ -124,15 +132,16 @@ FN corner_tangents tangents_at(surface_view view, uint side) {
   GLOBAL scalar* domain = domain_of(view, n);
   const domain_vector at = domain_corner(domain, k), a = domain_corner(domain, wrap(k + 1, n)),
                       b = domain_corner(domain, wrap(k - 1, n));
-  const patch_point g = evaluate_patch(view, patch, at.xi, at.eta);
+  const domain_point corner = {patch, at.xi, at.eta};
+  const patch_point g = evaluate_aside(view, corner, spent);
   r.p = fma3(a.xi - at.xi, g.g_xi, mul3(a.eta - at.eta, g.g_eta));
   r.q = fma3(b.xi - at.xi, g.g_xi, mul3(b.eta - at.eta, g.g_eta));
   return r;
 }
 
 // True if the direction w, seen from the corner where `side` starts, points into the side's patch.
-FN int in_sector(surface_view view, uint side, real3 w) {
-  const corner_tangents t = tangents_at(view, side);
+FN int in_sector(surface_view view, uint side, real3 w, effort* spent) {
+  const corner_tangents t = tangents_at(view, side, spent);
   const real3 p = t.p, q = t.q;
   const real pp = dot3(p, p), pq = dot3(p, q), qq = dot3(q, q), wp = dot3(w, p), wq = dot3(w, q);
   const real a = wp * qq - wq * pq, b = wq * pp - wp * pq;
@@ -173,16 +182,17 @@ FN uint next_in_fan(surface_view view, fan_walk* w) {
 typedef struct {
   uint side;
   int is_border;  // of NONE: a border runs through the vertex
-  int steps;      // sides passed
 } fan_place;
 
-FN_LARGE fan_place find_in_fan(surface_view view, uint side, real3 w) {
-  fan_place r = {NONE, 0, 0};
+FN_LARGE fan_place find_in_fan(surface_view view, uint side, real3 w, effort* spent) {
+  fan_place r = {NONE, 0};
   fan_walk fan = start_fan(side);
+  int steps = 0;
   for (r.side = next_in_fan(view, &fan); r.side != NONE; r.side = next_in_fan(view, &fan)) {
-    ++r.steps;
-    if (in_sector(view, r.side, w)) break;
+    ++steps;
+    if (in_sector(view, r.side, w, spent)) break;
   }
+  spent->fan_steps += steps > WIDE_FAN ? steps : 0;
   r.is_border = fan.met_border;
   return r;
 }
@@ -195,27 +205,27 @@ FN int are_apart(surface_view view, uint a, uint b) {
 
 // True if the edge where `side` starts is a crease there: the patches on both sides have normals of
 // their own and one tangent. Where normals differ and no crease was asked for, so do tangents.
-FN int is_crease_at(surface_view view, uint side) {
+FN int is_crease_at(surface_view view, uint side, effort* spent) {
   const uint twin = view.side_twin[side];
   if (twin == NONE) return 0;
   const uint beyond = next_in_patch(view, twin);
   if (!are_apart(view, side, beyond)) return 0;
-  const real3 p = tangents_at(view, side).p, q = tangents_at(view, beyond).q;
+  const real3 p = tangents_at(view, side, spent).p, q = tangents_at(view, beyond, spent).q;
   return norm3(cross3(p, q)) <= K(1e-5f) * norm3(p) * norm3(q);
 }
 
 // The side, of those that start at the same vertex, whose patch has the crease or border there that
 // goes most along a direction: from a corner a way may point into no patch and yet lead along an
 // edge that is none of the two of `side`'s patch. NONE where one of these leads there, or none.
-FN_LARGE uint edge_in_fan(surface_view view, uint side, real3 w) {
+FN_LARGE uint edge_in_fan(surface_view view, uint side, real3 w, effort* spent) {
   uint best = NONE;
   real most = K(16) * EPSILON * norm3(w);
   fan_walk fan = start_fan(side);
   for (uint at = side; at != NONE; at = next_in_fan(view, &fan)) {
-    const corner_tangents t = tangents_at(view, at);
+    const corner_tangents t = tangents_at(view, at, spent);
     const real forth = dot3(t.p, w) / larger(norm3(t.p), TINY),
                back = dot3(t.q, w) / larger(norm3(t.q), TINY);
-    if (forth > most && (view.side_twin[at] == NONE || is_crease_at(view, at))) {
+    if (forth > most && (view.side_twin[at] == NONE || is_crease_at(view, at, spent))) {
       most = forth;
       best = at;
     }
@@ -225,15 +235,9 @@ FN_LARGE uint edge_in_fan(surface_view view, uint side, real3 w) {
     }
   }
   if (best == NONE) return NONE;
-  const corner_tangents own = tangents_at(view, side);
+  const corner_tangents own = tangents_at(view, side, spent);
   return dot3(own.p, w) > K(0) || dot3(own.q, w) > K(0) ? NONE : best;
 }
-
-// A walk round a corner of more sides counts: as an evaluation for so many each. No descent begins
-// one after so many.
-#define WIDE_FAN 64
-#define FAN_STEPS_AN_EVALUATION 16
-#define FAN_STEPS_A_DESCENT 8192
 
 // True if a border runs through the vertex at which `side` starts.
 FN int is_border_vertex(surface_view view, uint side) {
@@ -356,10 +360,13 @@ typedef struct {
 FN foot descend_foot(surface_view view, hip_point h, foot f, track_options options) {
   const int n = valence_of(view, f.patch);
   descent d = {f.xi, f.eta, f.at, f.r, f.distance2, f.bend, f.last2, f.before2, (real)f.iterations,
-               0};
+               0,    0};
   d = descend(domain_of(view, n), control_of(view, f.patch), view.form[f.patch], n,
               local_hip(view, h, f.patch), numbers_of(view, f.patch)[PATCH_UNSCALE], options, d);
-  if ((int)d.evaluations > f.iterations) f.flags &= ~(FOOT_BORDER | FOOT_CREASE);
+  const int steps = (int)d.evaluations - f.iterations;
+  options.spent->evaluations += steps + (d.refused ? 1 : 0);
+  options.spent->steps += steps;
+  if (steps > 0) f.flags &= ~(FOOT_BORDER | FOOT_CREASE);
   if (d.converged) f.flags |= FOOT_CONVERGED;
   f.xi = d.xi;
   f.eta = d.eta;
@@ -369,7 +376,7 @@ FN foot descend_foot(surface_view view, hip_point h, foot f, track_options optio
   f.bend = d.bend;
   f.last2 = d.last2;
   f.before2 = d.before2;
-  f.iterations = (int)d.evaluations;
+  f.iterations += steps;
   return f;
 }
 
@@ -447,7 +454,7 @@ FN domain_point corner_point(surface_view view, uint side) {
 // The point of another patch where a foot that a step leads out goes on; of patch NONE where it
 // goes on along its sides: there is none, or the step before, `last`, has brought it. Over an edge
 // that may have been to a corner: then it goes round that.
-FN domain_point leave_patch(surface_view view, foot* f, held_sides held, int last) {
+FN domain_point leave_patch(surface_view view, foot* f, held_sides held, int last, effort* spent) {
   const int just_crossed = last == STEP_ROUNDS || (last == STEP_CROSSES && held.b < 0);
   const uint first = view.side_begin[f->patch];
   domain_point to = {NONE, f->xi, f->eta};
@@ -455,11 +462,10 @@ FN domain_point leave_patch(surface_view view, foot* f, held_sides held, int las
   if (held.b >= 0) {
     const uint side = first + (uint)held.b;
     const real3 way = mul3(K(-1), f->r);
-    const fan_place fan = find_in_fan(view, side, way);
-    f->walked += fan.steps > WIDE_FAN ? fan.steps : 0;
+    const fan_place fan = find_in_fan(view, side, way, spent);
     is_border = fan.is_border;
     const int may_lead_on = fan.side == NONE && !just_crossed && (is_border || HAS_CREASES(view));
-    to = corner_point(view, may_lead_on ? edge_in_fan(view, side, way) : fan.side);
+    to = corner_point(view, may_lead_on ? edge_in_fan(view, side, way, spent) : fan.side);
   } else {
     const uint side = first + (uint)held.a, twin = view.side_twin[side];
     if (twin != NONE) to = cross_edge(view, side, twin, f->xi, f->eta);
@@ -482,7 +488,7 @@ FN int go_on_in_patch(surface_view view, foot from, foot* f, track_options optio
 FN int enter_patch(surface_view view, hip_point h, domain_point at, foot* f, track_options options,
                    known_minimum known) {
   const foot from = *f;
-  *f = move_foot(view, h, from, at.patch, at.xi, at.eta);
+  *f = move_foot(view, h, from, at, options.spent);
   ++f->iterations;
   ++f->crossings;
   const int step = go_on_in_patch(view, from, f, options, known);
@@ -513,7 +519,7 @@ FN trial search_along(surface_view view, hip_point h, foot f, foot_step s, track
       t.crossed = twin != NONE;
       if (t.crossed) p = cross_edge(view, side, twin, p.xi, p.eta);
     }
-    t.to = move_foot(view, h, f, p.patch, p.xi, p.eta);
+    t.to = move_foot(view, h, f, p, options.spent);
     t.to.iterations = ++f.iterations;
     // From a hair's breadth beside a side onto it: no distance falls by that, and the step is not
     // over.
@@ -553,8 +559,9 @@ FN int step_foot(surface_view view, hip_point h, foot* f, int last, track_option
   foot_step s = choose_step(view, *f);
   if (is_short(s, K(1), options)) return converge(f);
   if (leads_out(view, *f, s)) {
-    if (s.held.b >= 0 && f->walked > FAN_STEPS_A_DESCENT) return STEP_ENDS;
-    const domain_point to = leave_patch(view, f, s.held, last);
+    const int walked = options.spent->fan_steps - options.spent->fan_begin;
+    if (s.held.b >= 0 && walked > FAN_STEPS_A_DESCENT) return STEP_ENDS;
+    const domain_point to = leave_patch(view, f, s.held, last, options.spent);
     if (to.patch != NONE) {
       const int step = enter_patch(view, h, to, f, options, known);
       return step == STEP_CROSSES && s.held.b >= 0 ? STEP_ROUNDS : step;
@@ -586,9 +593,11 @@ FN_LARGE foot track_foot(surface_view view, hip_point h, foot f, track_options o
 
 // Section 4.2 as printed, to be compared with: secants of length lambda = 0.1 towards the
 // neighbours of the nearest corner, no safeguard; over an edge to where the ray from the centre
-// meets it (4.3). Ends by the residual angle.
+// meets it (4.3). Ends by the residual angle. An iteration takes three evaluations: with the budget
+// spent it ends after as many of these as other solvers take.
 FN_LARGE foot track_as_printed(surface_view view, hip_point h, foot f, track_options options) {
-  while (f.iterations < options.max_iterations) {
+  while (f.iterations < options.max_iterations &&
+         (3 * f.iterations < options.max_iterations || !is_spent(options.spent))) {
     const int n = valence_of(view, f.patch);
     GLOBAL scalar* domain = domain_of(view, n);
     int k = 0;
@@ -606,8 +615,10 @@ FN_LARGE foot track_as_printed(surface_view view, hip_point h, foot f, track_opt
     const real lambda = K(1) / K(10);
     const domain_vector xa = make_vector(lambda * (next.xi - c.xi), lambda * (next.eta - c.eta));
     const domain_vector xb = make_vector(lambda * (prev.xi - c.xi), lambda * (prev.eta - c.eta));
-    const real3 a = sub3(evaluate_patch(view, f.patch, f.xi + xa.xi, f.eta + xa.eta).g, f.at.g);
-    const real3 b = sub3(evaluate_patch(view, f.patch, f.xi + xb.xi, f.eta + xb.eta).g, f.at.g);
+    const domain_point at_a = {f.patch, f.xi + xa.xi, f.eta + xa.eta},
+                       at_b = {f.patch, f.xi + xb.xi, f.eta + xb.eta};
+    const real3 a = sub3(evaluate_aside(view, at_a, options.spent).g, f.at.g);
+    const real3 b = sub3(evaluate_aside(view, at_b, options.spent).g, f.at.g);
     const real3 normal = cross3(a, b);
     const real3 off = cross3(f.r, normal);  // |r| |n| sin of the residual angle
     const real limit = options.tolerance * options.tolerance;
@@ -643,7 +654,7 @@ FN_LARGE foot track_as_printed(surface_view view, hip_point h, foot f, track_opt
         f.flags |= FOOT_BORDER;
       }
     }
-    f = move_foot(view, h, f, to.patch, to.xi, to.eta);
+    f = move_foot(view, h, f, to, options.spent);
     ++f.iterations;
     f.crossings += crossed;
   }

@@ -51,6 +51,7 @@ class ContactTracker::Tick {
     if (is_touching(last) && t_.felt_.is_leap(now.push)) {
       const Vec3 was = vector_of(last, kContactPush);
       if (t_.felt_.is_leap(was, now.push)) now = slide(last, was, now);
+      now.iterations = iterations();
     }
     t_.felt_.feel(now, has_energy(t_.options_.method));
     return now;
@@ -112,7 +113,7 @@ class ContactTracker::Tick {
   RawContact<Real> follow_to(RawContact<Real> from, const Vec3& there) {
     kernels<Real>().tick(s_, t_.options_.method, within(left() / 2), raw_hip<Real>(cache_, there),
                          &from);
-    spent_ += evaluations_of(from);
+    pay_for(from);
     return from;
   }
 
@@ -197,7 +198,7 @@ class ContactTracker::Tick {
       const RawHip<Real> there = raw_hip<Real>(cache_, aim);
       RawContact<Real> next = last;
       kernels<Real>().track(s_, t_.options_.method, within(left()), &there, 1, &next);
-      spent_ += evaluations_of(next);
+      pay_for(next);
       const Contact to = contact_of(cache_, s_, next);
       const Vec3 left = to.scp - hip_;
       if (left.squaredNorm() < offset.squaredNorm() && left.dot(to.normal) > 0)
@@ -231,8 +232,10 @@ class ContactTracker::Tick {
   static bool is_on_border(const RawContact<Real>& raw) {
     return (raw.uints[kContactFlags] & kOnBorder) != 0;
   }
-  static int evaluations_of(const RawContact<Real>& raw) {
-    return static_cast<int>(raw.uints[kContactIterations]) + 1;
+  // Of what a search or a walk over the surface has found.
+  void pay_for(const RawContact<Real>& raw) {
+    spent_ += std::max(1, raw.evaluations);
+    told_ += static_cast<int>(raw.uints[kContactIterations]) + 1;
   }
 
   // kContactPush or kContactOffset, in the mesh's unit.
@@ -244,6 +247,7 @@ class ContactTracker::Tick {
     return Eigen::Map<const Eigen::Matrix<Real, 3, 1>>(&raw.reals[kContactNormal])
         .template cast<double>();
   }
+  int iterations() const { return std::max(0, told_ - 1); }
   int left() const { return kSearchEvaluations - spent_; }  // evaluations
   TrackOptions<Real> within(int budget) const {
     TrackOptions<Real> options = options_;
@@ -254,7 +258,7 @@ class ContactTracker::Tick {
     RawContact<Real> found;
     const RawHip<Real> there = raw_hip<Real>(cache_, x);
     kernels<Real>().nearest(s_, &t_.options_.method, 1, within(budget), &there, 1, &found);
-    spent_ += evaluations_of(found);
+    pay_for(found);
     ++searches_;
     return found;
   }
@@ -275,7 +279,7 @@ class ContactTracker::Tick {
 
   Contact contact(const RawContact<Real>& raw) const {
     Contact c = contact_of(cache_, s_, raw);
-    c.iterations = std::max(0, spent_ - 1);
+    c.iterations = iterations();
     return c;
   }
   // The nearest point, without a contact.
@@ -327,6 +331,7 @@ class ContactTracker::Tick {
     options.max_iterations = 0;
     const RawHip<Real> hip = raw_hip<Real>(cache_, hip_);
     kernels<Real>().track(s_, t_.options_.method, options, &hip, 1, &same);
+    pay_for(same);
     const auto push_of = [&](const auto& raw) { return vector_of(raw, kContactOffset).norm(); };
     if (t_.held_push_ == 0) t_.held_push_ = push_of(state_);
     if (!(push_of(same) <= 4 * t_.held_push_)) return false;
@@ -366,7 +371,7 @@ class ContactTracker::Tick {
       const Vec3 to = step < steps ? Vec3(x + step / steps * way) : hip_;
       const RawHip<Real> hip = raw_hip<Real>(cache_, to);
       kernels<Real>().track(s_, t_.options_.method, within(left()), &hip, 1, &contact);
-      spent_ += evaluations_of(contact);
+      pay_for(contact);
     }
   }
 
@@ -434,7 +439,7 @@ class ContactTracker::Tick {
   const double on_surface_;  // closer than this is on it, mesh's unit
   const double glide_;       // longest step that the ball round a point does not cover
   const double rounding_;    // of a place on the surface, mesh's unit
-  int spent_ = 0, searches_ = 0;
+  int spent_ = 0, told_ = 0, searches_ = 0;
   bool is_dragged_ = false;  // the state that the tick ends with has its friction
 };
 

@@ -45,6 +45,7 @@ template <class Real>
 struct RawContact {
   Real reals[kContactReals] = {};
   std::uint32_t uints[kContactUints] = {};
+  int evaluations = 0;  // that the query took, or the time of as many
   // Left by a tick for the next one: bend and drift, once warm.
   Real warmth[5] = {};
   bool warm = false;
