@@ -16,10 +16,8 @@ typedef struct {
                // tracking 0
   int iterations, crossings;
   uint flags;  // FOOT_*
-  // From here on never in memory that devices share. Evaluations that the query took.
-  int evaluations;
-  // From tick to tick: the foot's bend, and how far the last tick moved the SCP in the patch's
-  // domain.
+  // From tick to tick only, never in memory that devices share: the foot's bend, and how far the
+  // last tick moved the SCP in the patch's domain.
   int warm;  // whether they are there
   sym2 bend;
   domain_vector drift;
@@ -45,8 +43,8 @@ FN void store_contact(GLOBAL_OUT scalar* reals, GLOBAL_OUT uint* uints, ulong st
 
 // Unit; that of the base polygon where nothing but rounding is left of the tangent plane.
 FN real3 normal_of_foot(surface_view view, foot f) {
-  const real3 normal = patch_normal(f.at);
-  const real longest2 = larger(dot3(f.at.g_xi, f.at.g_xi), dot3(f.at.g_eta, f.at.g_eta));
+  const real3 normal = patch_normal(f.d.at);
+  const real longest2 = larger(dot3(f.d.at.g_xi, f.d.at.g_xi), dot3(f.d.at.g_eta, f.d.at.g_eta));
   return SPANS_A_PLANE(norm3(normal), longest2, EPSILON)
              ? unit3(normal)
              : load3(numbers_of(view, f.patch), PATCH_NORMAL);
@@ -74,7 +72,7 @@ FN real3 corner_normal(surface_view view, uint side, effort* spent) {
 // (Baerentzen and Aanaes 2005).
 FN_LARGE real3 crease_normal(surface_view view, foot f, effort* spent) {
   const int n = valence_of(view, f.patch);
-  const held_sides held = sides_at(domain_of(view, n), n, f.xi, f.eta);
+  const held_sides held = sides_at(domain_of(view, n), n, f.d.xi, f.d.eta);
   const real3 own = normal_of_foot(view, f);
   real3 sum = own;
   if (held.b >= 0) {
@@ -86,10 +84,10 @@ FN_LARGE real3 crease_normal(surface_view view, foot f, effort* spent) {
   } else if (held.a >= 0) {
     const uint side = view.side_begin[f.patch] + (uint)held.a, twin = view.side_twin[side];
     if (twin == NONE) return own;
-    const domain_point to = cross_edge(view, side, twin, f.xi, f.eta);
+    const domain_point to = cross_edge(view, side, twin, f.d.xi, f.d.eta);
     foot beyond = f;
     beyond.patch = to.patch;
-    beyond.at = evaluate_aside(view, to, spent);
+    beyond.d.at = evaluate_aside(view, to, spent);
     sum = add3(sum, normal_of_foot(view, beyond));
   }
   return norm3(sum) > K(0x1p-10f) ? unit3(sum) : own;
@@ -128,7 +126,7 @@ FN contact contact_at(int method, uint patch, real xi, real eta, real3 scp, real
   c.normal = normal;
   c.offset = c.push = offset;
   c.clear = K(0);
-  c.iterations = c.evaluations = 0;
+  c.iterations = 0;
   c.crossings = 0;
   c.flags = FOOT_CONVERGED;
   c.warm = 0;
@@ -139,16 +137,16 @@ FN contact contact_at(int method, uint patch, real xi, real eta, real3 scp, real
 FN contact contact_of_foot(surface_view view, foot f, effort* spent) {
   const real3 normal =
       f.flags & FOOT_CREASE ? crease_normal(view, f, spent) : normal_of_foot(view, f);
-  contact c = contact_at(METHOD_GREGORY, f.patch, f.xi, f.eta, f.at.g, normal,
-                         mul3(numbers_of(view, f.patch)[PATCH_UNSCALE], f.r));
+  contact c = contact_at(METHOD_GREGORY, f.patch, f.d.xi, f.d.eta, f.d.at.g, normal,
+                         mul3(numbers_of(view, f.patch)[PATCH_UNSCALE], f.d.r));
   c.clear = sqrt(f.clear2);
   c.crossings = f.crossings;
-  c.flags = f.flags;
+  c.flags = f.flags | (f.d.converged ? FOOT_CONVERGED : 0u);
   c.warm = 1;
-  c.bend = f.bend;
+  c.bend = f.d.bend;
   c.drift = make_vector(K(0), K(0));
   // Inside where the way out goes along the normal.
-  c.state = dot3(f.r, c.normal) > K(0) ? CONTACT_TOUCHING : CONTACT_FREE;
+  c.state = dot3(f.d.r, c.normal) > K(0) ? CONTACT_TOUCHING : CONTACT_FREE;
   return f.flags & FOOT_BORDER ? past_border(c, c.normal) : c;
 }
 
@@ -202,15 +200,13 @@ FN contact within_reach(hip_point h, contact c) {
   return c;
 }
 
-// A contact with what its query has spent. Its iterations are the evaluations at feet after the
-// first; those for tangents and normals of corners and creases, for a step that was refused and for
-// the paper's secants are none.
-FN contact told(contact c, const effort* spent) {
+// Tells a contact, the last of its query, what that has spent. Its iterations are the evaluations
+// at feet after the first; those for tangents and normals of corners and creases, for a step that
+// was refused and for the paper's secants are none.
+FN void tell(contact* c, const effort* spent) {
   PROMISE(spent->steps <= spent->evaluations);
-  c.iterations = spent->steps > 0 ? spent->steps - 1 : 0;
-  c.evaluations = evaluations_spent(spent);
-  if (spent->is_cut) c.flags |= FOOT_UNFINISHED;
-  return c;
+  c->iterations = spent->steps > 0 ? spent->steps - 1 : 0;
+  if (spent->is_cut) c->flags |= FOOT_UNFINISHED;
 }
 
 // Carry a contact found on one part to the union of all (union.h).
@@ -223,7 +219,7 @@ FN_LARGE contact nearest_contact_from(surface_view view, hip_point h, foot first
   const foot f = nearest_foot(view, h, first, near, options);
   contact c = within_reach(h, contact_of_foot(view, f, options.spent));
   if (HAS_UNION(view)) c = unite_nearest(view, h, c, options);
-  return told(c, options.spent);
+  return c;
 }
 
 FN contact nearest_contact_of_base(surface_view view, hip_point h, base_point base,
@@ -248,7 +244,7 @@ FN_LARGE contact track_contact_from(surface_view view, hip_point h, contact last
   const foot f = end_foot(view, h, first, options, none);
   contact c = within_reach(h, contact_of_foot(view, f, options.spent));
   if (HAS_UNION(view) && options.max_iterations > 0) c = unite_tracked(view, h, last, c, options);
-  return told(c, options.spent);
+  return c;
 }
 
 // Local: the point that `last` was, after the HIP has moved to h. Without iterations it stays where
@@ -284,14 +280,14 @@ FN_LARGE contact follow_contact(surface_view view, hip_point h, contact last,
   track_options brief = options;
   brief.max_iterations = options.max_iterations < 8 ? options.max_iterations : 8;
   foot f = start_foot(view, h, ahead_of(view, last), options.spent);
-  f.bend = last.bend;
+  f.d.bend = last.bend;
   f = track_foot(view, h, f, brief, none);
-  if (!(f.flags & FOOT_CONVERGED))  // the hand did something else
+  if (!f.d.converged)  // the hand did something else
     return track_contact(view, h, last, options);
   contact c = within_reach(h, contact_of_foot(view, f, options.spent));
   if (HAS_UNION(view)) c = unite_tracked(view, h, last, c, options);
   if (c.patch == last.patch) c.drift = make_vector(c.xi - last.xi, c.eta - last.eta);
-  return told(c, options.spent);
+  return c;
 }
 
 // A tick, Algorithm 1: free, search everywhere; in contact, follow it until the HIP is outside

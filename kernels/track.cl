@@ -18,6 +18,7 @@ __kernel GROUP void track(SURFACE_ARGUMENTS, uint count, __global const scalar* 
   last.xi = start[i];
   last.eta = start[count + i];
   last.held_count = 0;
-  store_contact(reals + i, uints + i, ROW_STRIDE(count),
-                track_contact(view, load_hip(hip + i, count), last, options));
+  contact c = track_contact(view, load_hip(hip + i, count), last, options);
+  tell(&c, &spent);
+  store_contact(reals + i, uints + i, ROW_STRIDE(count), c);
 }

@@ -74,8 +74,8 @@ FN int may_hold_nearer(surface_view view, base_point b, real distance2) {
 FN foot try_patch_of_part(surface_view view, hip_point h, uint patch, foot best,
                           track_options options) {
   const base_point b = base_point_on(view, h, patch);
-  if (!may_hold_nearer(view, b, best.distance2)) return best;
-  const known_minimum known = {best.patch, best.distance2};
+  if (!may_hold_nearer(view, b, best.d.distance2)) return best;
+  const known_minimum known = {best.patch, best.d.distance2};
   const foot f =
       end_foot(view, h, begin_foot(view, h, start_on_base(view, b), options), options, known);
   return is_nearer(f, best) ? f : best;
@@ -94,18 +94,18 @@ FN_LARGE foot nearest_on_part(surface_view view, hip_point h, uint part, uint* b
   const known_minimum none = {NONE, K(0)};
   foot best =
       end_foot(view, h, begin_foot(view, h, start_on_base(view, base), options), options, none);
-  if (best.distance2 <= near.complete2) {
-    for (int i = 0; i < near.count && near.box2[i] < best.distance2; ++i) {
+  if (best.d.distance2 <= near.complete2) {
+    for (int i = 0; i < near.count && near.box2[i] < best.d.distance2; ++i) {
       if (near.patch[i] != base.patch && !is_cut(options.spent))
         best = try_patch_of_part(view, h, near.patch[i], best, options);
     }
     return best;
   }
   walk w = start_walk(view);
-  for (uint p = next_patch(view, &w, h.high, best.distance2); p != NONE && !is_cut(options.spent);
-       p = next_patch(view, &w, h.high, best.distance2)) {
+  for (uint p = next_patch(view, &w, h.high, best.d.distance2); p != NONE && !is_cut(options.spent);
+       p = next_patch(view, &w, h.high, best.d.distance2)) {
     if (p != base.patch && part_of(view, p) == part &&
-        patch_box_distance2(view, h, p) < best.distance2)
+        patch_box_distance2(view, h, p) < best.d.distance2)
       best = try_patch_of_part(view, h, p, best, options);
   }
   return best;
@@ -142,11 +142,11 @@ FN union_rest rest_of(surface_view view, foot f, real3 push, track_options optio
   union_rest r;
   r.at = f;
   r.normal = normal_of_foot(view, f);
-  r.out = fma3(unscale, f.r, push);
+  r.out = fma3(unscale, f.d.r, push);
   r.weight = K(0);
-  const real length = norm3(f.r);
+  const real length = norm3(f.d.r);
   if ((f.flags & (FOOT_CREASE | FOOT_BORDER)) && length > K(1024) * options.tolerance)
-    r.normal = mul3((is_within(view, f, options.spent) ? K(1) : K(-1)) / length, f.r);
+    r.normal = mul3((is_within(view, f, options.spent) ? K(1) : K(-1)) / length, f.d.r);
   return r;
 }
 
@@ -171,8 +171,8 @@ FN_LARGE int join_burier(surface_view view, hip_point h, uint patch, real3 outwa
     const int answer = is_in_part(view, f, options.spent);
     if (answer == BURIED_YES) u->rest[u->count++] = rest_of(view, f, push, options);
     if (answer != BURIED_NO) return answer;
-    if (adds_nearest && (nearest2 < K(0) || f.distance2 < nearest2)) {
-      nearest2 = f.distance2;
+    if (adds_nearest && (nearest2 < K(0) || f.d.distance2 < nearest2)) {
+      nearest2 = f.d.distance2;
       u->rest[u->count] = rest_of(view, f, push, options);
     }
   }
@@ -272,25 +272,24 @@ FN real3 along_seam(const union_search* u) {
   return unit3(cross3(u->rest[first].normal, u->rest[second].normal));
 }
 
-// The domain point of a foot, and that point as a foot of another HIP.
+// The domain point of a foot, and that point as a foot of another HIP. One of -1 evaluations is a
+// place, not evaluated yet.
 FN domain_point point_of(foot f) {
-  domain_point r = {f.patch, f.xi, f.eta};
+  domain_point r = {f.patch, f.d.xi, f.d.eta};
   return r;
 }
 FN foot foot_seen_from(surface_view view, hip_point h, foot f, track_options options) {
-  if (f.iterations < 0) {
+  if (f.d.evaluations < K(0)) {
     f = begin_foot(view, h, point_of(f), options);
-    f.iterations = 1;
+    f.d.evaluations = K(1);
     return f;
   }
-  const real unscale = numbers_of(view, f.patch)[PATCH_UNSCALE];
-  f.r = sub3(f.at.g, local_hip(view, h, f.patch));
-  f.distance2 = dot3(f.r, f.r) * unscale * unscale;
-  f.iterations = f.crossings = 0;
+  begin_foot_of(&f, f.patch);
+  begin_descent(&f.d);
+  move_descent(&f.d, make_vector(f.d.xi, f.d.eta), f.d.at, local_hip(view, h, f.patch),
+               numbers_of(view, f.patch)[PATCH_UNSCALE]);
   options.spent->fan_begin = options.spent->fan_steps;
-  f.flags = 0u;
-  f.last2 = f.before2 = -K(1);
-  f.bend = start_bend(view, f, options);
+  f.d.bend = start_bend(view, f, options);
   return f;
 }
 
@@ -304,7 +303,7 @@ FN int move_rests(surface_view view, hip_point h, union_search* u, track_options
     const real weight = u->rest[i].weight;
     const foot f =
         end_foot(view, x, foot_seen_from(view, x, u->rest[i].at, options), options, none);
-    are_there = are_there && (f.flags & FOOT_CONVERGED);
+    are_there = are_there && f.d.converged;
     u->rest[i] = rest_of(view, f, u->push, options);
     u->rest[i].weight = weight;
   }
@@ -330,7 +329,7 @@ FN int settle_on_one(surface_view view, hip_point h, union_search* u, track_opti
   const known_minimum none = {NONE, K(0)};
   keep_pressed(u);
   u->only = end_foot(view, h, foot_seen_from(view, h, u->rest[0].at, options), options, none);
-  if (u->only.distance2 > u->known2) return 1;  // nor is anything nearer that it leads to
+  if (u->only.d.distance2 > u->known2) return 1;  // nor is anything nearer that it leads to
   u->rest[0] = rest_of(view, u->only, make3(K(0), K(0), K(0)), options);
   u->push = u->rest[0].out;
   u->state = is_within(view, u->only, options.spent) ? CONTACT_TOUCHING : CONTACT_FREE;
@@ -355,7 +354,7 @@ FN int are_seen_from(surface_view view, hip_point h, const union_search* u) {
   for (int i = 0; i < u->count; ++i) {
     const foot f = u->rest[i].at;
     const real unscale = numbers_of(view, f.patch)[PATCH_UNSCALE];
-    const real3 out = mul3(unscale, sub3(f.at.g, local_hip(view, h, f.patch)));
+    const real3 out = mul3(unscale, sub3(f.d.at.g, local_hip(view, h, f.patch)));
     const real error = norm3(sub3(out, u->rest[i].out));
     if (!(error <= K(1024) * EPSILON * (reach_of_hip(h) + K(1)))) return 0;
   }
@@ -447,7 +446,7 @@ FN contact contact_of_union(surface_view view, hip_point h, const union_search* 
       if (u->rest[i].weight > u->rest[most].weight) most = i;
     }
     const foot at = u->rest[most].at;
-    c = contact_at(METHOD_GREGORY, at.patch, at.xi, at.eta, at.at.g, unit3(u->push), u->push);
+    c = contact_at(METHOD_GREGORY, at.patch, at.d.xi, at.d.eta, at.d.at.g, unit3(u->push), u->push);
     c.clear = norm3(u->push);
     c.flags |= FOOT_CREASE;
     for (int i = 0; i < u->count; ++i) {
@@ -470,11 +469,11 @@ FN union_search start_union(void) {
 FN union_search start_union_at(contact c) {
   union_search u = start_union();
   u.count = 1;
-  u.rest[0].at.patch = c.patch;
-  u.rest[0].at.xi = c.xi;
-  u.rest[0].at.eta = c.eta;
-  u.rest[0].at.at.g = c.scp;
-  u.rest[0].at.iterations = -1;
+  begin_foot_of(&u.rest[0].at, c.patch);
+  u.rest[0].at.d.evaluations = K(-1);
+  u.rest[0].at.d.xi = c.xi;
+  u.rest[0].at.d.eta = c.eta;
+  u.rest[0].at.d.at.g = c.scp;
   u.rest[0].normal = c.normal;
   u.rest[0].out = u.push = c.offset;
   u.rest[0].weight = K(1);
@@ -500,7 +499,7 @@ FN_LARGE void seek_on_patch(surface_view view, hip_point h, base_point base, uni
     u->only = search_patch(view, h, base.patch, options, u->only);
     u->rest[0] = rest_of(view, u->only, make3(K(0), K(0), K(0)), options);
     u->push = u->rest[0].out;
-    if (u->only.distance2 < u->known2 &&
+    if (u->only.d.distance2 < u->known2 &&
         join_burier(view, h, u->only.patch, u->rest[0].normal, u, 0, options) == BURIED_NO)
       u->state = CONTACT_TOUCHING;
     return;
