@@ -26,20 +26,14 @@ typedef struct {
   domain_point held[2];
 } contact;
 
+#define STORE_ONE(name, member) reals[kContact##name * stride] = c.member;
+#define STORE_THREE(name, member) store3(reals + kContact##name * stride, stride, c.member);
+#define STORE_WORD(name, member) uints[kContact##name * stride] = (uint)c.member;
+// clang-format off
 FN void store_contact(GLOBAL_OUT scalar* reals, GLOBAL_OUT uint* uints, ulong stride, contact c) {
-  reals[CONTACT_XI * stride] = c.xi;
-  reals[CONTACT_ETA * stride] = c.eta;
-  store3(reals + CONTACT_SCP * stride, stride, c.scp);
-  store3(reals + CONTACT_NORMAL * stride, stride, c.normal);
-  store3(reals + CONTACT_OFFSET * stride, stride, c.offset);
-  store3(reals + CONTACT_PUSH * stride, stride, c.push);
-  reals[CONTACT_CLEAR * stride] = c.clear;
-  uints[CONTACT_STATE * stride] = (uint)c.state;
-  uints[CONTACT_PATCH * stride] = c.patch;
-  uints[CONTACT_ITERATIONS * stride] = (uint)c.iterations;
-  uints[CONTACT_CROSSINGS * stride] = (uint)c.crossings;
-  uints[CONTACT_FLAGS * stride] = c.flags;
-}
+  CONTACT_NUMBERS(STORE_ONE, STORE_ONE, STORE_THREE, STORE_THREE, STORE_THREE)
+  CONTACT_WORDS(STORE_WORD)
+}  // clang-format on
 
 // Unit; that of the base polygon where nothing but rounding is left of the tangent plane.
 FN real3 normal_of_foot(surface_view view, foot f) {

@@ -224,7 +224,7 @@ class OpenClSurface final : public ResidentSurface {
 
   static std::size_t hip_bytes(std::size_t methods) {
     return 6 * sizeof(Real) +
-           methods * (kContactReals * sizeof(Real) + kContactUints * sizeof(cl_uint));
+           methods * (CONTACT_REALS * sizeof(Real) + CONTACT_UINTS * sizeof(cl_uint));
   }
 
   // Cuts [0, count) into chunks: enough to keep the device busy, few enough for its memory, and
@@ -386,8 +386,8 @@ class OpenClSurface final : public ResidentSurface {
   void start_hips(Turn& turn, const HipArrays<T>& hips, std::size_t begin, std::size_t count,
                   std::size_t methods) const {
     turn.in.resize(6 * count);
-    turn.out.resize(kContactReals * row_stride(methods * count));
-    turn.out_index.resize(kContactUints * row_stride(methods * count));
+    turn.out.resize(CONTACT_REALS * row_stride(methods * count));
+    turn.out_index.resize(CONTACT_UINTS * row_stride(methods * count));
     Real* in = turn.in.data();
     for_pieces(count, [&](std::size_t i) {
       const RawHip<Real> hip = raw_hip<Real>(cache_, hip_at(hips, begin + i));
@@ -404,8 +404,8 @@ class OpenClSurface final : public ResidentSurface {
     const cl_uint* uints = turn.out_index.data() + first;
     for_pieces(count, [&](std::size_t i) {
       RawContact<Real> raw;
-      for (std::size_t r = 0; r < kContactReals; ++r) raw.reals[r] = reals[r * stride + i];
-      for (std::size_t r = 0; r < kContactUints; ++r) raw.uints[r] = uints[r * stride + i];
+      for (std::size_t r = 0; r < CONTACT_REALS; ++r) raw.reals[r] = reals[r * stride + i];
+      for (std::size_t r = 0; r < CONTACT_UINTS; ++r) raw.uints[r] = uints[r * stride + i];
       store_contact(cache_, surface_, raw, out, i);
     });
   }

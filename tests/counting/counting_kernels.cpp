@@ -15,7 +15,7 @@ using Contacts = RawContact<GLISS_SCALAR>;
 void add_told(const Contacts* contacts, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) {
     counting::counts.told += contacts[i].evaluations;
-    counting::counts.iterations += contacts[i].uints[CONTACT_ITERATIONS] + 1;
+    counting::counts.iterations += contacts[i].uints[instance::kContactIterations] + 1;
   }
 }
 
