@@ -26,25 +26,19 @@ typedef struct {
   domain_point held[2];
 } contact;
 
+#define STORE_ONE(name, member) reals[kContact##name * stride] = c.member;
+#define STORE_THREE(name, member) store3(reals + kContact##name * stride, stride, c.member);
+#define STORE_WORD(name, member) uints[kContact##name * stride] = (uint)c.member;
+// clang-format off
 FN void store_contact(GLOBAL_OUT scalar* reals, GLOBAL_OUT uint* uints, ulong stride, contact c) {
-  reals[CONTACT_XI * stride] = c.xi;
-  reals[CONTACT_ETA * stride] = c.eta;
-  store3(reals + CONTACT_SCP * stride, stride, c.scp);
-  store3(reals + CONTACT_NORMAL * stride, stride, c.normal);
-  store3(reals + CONTACT_OFFSET * stride, stride, c.offset);
-  store3(reals + CONTACT_PUSH * stride, stride, c.push);
-  reals[CONTACT_CLEAR * stride] = c.clear;
-  uints[CONTACT_STATE * stride] = (uint)c.state;
-  uints[CONTACT_PATCH * stride] = c.patch;
-  uints[CONTACT_ITERATIONS * stride] = (uint)c.iterations;
-  uints[CONTACT_CROSSINGS * stride] = (uint)c.crossings;
-  uints[CONTACT_FLAGS * stride] = c.flags;
-}
+  CONTACT_NUMBERS(STORE_ONE, STORE_ONE, STORE_THREE, STORE_THREE, STORE_THREE)
+  CONTACT_WORDS(STORE_WORD)
+}  // clang-format on
 
 // Unit; that of the base polygon where nothing but rounding is left of the tangent plane.
 FN real3 normal_of_foot(surface_view view, foot f) {
-  const real3 normal = patch_normal(f.at);
-  const real longest2 = larger(dot3(f.at.g_xi, f.at.g_xi), dot3(f.at.g_eta, f.at.g_eta));
+  const real3 normal = patch_normal(f.d.at);
+  const real longest2 = larger(dot3(f.d.at.g_xi, f.d.at.g_xi), dot3(f.d.at.g_eta, f.d.at.g_eta));
   return SPANS_A_PLANE(norm3(normal), longest2, EPSILON)
              ? unit3(normal)
              : load3(numbers_of(view, f.patch), PATCH_NORMAL);
@@ -58,8 +52,8 @@ FN real angle_between(real3 a, real3 b) {
 }
 
 // The normal of the corner at which `side` starts, its length the angle there.
-FN real3 corner_normal(surface_view view, uint side) {
-  const corner_tangents t = tangents_at(view, side);
+FN real3 corner_normal(surface_view view, uint side, effort* spent) {
+  const corner_tangents t = tangents_at(view, side, spent);
   const real3 across = cross3(t.p, t.q);
   // Where a crease goes on through the corner, its tangents are one and say nothing.
   const int is_straight = HAS_CREASES(view) && norm3(across) <= K(1e-5f) * norm3(t.p) * norm3(t.q);
@@ -70,24 +64,24 @@ FN real3 corner_normal(surface_view view, uint side) {
 // The normal at a foot that is held by an edge or a corner with several normals: their sum, at a
 // corner by angle. It tells inside from outside whichever of the patches the foot belongs to
 // (Baerentzen and Aanaes 2005).
-FN_LARGE real3 crease_normal(surface_view view, foot f) {
+FN_LARGE real3 crease_normal(surface_view view, foot f, effort* spent) {
   const int n = valence_of(view, f.patch);
-  const held_sides held = sides_at(domain_of(view, n), n, f.xi, f.eta);
+  const held_sides held = sides_at(domain_of(view, n), n, f.d.xi, f.d.eta);
   const real3 own = normal_of_foot(view, f);
   real3 sum = own;
   if (held.b >= 0) {
     const uint start = view.side_begin[f.patch] + (uint)held.b;
-    sum = corner_normal(view, start);
+    sum = corner_normal(view, start, spent);
     fan_walk fan = start_fan(start);
     for (uint at = next_in_fan(view, &fan); at != NONE; at = next_in_fan(view, &fan))
-      sum = add3(sum, corner_normal(view, at));
+      sum = add3(sum, corner_normal(view, at, spent));
   } else if (held.a >= 0) {
     const uint side = view.side_begin[f.patch] + (uint)held.a, twin = view.side_twin[side];
     if (twin == NONE) return own;
-    const domain_point to = cross_edge(view, side, twin, f.xi, f.eta);
+    const domain_point to = cross_edge(view, side, twin, f.d.xi, f.d.eta);
     foot beyond = f;
     beyond.patch = to.patch;
-    beyond.at = evaluate_patch(view, to.patch, to.xi, to.eta);
+    beyond.d.at = evaluate_aside(view, to, spent);
     sum = add3(sum, normal_of_foot(view, beyond));
   }
   return norm3(sum) > K(0x1p-10f) ? unit3(sum) : own;
@@ -134,19 +128,19 @@ FN contact contact_at(int method, uint patch, real xi, real eta, real3 scp, real
   return c;
 }
 
-FN contact contact_of_foot(surface_view view, foot f) {
-  const real3 normal = f.flags & FOOT_CREASE ? crease_normal(view, f) : normal_of_foot(view, f);
-  contact c = contact_at(METHOD_GREGORY, f.patch, f.xi, f.eta, f.at.g, normal,
-                         mul3(numbers_of(view, f.patch)[PATCH_UNSCALE], f.r));
+FN contact contact_of_foot(surface_view view, foot f, effort* spent) {
+  const real3 normal =
+      f.flags & FOOT_CREASE ? crease_normal(view, f, spent) : normal_of_foot(view, f);
+  contact c = contact_at(METHOD_GREGORY, f.patch, f.d.xi, f.d.eta, f.d.at.g, normal,
+                         mul3(numbers_of(view, f.patch)[PATCH_UNSCALE], f.d.r));
   c.clear = sqrt(f.clear2);
-  c.iterations = f.iterations;
   c.crossings = f.crossings;
-  c.flags = f.flags;
+  c.flags = f.flags | (f.d.converged ? FOOT_CONVERGED : 0u);
   c.warm = 1;
-  c.bend = f.bend;
+  c.bend = f.d.bend;
   c.drift = make_vector(K(0), K(0));
   // Inside where the way out goes along the normal.
-  c.state = dot3(f.r, c.normal) > K(0) ? CONTACT_TOUCHING : CONTACT_FREE;
+  c.state = dot3(f.d.r, c.normal) > K(0) ? CONTACT_TOUCHING : CONTACT_FREE;
   return f.flags & FOOT_BORDER ? past_border(c, c.normal) : c;
 }
 
@@ -200,6 +194,15 @@ FN contact within_reach(hip_point h, contact c) {
   return c;
 }
 
+// Tells a contact, the last of its query, what that has spent. Its iterations are the evaluations
+// at feet after the first; those for tangents and normals of corners and creases, for a step that
+// was refused and for the paper's secants are none.
+FN void tell(contact* c, const effort* spent) {
+  PROMISE(spent->steps <= spent->evaluations);
+  c->iterations = spent->steps > 0 ? spent->steps - 1 : 0;
+  if (spent->is_cut) c->flags |= FOOT_UNFINISHED;
+}
+
 // Carry a contact found on one part to the union of all (union.h).
 FN_ONCE contact unite_nearest(surface_view view, hip_point h, contact c, track_options options);
 FN_LARGE contact unite_tracked(surface_view view, hip_point h, contact last, contact c,
@@ -207,9 +210,10 @@ FN_LARGE contact unite_tracked(surface_view view, hip_point h, contact last, con
 
 FN_LARGE contact nearest_contact_from(surface_view view, hip_point h, foot first,
                                       const near_patches* near, track_options options) {
-  const contact c =
-      within_reach(h, contact_of_foot(view, nearest_foot(view, h, first, near, options)));
-  return HAS_UNION(view) ? unite_nearest(view, h, c, options) : c;
+  const foot f = nearest_foot(view, h, first, near, options);
+  contact c = within_reach(h, contact_of_foot(view, f, options.spent));
+  if (HAS_UNION(view)) c = unite_nearest(view, h, c, options);
+  return c;
 }
 
 FN contact nearest_contact_of_base(surface_view view, hip_point h, base_point base,
@@ -231,9 +235,10 @@ FN_LARGE contact nearest_contact(surface_view view, hip_point h, base_point base
 FN_LARGE contact track_contact_from(surface_view view, hip_point h, contact last, foot first,
                                     track_options options) {
   const known_minimum none = {NONE, K(0)};
-  const contact c = within_reach(h, contact_of_foot(view, end_foot(view, h, first, options, none)));
-  return HAS_UNION(view) && options.max_iterations > 0 ? unite_tracked(view, h, last, c, options)
-                                                       : c;
+  const foot f = end_foot(view, h, first, options, none);
+  contact c = within_reach(h, contact_of_foot(view, f, options.spent));
+  if (HAS_UNION(view) && options.max_iterations > 0) c = unite_tracked(view, h, last, c, options);
+  return c;
 }
 
 // Local: the point that `last` was, after the HIP has moved to h. Without iterations it stays where
@@ -250,10 +255,15 @@ FN_LARGE contact track_contact(surface_view view, hip_point h, contact last,
 }
 
 // Where the contact would be had it gone on as in the last tick; where it was, if that is outside.
-FN domain_vector ahead_of(surface_view view, contact last) {
+FN domain_point ahead_of(surface_view view, contact last) {
   const int n = valence_of(view, last.patch);
+  domain_point r = {last.patch, last.xi, last.eta};
   const domain_vector ahead = make_vector(last.xi + last.drift.xi, last.eta + last.drift.eta);
-  return is_inside(domain_of(view, n), n, ahead) ? ahead : make_vector(last.xi, last.eta);
+  if (is_inside(domain_of(view, n), n, ahead)) {
+    r.xi = ahead.xi;
+    r.eta = ahead.eta;
+  }
+  return r;
 }
 
 // As track_contact after a tick that was in contact as well: starts from where the SCP was going,
@@ -261,18 +271,15 @@ FN domain_vector ahead_of(surface_view view, contact last) {
 FN_LARGE contact follow_contact(surface_view view, hip_point h, contact last,
                                 track_options options) {
   const known_minimum none = {NONE, K(0)};
-  const domain_vector ahead = ahead_of(view, last);
   track_options brief = options;
   brief.max_iterations = options.max_iterations < 8 ? options.max_iterations : 8;
-  foot f = start_foot(view, h, last.patch, ahead.xi, ahead.eta);
-  f.bend = last.bend;
+  foot f = start_foot(view, h, ahead_of(view, last), options.spent);
+  f.d.bend = last.bend;
   f = track_foot(view, h, f, brief, none);
-  if (!(f.flags & FOOT_CONVERGED)) {  // the hand did something else
-    contact again = track_contact(view, h, last, options);
-    again.iterations += f.iterations;
-    return again;
-  }
-  contact c = within_reach(h, contact_of_foot(view, f));
+  if (may_be_top(view, &f)) leave_top(view, h, &f, brief, none);
+  if (!f.d.converged)  // the hand did something else
+    return track_contact(view, h, last, options);
+  contact c = within_reach(h, contact_of_foot(view, f, options.spent));
   if (HAS_UNION(view)) c = unite_tracked(view, h, last, c, options);
   if (c.patch == last.patch) c.drift = make_vector(c.xi - last.xi, c.eta - last.eta);
   return c;

@@ -2,10 +2,41 @@
 // Newton steps, for as long as they are sound, stay inside and shorten the distance. What is not so
 // is left to track.h.
 
+// The account of a query: all that it has evaluated and walked, whichever of its searches did it.
+typedef struct {
+  int budget;       // evaluations after which no further descent begins; 0: no limit
+  int evaluations;  // of patches
+  int steps;        // those of them at feet: where descents begin, and each of their iterations
+  int fan_steps;    // sides passed on the way round corners that very many share
+  int fan_begin;    // these before the descent that goes on
+  int is_cut;       // the budget has ended a search in a union (union.h), whose answer is unknown
+} effort;
+
+FN effort begin_effort(int budget) {
+  effort r = {budget, 0, 0, 0, 0, 0};
+  return r;
+}
+
+// A walk round a corner of more sides counts: as an evaluation for so many each. No descent begins
+// one after so many.
+#define WIDE_FAN 64
+#define FAN_STEPS_AN_EVALUATION 16
+#define FAN_STEPS_A_DESCENT 8192
+
+// The evaluations that a query has spent, or the time of as many.
+FN int evaluations_spent(const effort* spent) {
+  return spent->evaluations + spent->fan_steps / FAN_STEPS_AN_EVALUATION;
+}
+
+// True if no further descent begins.
+FN int is_spent(const effort* spent) {
+  return spent->budget > 0 && evaluations_spent(spent) >= spent->budget;
+}
+
 typedef struct {
   int solver, max_iterations;
   scalar tolerance;  // length of the last step, local frame: relative to the size of the patch
-  int budget;        // evaluations after which a search begins no further descent; 0: no limit
+  effort* spent;     // by all that have a copy of these options
 } track_options;
 
 // Symmetric 2 x 2 matrix.
@@ -34,9 +65,27 @@ typedef struct {
   sym2 bend;         // estimate of the curvature term sum r . G_ij
   real last2;        // squared length of the last step, in the same patch; -1: there is none
   real before2;      // of the last whole step, in any patch
-  real evaluations;  // after the first
+  real evaluations;  // after the first, but for those that were refused
   mask converged;
+  mask refused;  // the last evaluation was no nearer: no step was taken
 } descent;
+
+// Makes it a descent that has taken no step.
+FN void begin_descent(descent* d) {
+  const real none = splat(K(0));
+  d->last2 = d->before2 = splat(K(-1));
+  d->evaluations = none;
+  d->converged = d->refused = none > none;
+}
+
+// Goes on where the patch is evaluated; hip and unscale as the patch's frame has them.
+FN void move_descent(descent* d, domain_vector x, patch_point at, real3 hip, real unscale) {
+  d->xi = x.xi;
+  d->eta = x.eta;
+  d->at = at;
+  d->r = sub3(at.g, hip);
+  d->distance2 = dot3(d->r, d->r) * unscale * unscale;
+}
 
 FN domain_vector gradient_of(patch_point at, real3 r) {
   return make_vector(dot3(at.g_xi, r), dot3(at.g_eta, r));
@@ -157,12 +206,32 @@ FN descent pick_descent(mask m, descent a, descent b) {
   return a;
 }
 
-// From where d is evaluated; hip and unscale as the patch's frame has them.
-FN descent descend(GLOBAL scalar* domain, control_data control, uint form, int n, real3 hip,
-                   real unscale, track_options options, descent d) {
+// Copies number by number. What is copied as a whole GCC keeps in memory, not in registers, which
+// costs a tick a third of the instructions of its descent.
+FN void copy_descent(descent* to, const descent* from) {
+  to->xi = from->xi;
+  to->eta = from->eta;
+  to->at.g = from->at.g;
+  to->at.g_xi = from->at.g_xi;
+  to->at.g_eta = from->at.g_eta;
+  to->r = from->r;
+  to->distance2 = from->distance2;
+  to->bend = from->bend;
+  to->last2 = from->last2;
+  to->before2 = from->before2;
+  to->evaluations = from->evaluations;
+  to->converged = from->converged;
+  to->refused = from->refused;
+}
+
+// Goes on from where a descent is; hip and unscale as the patch's frame has them.
+FN void descend(GLOBAL scalar* domain, control_data control, uint form, int n, real3 hip,
+                real unscale, track_options options, descent* at) {
+  descent d;
+  copy_descent(&d, at);
   const scalar tolerance2 = options.tolerance * options.tolerance, near = on_side_within(domain);
   const real most = splat((scalar)options.max_iterations), zero = splat(K(0));
-  mask going = d.evaluations < most;
+  mask going = d.evaluations<most, refused = zero> zero;
   while (any(going)) {
     const domain_vector gradient = gradient_of(d.at, d.r);
     const sym2 first = first_form(d.at);
@@ -180,12 +249,13 @@ FN descent descend(GLOBAL scalar* domain, control_data control, uint form, int n
         going & ((length2 <= splat(tolerance2)) | is_last(length2, d.last2, options.tolerance));
     const mask stays = going & at_rounding & (d.before2 > zero) & (length2 >= d.before2);
     going = without(going, slides | stays);
+    const domain_vector ahead = make_vector(d.xi + step.xi, d.eta + step.eta);
     descent next = d;
-    next.xi = d.xi + step.xi;
-    next.eta = d.eta + step.eta;
     if (any(slides)) {  // on the tangent plane
       const real3 move = fma3(step.xi, d.at.g_xi, mul3(step.eta, d.at.g_eta));
-      descent slid = next;
+      descent slid = d;
+      slid.xi = ahead.xi;
+      slid.eta = ahead.eta;
       slid.at.g = add3(d.at.g, move);
       slid.r = add3(d.r, move);
       slid.distance2 = dot3(slid.r, slid.r) * unscale * unscale;
@@ -193,17 +263,18 @@ FN descent descend(GLOBAL scalar* domain, control_data control, uint form, int n
     }
     d.converged = d.converged | slides | stays;
     if (!any(going)) break;
-    next.at = evaluate_form(domain, control, form, n, pick(going, next.xi, d.xi),
-                            pick(going, next.eta, d.eta));
-    next.r = sub3(next.at.g, hip);
-    next.distance2 = dot3(next.r, next.r) * unscale * unscale;
+    const domain_vector x = make_vector(pick(going, ahead.xi, d.xi), pick(going, ahead.eta, d.eta));
+    move_descent(&next, x, evaluate_form(domain, control, form, n, x.xi, x.eta), hip, unscale);
     if (options.solver == SOLVER_NEWTON)
       next.bend = bend_after(d.bend, d.at, gradient, step, next.at, next.r);
     next.last2 = next.before2 = length2;
     next.evaluations = d.evaluations + K(1);
-    going = going & ((next.distance2 < d.distance2) | at_rounding);
-    d = pick_descent(going, next, d);
+    const mask fell = going & ((next.distance2 < d.distance2) | at_rounding);
+    d = pick_descent(fell, next, d);
+    refused = refused | without(going, fell);
+    going = fell;
     going = going & (d.evaluations < most);
   }
-  return d;
+  d.refused = refused;
+  copy_descent(at, &d);
 }

@@ -63,6 +63,7 @@ BLENDS(blend_of_curved, FORM_CURVED)
 
 FN_LARGE patch_point evaluate_form(GLOBAL scalar* domain, control_data control, uint form, int n,
                                    real xi, real eta) {
+  EVALUATES;
   if (IS_FORM(form, FORM_BEZIER))
     return IS_VALENCE(n, 3) ? gregory_triangle(domain, control, xi, eta)
                             : gregory_quad(control, xi, eta);

@@ -160,21 +160,31 @@
 #define SOLVER_GAUSS_NEWTON 1  // tangent plane only
 #define SOLVER_PAPER 2         // section 4.2 as printed: secants of 0.1, no safeguard
 
-// A contact in memory: CONTACT_REALS rows of numbers and CONTACT_UINTS of whole ones.
-#define CONTACT_XI 0
-#define CONTACT_ETA 1
-#define CONTACT_SCP 2
-#define CONTACT_NORMAL 5
-#define CONTACT_OFFSET 8
-#define CONTACT_PUSH 11
-#define CONTACT_CLEAR 14
-#define CONTACT_REALS 15
-#define CONTACT_STATE 0
-#define CONTACT_PATCH 1
-#define CONTACT_ITERATIONS 2
-#define CONTACT_CROSSINGS 3
-#define CONTACT_FLAGS 4
-#define CONTACT_UINTS 5
+// A contact in memory: a row for each number, and each coordinate of a triple, by what it is
+// measured in. NUMBER and LENGTH: one, a length of the mesh frame; POINT, DIRECTION and WAY:
+// triples, a point of the patch's frame, a unit vector, a vector of the mesh frame. Words are whole
+// numbers. Each has the name of its row and that of its member (contact.h).
+#define CONTACT_NUMBERS(NUMBER, LENGTH, POINT, DIRECTION, WAY) \
+  NUMBER(Xi, xi)                                               \
+  NUMBER(Eta, eta)                                             \
+  POINT(Scp, scp)                                              \
+  DIRECTION(Normal, normal)                                    \
+  WAY(Offset, offset)                                          \
+  WAY(Push, push)                                              \
+  LENGTH(Clear, clear)
+#define CONTACT_WORDS(WORD)    \
+  WORD(State, state)           \
+  WORD(Patch, patch)           \
+  WORD(Iterations, iterations) \
+  WORD(Crossings, crossings)   \
+  WORD(Flags, flags)
+// Its rows, kContactXi to kContactClear and kContactState to kContactFlags, and how many there are.
+#define CONTACT_ROW(name, member) kContact##name,
+#define CONTACT_ROWS(name, member) kContact##name, kContact##name##End = kContact##name + 2,
+enum {
+  CONTACT_NUMBERS(CONTACT_ROW, CONTACT_ROW, CONTACT_ROWS, CONTACT_ROWS, CONTACT_ROWS) CONTACT_REALS
+};
+enum { CONTACT_WORDS(CONTACT_ROW) CONTACT_UINTS };
 
 // A contact's flags, of its foot.
 #define FOOT_CONVERGED 1u  // the next step is shorter than the tolerance

@@ -9,15 +9,17 @@ __kernel GROUP void nearest(SURFACE_ARGUMENTS, uint count, __global const scalar
   const ulong i = get_global_id(0), stride = ROW_STRIDE(count * (ulong)method_count);
   if (i >= count) return;
   const surface_view view = SURFACE_VIEW;
-  const track_options options = {solver, max_iterations, tolerance, budget};
+  effort spent;
+  const track_options options = {solver, max_iterations, tolerance, &spent};
   const hip_point h = load_hip(hip + i, count);
   near_patches near;
   const base_point base = nearest_base(view, h, 0u, 1, &near);
   const polygon_blend blend = blend_on_polygon(view, base.patch, base.at);
   for (uint m = 0; m < method_count; ++m) {
     const ulong at = m * (ulong)count + i;
-    store_contact(reals + at, uints + at, stride,
-                  nearest_contact(view, h, base, blend, &near, (int)(methods >> 4 * m & 15u),
-                                  options));
+    spent = begin_effort(budget);
+    contact c = nearest_contact(view, h, base, blend, &near, (int)(methods >> 4 * m & 15u), options);
+    tell(&c, &spent);
+    store_contact(reals + at, uints + at, stride, c);
   }
 }

@@ -9,6 +9,12 @@
 
 typedef GLISS_SCALAR scalar;
 
+// What a build of the tests counts and checks (tests/counting): nothing in all others.
+#ifndef EVALUATES
+#define EVALUATES
+#define PROMISE(holds)
+#endif
+
 #ifdef __OPENCL_C_VERSION__
 
 #pragma OPENCL FP_CONTRACT OFF

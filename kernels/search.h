@@ -164,15 +164,49 @@ FN_LARGE base_point track_base(surface_view view, hip_point h, uint patch, int m
 // Evaluated where a search starts; end_foot goes on from there, or from where lanes have brought it
 // (descent.h).
 FN foot begin_foot(surface_view view, hip_point h, domain_point at, track_options options) {
-  foot f = start_foot(view, h, at.patch, at.xi, at.eta);
-  f.bend = start_bend(view, f, options);
+  foot f = start_foot(view, h, at, options.spent);
+  f.d.bend = start_bend(view, f, options);
   return f;
 }
+// True if a foot may have become a top, as where the HIP goes straight through a ball: no step was
+// needed, or one of rounding, and deeper than the radius of curvature ways lead down from there.
+FN int may_be_top(surface_view view, const foot* f) {
+  if (f->d.evaluations > K(1) || f->d.before2 >= K(0x1p-30f) || !f->d.converged ||
+      (f->flags & (FOOT_BORDER | FOOT_CREASE)))
+    return 0;
+  const real curvature = numbers_of(view, f->patch)[PATCH_CURVATURE];
+  return dot3(f->d.r, f->d.r) * curvature * curvature > K(1);
+}
+
+// Moves a foot to the first of eight points round it that is nearer, and on from there.
+FN_LARGE void leave_top(surface_view view, hip_point h, foot* f, track_options options,
+                        known_minimum known) {
+  const int n = valence_of(view, f->patch);
+  const real half_root = sqrt(K(0.5f));
+  domain_vector way = make_vector(K(0x1p-5f), K(0));
+  for (int i = 0; i < 8 && f->d.evaluations < (real)options.max_iterations; ++i) {
+    const domain_point at = {f->patch, f->d.xi + way.xi, f->d.eta + way.eta};
+    way = make_vector(half_root * (way.xi - way.eta), half_root * (way.xi + way.eta));
+    if (!is_inside(domain_of(view, n), n, make_vector(at.xi, at.eta))) continue;
+    f->d.evaluations += K(1);
+    foot aside = move_foot(view, h, *f, at, options.spent);
+    if (!(aside.d.distance2 < f->d.distance2)) continue;
+    aside.d.converged = 0;
+    aside.d.last2 = aside.d.before2 = -K(1);
+    aside.d.bend = start_bend(view, aside, options);
+    *f = track_foot(view, h, aside, options, known);
+    return;
+  }
+}
+
 FN foot end_foot(surface_view view, hip_point h, foot f, track_options options,
                  known_minimum known) {
-  if (!is_descending(f, options)) return f;
-  return options.solver == SOLVER_PAPER ? track_as_printed(view, h, f, options)
-                                        : track_foot(view, h, f, options, known);
+  if (is_descending(f, options))
+    f = options.solver == SOLVER_PAPER ? track_as_printed(view, h, f, options)
+                                       : track_foot(view, h, f, options, known);
+  if (options.solver != SOLVER_PAPER && may_be_top(view, &f))
+    leave_top(view, h, &f, options, known);
+  return f;
 }
 
 // Where the nearest point of a base polygon lies in the domain (4.1).
@@ -187,28 +221,15 @@ FN domain_point start_on_base(surface_view view, base_point base) {
 // True if a search goes on with `a`: not for a rounding, by which other patches would decide, but
 // where it alone has converged.
 FN int is_nearer(foot a, foot b) {
-  const real rounding = K(8) * EPSILON * b.distance2;
-  const int converges = (a.flags & FOOT_CONVERGED) && !(b.flags & FOOT_CONVERGED);
-  return a.distance2 < b.distance2 + (converges ? rounding : -rounding);
-}
-
-// True if a search has spent the evaluations that it may.
-FN int is_beyond(int evaluations, track_options options) {
-  return options.budget > 0 && evaluations >= options.budget;
-}
-FN int is_spent(foot best, track_options options) {
-  return is_beyond(best.iterations + best.starts + best.walked / FAN_STEPS_AN_EVALUATION, options);
+  const real rounding = K(8) * EPSILON * b.d.distance2;
+  const int converges = a.d.converged && !b.d.converged;
+  return a.d.distance2 < b.d.distance2 + (converges ? rounding : -rounding);
 }
 
 // The better of what a search has found and another foot of it.
 FN foot better_foot(foot best, foot f) {
-  const int iterations = best.iterations + f.iterations, starts = best.starts + f.starts,
-            walked = best.walked + f.walked;
   const real clear2 = best.clear2;
   if (best.patch == NONE || is_nearer(f, best)) best = f;
-  best.iterations = iterations;
-  best.starts = starts;
-  best.walked = walked;
   best.clear2 = clear2;
   return best;
 }
@@ -286,12 +307,12 @@ FN int nearest_open(const open_tiles* open, real distance2) {
 FN int is_within_half_radius(surface_view view, foot f, uint patch) {
   GLOBAL scalar* numbers = numbers_of(view, patch);
   const real curvature = numbers[PATCH_CURVATURE] * numbers[PATCH_SCALE];
-  return f.distance2 * curvature * curvature < K(0.25f);
+  return f.d.distance2 * curvature * curvature < K(0.25f);
 }
 
 // True if a minimum is the only one of its patch.
 FN int is_sole_minimum(surface_view view, foot f) {
-  return (f.flags & FOOT_CONVERGED) && is_within_half_radius(view, f, f.patch);
+  return f.d.converged && is_within_half_radius(view, f, f.patch);
 }
 
 // True if a patch joins another along one of its sides, with one normal there.
@@ -313,7 +334,7 @@ FN int is_sole_beside(surface_view view, foot f, uint patch) {
   if ((f.flags & (FOOT_BORDER | FOOT_CREASE)) || !is_sole_minimum(view, f) ||
       !is_within_half_radius(view, f, patch))
     return 0;
-  const real3 normal = patch_normal(f.at), other = load3(numbers_of(view, patch), PATCH_NORMAL);
+  const real3 normal = patch_normal(f.d.at), other = load3(numbers_of(view, patch), PATCH_NORMAL);
   if (!(dot3(normal, other) > K(0.5f) * norm3(normal))) return 0;
   const int is_smaller = valence_of(view, patch) < valence_of(view, f.patch);
   return joins(view, is_smaller ? patch : f.patch, is_smaller ? f.patch : patch);
@@ -321,43 +342,45 @@ FN int is_sole_beside(surface_view view, foot f, uint patch) {
 
 // True if the squared distance is convex all the way to the minimum that is known, in its patch.
 FN int leads_to(surface_view view, hip_point h, foot f, foot best) {
-  if (f.patch != best.patch || !(best.flags & FOOT_CONVERGED)) return 0;
+  if (f.patch != best.patch || !best.d.converged) return 0;
   const patch_tiles tiles = tiles_of(view, h, f.patch);
-  return is_convex_between(tiles, domain_of(view, tiles.n), make_vector(f.xi, f.eta),
-                           make_vector(best.xi, best.eta),
-                           sqrt(best.distance2) * numbers_of(view, f.patch)[PATCH_SCALE]);
+  return is_convex_between(tiles, domain_of(view, tiles.n), make_vector(f.d.xi, f.d.eta),
+                           make_vector(best.d.xi, best.d.eta),
+                           sqrt(best.d.distance2) * numbers_of(view, f.patch)[PATCH_SCALE]);
 }
 
 // Leaps on along the way from one foot of a descent to the next, for as long as that is nearer.
 // Where the distance is nearly level, along a valley or a ridge, steps are short.
-FN_LARGE foot leap_ahead(surface_view view, hip_point h, foot from, foot f, int max_iterations) {
+FN_LARGE foot leap_ahead(surface_view view, hip_point h, foot from, foot f, track_options options) {
   if (f.patch != from.patch) return f;
   const int n = valence_of(view, f.patch);
-  const domain_vector way = make_vector(f.xi - from.xi, f.eta - from.eta);
-  for (real length = K(4); f.iterations < max_iterations; length *= K(4)) {
-    const domain_vector at = make_vector(fma(length, way.xi, f.xi), fma(length, way.eta, f.eta));
+  const domain_vector way = make_vector(f.d.xi - from.d.xi, f.d.eta - from.d.eta);
+  for (real length = K(4); f.d.evaluations < options.max_iterations; length *= K(4)) {
+    const domain_vector at =
+        make_vector(fma(length, way.xi, f.d.xi), fma(length, way.eta, f.d.eta));
     if (!is_inside(domain_of(view, n), n, at)) break;
-    ++f.iterations;
-    const foot to = move_foot(view, h, f, f.patch, at.xi, at.eta);
-    if (!(to.distance2 < f.distance2)) break;
+    ++f.d.evaluations;
+    const domain_point there = {f.patch, at.xi, at.eta};
+    const foot to = move_foot(view, h, f, there, options.spent);
+    if (!(to.d.distance2 < f.d.distance2)) break;
     f = to;
     f.flags &= ~(FOOT_BORDER | FOOT_CREASE);
-    f.last2 = f.before2 = -K(1);
+    f.d.last2 = f.d.before2 = -K(1);
   }
   return f;
 }
 
 // The squared distance (mesh frame) that a foot is above the minimum of its model, a step away.
 FN real fall_of(surface_view view, foot f, domain_vector step) {
-  const domain_vector gradient = gradient_of(f.at, f.r);
+  const domain_vector gradient = gradient_of(f.d.at, f.d.r);
   const real unscale = numbers_of(view, f.patch)[PATCH_UNSCALE];
   return -fma(gradient.xi, step.xi, gradient.eta * step.eta) * unscale * unscale;
 }
 
 // True if a step takes a foot to the minimum that is known, but for a quarter of the way at most.
 FN int steps_to(foot f, domain_vector step, sym2 first, foot best) {
-  if (f.patch != best.patch || !(best.flags & FOOT_CONVERGED)) return 0;
-  const domain_vector way = make_vector(best.xi - f.xi, best.eta - f.eta),
+  if (f.patch != best.patch || !best.d.converged) return 0;
+  const domain_vector way = make_vector(best.d.xi - f.d.xi, best.d.eta - f.d.eta),
                       rest = make_vector(way.xi - step.xi, way.eta - step.eta);
   return quadratic(first, rest) <= K(0x1p-4f) * quadratic(first, way);
 }
@@ -374,28 +397,29 @@ FN_LARGE foot descend_from_tile(surface_view view, hip_point h, foot f, track_op
                                 foot best) {
   // A minimum that is its patch's only one needs no search there.
   const int is_sole = is_sole_minimum(view, best);
-  const known_minimum known = {is_sole ? best.patch : NONE, best.distance2};
+  const known_minimum known = {is_sole ? best.patch : NONE, best.d.distance2};
   track_options some = options;
   int steps = STEPS_AT_ONCE;
-  while (f.iterations < options.max_iterations) {
+  while (f.d.evaluations < options.max_iterations) {
     const foot from = f;
-    some.max_iterations = f.iterations + (f.distance2 < best.distance2 ? STEPS_NEARER : steps);
+    some.max_iterations =
+        (int)f.d.evaluations + (f.d.distance2 < best.d.distance2 ? STEPS_NEARER : steps);
     if (some.max_iterations > options.max_iterations) some = options;
     f = end_foot(view, h, f, some, known);
-    if ((f.flags & FOOT_CONVERGED) || f.iterations == from.iterations) break;
-    const sym2 first = first_form(f.at);
-    const newton_model model = model_of(first, f.bend);
-    const int fell = f.distance2 < from.distance2;
-    if (fell && !model.is_sound) f = leap_ahead(view, h, from, f, options.max_iterations);
-    if (f.distance2 < best.distance2) continue;
+    if (f.d.converged || f.d.evaluations == from.d.evaluations) break;
+    const sym2 first = first_form(f.d.at);
+    const newton_model model = model_of(first, f.d.bend);
+    const int fell = f.d.distance2 < from.d.distance2;
+    if (fell && !model.is_sound) f = leap_ahead(view, h, from, f, options);
+    if (f.d.distance2 < best.d.distance2) continue;
     if (is_sole && f.patch == best.patch) break;
     if (!fell) {  // where so many do not suffice to shorten a step
       steps *= 2;
       continue;
     }
     if (model.is_sound && options.solver == SOLVER_NEWTON) {
-      const domain_vector step = solve(model.m, model.det, gradient_of(f.at, f.r));
-      if (f.distance2 - MOST_FALL * fall_of(view, f, step) > best.distance2) break;
+      const domain_vector step = solve(model.m, model.det, gradient_of(f.d.at, f.d.r));
+      if (f.d.distance2 - MOST_FALL * fall_of(view, f, step) > best.d.distance2) break;
       if (steps_to(f, step, first, best)) break;
     }
     if (leads_to(view, h, f, best)) break;
@@ -409,19 +433,20 @@ FN foot search_tile(surface_view view, hip_point h, uint patch, patch_tiles tile
   const real scale = numbers_of(view, patch)[PATCH_SCALE];
   const domain_vector at = open->middle[from];
   const int tile = open->tile[from];
-  foot f = start_foot(view, h, patch, at.xi, at.eta);
-  f.bend = bend_of(f.at, f.r, second_of(tiles, tile), options.solver);
+  const domain_point middle = {patch, at.xi, at.eta};
+  foot f = start_foot(view, h, middle, options.spent);
+  f.d.bend = bend_of(f.d.at, f.d.r, second_of(tiles, tile), options.solver);
   f = descend_from_tile(view, h, f, options, best);
   best = better_foot(best, f);
   open->is_settled[from] = 1;
   --open->left;
-  const real distance = sqrt(best.distance2) * scale;
+  const real distance = sqrt(best.d.distance2) * scale;
   if (open->left == 0) return best;
   if (f.patch != patch) {  // out of a convex tile: out of its neighbours as well
     if (is_convex(tiles, tile, open->height[from], distance))
       settle_tiles(view, tiles, at, K(0.7f) / (real)tiles.levels, distance, open);
-  } else if (f.flags & FOOT_CONVERGED) {
-    settle_tiles(view, tiles, make_vector(f.xi, f.eta), K(2), distance, open);
+  } else if (f.d.converged) {
+    settle_tiles(view, tiles, make_vector(f.d.xi, f.d.eta), K(2), distance, open);
   }
   return best;
 }
@@ -434,14 +459,14 @@ FN_LARGE foot search_tiles(surface_view view, hip_point h, uint patch, track_opt
   const patch_tiles tiles = tiles_of(view, h, patch);
   open_tiles open;
   for (int next = 0; next < tiles.at.count;) {
-    next = gather_tiles(view, tiles, next, best.distance2, &open);
-    if (best.patch == patch && open.left > 0 && (best.flags & FOOT_CONVERGED))
-      settle_tiles(view, tiles, make_vector(best.xi, best.eta), K(2), sqrt(best.distance2) * scale,
-                   &open);
+    next = gather_tiles(view, tiles, next, best.d.distance2, &open);
+    if (best.patch == patch && open.left > 0 && best.d.converged)
+      settle_tiles(view, tiles, make_vector(best.d.xi, best.d.eta), K(2),
+                   sqrt(best.d.distance2) * scale, &open);
     while (open.left > 0) {
-      const int from = nearest_open(&open, best.distance2);
+      const int from = nearest_open(&open, best.d.distance2);
       if (from < 0) break;
-      if (is_spent(best, options)) {
+      if (is_spent(options.spent)) {
         best.clear2 = smaller(open.distance2[from], best.clear2);
         break;
       }
@@ -458,22 +483,23 @@ FN foot search_patch(surface_view view, hip_point h, uint patch, track_options o
   return is_sole ? best : search_tiles(view, h, patch, options, best);
 }
 
-// Ends a search: clear2 and FOOT_UNFINISHED say what it left out, and its iterations count all
-// evaluations but the first.
+// Ends a search: clear2 and FOOT_UNFINISHED say what it left out.
 FN foot finish_search(foot best) {
-  best.iterations += best.starts - 1;
   const real rounding = K(64) * EPSILON * best.clear2;
-  if (best.clear2 - rounding < best.distance2) {
+  if (best.clear2 - rounding < best.d.distance2) {
     best.clear2 = best.clear2 - rounding;
     best.flags |= FOOT_UNFINISHED;
   } else {
-    best.clear2 = best.distance2;
+    best.clear2 = best.d.distance2;
   }
   return best;
 }
 
 // Patches whose tiles a search with a budget looks at, for each of its evaluations.
 #define PATCHES_AN_EVALUATION 4
+FN int is_enough(int patches, const effort* spent) {
+  return spent->budget > 0 && patches / PATCHES_AN_EVALUATION >= spent->budget;
+}
 
 // The patches whose boxes are nearer than `limit2`, if there is room for them.
 FN_LARGE void find_near(surface_view view, hip_point h, real limit2, near_patches* near) {
@@ -494,11 +520,11 @@ FN_LARGE foot search_beyond(surface_view view, hip_point h, uint first, const ne
   const real last2 = near->box2[near->count - 1];
   walk w = start_walk(view);
   int searched = near->count;
-  for (uint p = next_patch(view, &w, h.high, best.distance2); p != NONE;
-       p = next_patch(view, &w, h.high, best.distance2)) {
+  for (uint p = next_patch(view, &w, h.high, best.d.distance2); p != NONE;
+       p = next_patch(view, &w, h.high, best.d.distance2)) {
     const real box2 = larger(patch_box_distance2(view, h, p), last_box_distance2(&w));
-    if (p == first || !(box2 < best.distance2) || !comes_before(last2, last, box2, p)) continue;
-    if (options.budget > 0 && searched++ / PATCHES_AN_EVALUATION >= options.budget) {
+    if (p == first || !(box2 < best.d.distance2) || !comes_before(last2, last, box2, p)) continue;
+    if (is_enough(searched++, options.spent)) {
       best.clear2 = smaller(box2, best.clear2);
     } else {
       best = search_patch(view, h, p, options, best);
@@ -516,21 +542,21 @@ FN_LARGE foot nearest_foot(surface_view view, hip_point h, foot first, const nea
   foot best = end_foot(view, h, first, options, none);
   best.clear2 = K(INFINITY);
   best = search_patch(view, h, first.patch, options, best);
-  const real rounding = K(64) * EPSILON * best.distance2;
+  const real rounding = K(64) * EPSILON * best.d.distance2;
   near_patches all;
-  if (!(best.distance2 + rounding <= near->complete2)) {
-    find_near(view, h, best.distance2 + rounding, &all);
+  if (!(best.d.distance2 + rounding <= near->complete2)) {
+    find_near(view, h, best.d.distance2 + rounding, &all);
     near = &all;
   }
-  for (int i = 0; i < near->count && near->box2[i] < best.distance2; ++i) {
+  for (int i = 0; i < near->count && near->box2[i] < best.d.distance2; ++i) {
     if (near->patch[i] == first.patch) continue;
-    if (options.budget > 0 && i / PATCHES_AN_EVALUATION >= options.budget) {
+    if (is_enough(i, options.spent)) {
       best.clear2 = smaller(near->box2[i], best.clear2);
     } else {
       best = search_patch(view, h, near->patch[i], options, best);
     }
   }
-  if (near->complete2 < best.distance2)
+  if (near->complete2 < best.d.distance2)
     best = search_beyond(view, h, first.patch, near, options, best);
   return finish_search(best);
 }

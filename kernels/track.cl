@@ -10,13 +10,15 @@ __kernel GROUP void track(SURFACE_ARGUMENTS, uint count, __global const scalar* 
   const ulong i = get_global_id(0);
   if (i >= count) return;
   const surface_view view = SURFACE_VIEW;
-  const track_options options = {solver, max_iterations, tolerance, budget};
+  effort spent = begin_effort(budget);
+  const track_options options = {solver, max_iterations, tolerance, &spent};
   contact last;
   last.method = method;
   last.patch = start_patch[i];
   last.xi = start[i];
   last.eta = start[count + i];
   last.held_count = 0;
-  store_contact(reals + i, uints + i, ROW_STRIDE(count),
-                track_contact(view, load_hip(hip + i, count), last, options));
+  contact c = track_contact(view, load_hip(hip + i, count), last, options);
+  tell(&c, &spent);
+  store_contact(reals + i, uints + i, ROW_STRIDE(count), c);
 }

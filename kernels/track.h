@@ -9,42 +9,44 @@ typedef struct {
 
 typedef struct {
   uint patch;
-  real xi, eta;
-  patch_point at;  // local frame
-  real3 r;         // SCP - HIP, local frame
-  real distance2;  // squared, mesh frame
-  real clear2;     // squared, mesh frame: no point of the surface is nearer, as far as is known
-  int starts;      // first evaluations of a search
-  int iterations;  // evaluations after the first
-  int crossings;   // edges and corners crossed
-  int walked;      // sides passed on the way round corners that very many share
-  uint flags;      // FOOT_*
-  sym2 bend;       // as a descent has it, like the next two
-  real last2, before2;
+  descent d;
+  real clear2;    // squared, mesh frame: no point of the surface is nearer, as far as is known
+  int crossings;  // edges and corners crossed
+  uint flags;     // FOOT_*, but for FOOT_CONVERGED
 } foot;
 
-FN foot move_foot(surface_view view, hip_point h, foot from, uint patch, real xi, real eta) {
-  foot f = from;
-  f.patch = patch;
-  f.xi = xi;
-  f.eta = eta;
-  f.at = evaluate_patch(view, patch, xi, eta);
-  f.r = sub3(f.at.g, local_hip(view, h, patch));
-  const real unscale = numbers_of(view, patch)[PATCH_UNSCALE];
-  f.distance2 = dot3(f.r, f.r) * unscale * unscale;
+// Evaluates a patch at a foot, and elsewhere for what a step of it needs to know.
+FN patch_point evaluate_step(surface_view view, domain_point at, effort* spent) {
+  ++spent->evaluations;
+  ++spent->steps;
+  return evaluate_patch(view, at.patch, at.xi, at.eta);
+}
+FN patch_point evaluate_aside(surface_view view, domain_point at, effort* spent) {
+  ++spent->evaluations;
+  return evaluate_patch(view, at.patch, at.xi, at.eta);
+}
+
+FN foot move_foot(surface_view view, hip_point h, foot f, domain_point at, effort* spent) {
+  f.patch = at.patch;
+  move_descent(&f.d, make_vector(at.xi, at.eta), evaluate_step(view, at, spent),
+               local_hip(view, h, at.patch), numbers_of(view, at.patch)[PATCH_UNSCALE]);
   return f;
 }
 
-FN foot start_foot(surface_view view, hip_point h, uint patch, real xi, real eta) {
+// Makes it a foot that nothing is known of but its descent.
+FN void begin_foot_of(foot* f, uint patch) {
+  f->patch = patch;
+  f->clear2 = K(0);
+  f->crossings = 0;
+  f->flags = 0u;
+}
+
+FN foot start_foot(surface_view view, hip_point h, domain_point at, effort* spent) {
   foot f;
-  f.clear2 = K(0);
-  f.starts = 1;
-  f.iterations = 0;
-  f.crossings = 0;
-  f.walked = 0;
-  f.flags = 0u;
-  f.last2 = f.before2 = -K(1);
-  return move_foot(view, h, f, patch, xi, eta);
+  begin_foot_of(&f, at.patch);
+  begin_descent(&f.d);
+  spent->fan_begin = spent->fan_steps;
+  return move_foot(view, h, f, at, spent);
 }
 
 // Sides on which a domain point lies: none (-1), one (a), or the two at corner b.
@@ -110,7 +112,7 @@ typedef struct {
   int are_slopes;  // of the patch there: the shorter has the rounding of the longer
 } corner_tangents;
 
-FN corner_tangents tangents_at(surface_view view, uint side) {
+FN corner_tangents tangents_at(surface_view view, uint side, effort* spent) {
   const uint patch = view.side_patch[side], form = view.form[patch];
   const int n = valence_of(view, patch), k = (int)(side - view.side_begin[patch]);
   corner_tangents r;
@@ -124,15 +126,16 @@ FN corner_tangents tangents_at(surface_view view, uint side) {
   GLOBAL scalar* domain = domain_of(view, n);
   const domain_vector at = domain_corner(domain, k), a = domain_corner(domain, wrap(k + 1, n)),
                       b = domain_corner(domain, wrap(k - 1, n));
-  const patch_point g = evaluate_patch(view, patch, at.xi, at.eta);
+  const domain_point corner = {patch, at.xi, at.eta};
+  const patch_point g = evaluate_aside(view, corner, spent);
   r.p = fma3(a.xi - at.xi, g.g_xi, mul3(a.eta - at.eta, g.g_eta));
   r.q = fma3(b.xi - at.xi, g.g_xi, mul3(b.eta - at.eta, g.g_eta));
   return r;
 }
 
 // True if the direction w, seen from the corner where `side` starts, points into the side's patch.
-FN int in_sector(surface_view view, uint side, real3 w) {
-  const corner_tangents t = tangents_at(view, side);
+FN int in_sector(surface_view view, uint side, real3 w, effort* spent) {
+  const corner_tangents t = tangents_at(view, side, spent);
   const real3 p = t.p, q = t.q;
   const real pp = dot3(p, p), pq = dot3(p, q), qq = dot3(q, q), wp = dot3(w, p), wq = dot3(w, q);
   const real a = wp * qq - wq * pq, b = wq * pp - wp * pq;
@@ -173,16 +176,17 @@ FN uint next_in_fan(surface_view view, fan_walk* w) {
 typedef struct {
   uint side;
   int is_border;  // of NONE: a border runs through the vertex
-  int steps;      // sides passed
 } fan_place;
 
-FN_LARGE fan_place find_in_fan(surface_view view, uint side, real3 w) {
-  fan_place r = {NONE, 0, 0};
+FN_LARGE fan_place find_in_fan(surface_view view, uint side, real3 w, effort* spent) {
+  fan_place r = {NONE, 0};
   fan_walk fan = start_fan(side);
+  int steps = 0;
   for (r.side = next_in_fan(view, &fan); r.side != NONE; r.side = next_in_fan(view, &fan)) {
-    ++r.steps;
-    if (in_sector(view, r.side, w)) break;
+    ++steps;
+    if (in_sector(view, r.side, w, spent)) break;
   }
+  spent->fan_steps += steps > WIDE_FAN ? steps : 0;
   r.is_border = fan.met_border;
   return r;
 }
@@ -195,27 +199,27 @@ FN int are_apart(surface_view view, uint a, uint b) {
 
 // True if the edge where `side` starts is a crease there: the patches on both sides have normals of
 // their own and one tangent. Where normals differ and no crease was asked for, so do tangents.
-FN int is_crease_at(surface_view view, uint side) {
+FN int is_crease_at(surface_view view, uint side, effort* spent) {
   const uint twin = view.side_twin[side];
   if (twin == NONE) return 0;
   const uint beyond = next_in_patch(view, twin);
   if (!are_apart(view, side, beyond)) return 0;
-  const real3 p = tangents_at(view, side).p, q = tangents_at(view, beyond).q;
+  const real3 p = tangents_at(view, side, spent).p, q = tangents_at(view, beyond, spent).q;
   return norm3(cross3(p, q)) <= K(1e-5f) * norm3(p) * norm3(q);
 }
 
 // The side, of those that start at the same vertex, whose patch has the crease or border there that
 // goes most along a direction: from a corner a way may point into no patch and yet lead along an
 // edge that is none of the two of `side`'s patch. NONE where one of these leads there, or none.
-FN_LARGE uint edge_in_fan(surface_view view, uint side, real3 w) {
+FN_LARGE uint edge_in_fan(surface_view view, uint side, real3 w, effort* spent) {
   uint best = NONE;
   real most = K(16) * EPSILON * norm3(w);
   fan_walk fan = start_fan(side);
   for (uint at = side; at != NONE; at = next_in_fan(view, &fan)) {
-    const corner_tangents t = tangents_at(view, at);
+    const corner_tangents t = tangents_at(view, at, spent);
     const real forth = dot3(t.p, w) / larger(norm3(t.p), TINY),
                back = dot3(t.q, w) / larger(norm3(t.q), TINY);
-    if (forth > most && (view.side_twin[at] == NONE || is_crease_at(view, at))) {
+    if (forth > most && (view.side_twin[at] == NONE || is_crease_at(view, at, spent))) {
       most = forth;
       best = at;
     }
@@ -225,15 +229,9 @@ FN_LARGE uint edge_in_fan(surface_view view, uint side, real3 w) {
     }
   }
   if (best == NONE) return NONE;
-  const corner_tangents own = tangents_at(view, side);
+  const corner_tangents own = tangents_at(view, side, spent);
   return dot3(own.p, w) > K(0) || dot3(own.q, w) > K(0) ? NONE : best;
 }
-
-// A walk round a corner of more sides counts: as an evaluation for so many each. No descent begins
-// one after so many.
-#define WIDE_FAN 64
-#define FAN_STEPS_AN_EVALUATION 16
-#define FAN_STEPS_A_DESCENT 8192
 
 // True if a border runs through the vertex at which `side` starts.
 FN int is_border_vertex(surface_view view, uint side) {
@@ -326,21 +324,21 @@ FN cut_step cut_at_sides(GLOBAL scalar* domain, int n, held_sides held, real xi,
 FN sym2 start_bend(surface_view view, foot f, track_options options) {
   GLOBAL scalar* numbers = numbers_of(view, f.patch) + PATCH_BEND;
   const sym2 second = {numbers[0], numbers[1], numbers[2]};
-  return bend_of(f.at, f.r, second, options.solver);
+  return bend_of(f.d.at, f.d.r, second, options.solver);
 }
 
 // The curvature term of `from` in the domain of `to`, across an edge or a corner where the tangent
 // planes are the same.
 FN sym2 carry_bend(surface_view view, foot from, foot to, track_options options) {
-  const real3 u = from.at.g_xi, v = from.at.g_eta;
+  const real3 u = from.d.at.g_xi, v = from.d.at.g_eta;
   const real a = dot3(u, u), b = dot3(u, v), c = dot3(v, v), det = a * c - b * b;
   if (options.solver != SOLVER_NEWTON || !(det > EPSILON * (a + c) * (a + c)))
     return start_bend(view, to, options);
   const real over = K(1) / det;
   const real3 du = mul3(over, fma3(c, u, mul3(-b, v))), dv = mul3(over, fma3(a, v, mul3(-b, u)));
-  const domain_vector x = make_vector(dot3(du, to.at.g_xi), dot3(dv, to.at.g_xi)),
-                      y = make_vector(dot3(du, to.at.g_eta), dot3(dv, to.at.g_eta));
-  const sym2 s = from.bend;
+  const domain_vector x = make_vector(dot3(du, to.d.at.g_xi), dot3(dv, to.d.at.g_xi)),
+                      y = make_vector(dot3(du, to.d.at.g_eta), dot3(dv, to.d.at.g_eta));
+  const sym2 s = from.d.bend;
   sym2 r = {quadratic(s, x),
             fma(x.xi, fma(s.a, y.xi, s.b * y.eta), x.eta * fma(s.b, y.xi, s.c * y.eta)),
             quadratic(s, y)};
@@ -352,30 +350,22 @@ typedef struct {
   real distance2;
 } known_minimum;
 
-// Follows the surface inside the patch as far as that goes.
-FN foot descend_foot(surface_view view, hip_point h, foot f, track_options options) {
-  const int n = valence_of(view, f.patch);
-  descent d = {f.xi, f.eta, f.at, f.r, f.distance2, f.bend, f.last2, f.before2, (real)f.iterations,
-               0};
-  d = descend(domain_of(view, n), control_of(view, f.patch), view.form[f.patch], n,
-              local_hip(view, h, f.patch), numbers_of(view, f.patch)[PATCH_UNSCALE], options, d);
-  if ((int)d.evaluations > f.iterations) f.flags &= ~(FOOT_BORDER | FOOT_CREASE);
-  if (d.converged) f.flags |= FOOT_CONVERGED;
-  f.xi = d.xi;
-  f.eta = d.eta;
-  f.at = d.at;
-  f.r = d.r;
-  f.distance2 = d.distance2;
-  f.bend = d.bend;
-  f.last2 = d.last2;
-  f.before2 = d.before2;
-  f.iterations = (int)d.evaluations;
-  return f;
+// Follows the surface inside the patch as far as that goes. Returns how many steps that took.
+FN int descend_foot(surface_view view, hip_point h, foot* f, track_options options) {
+  const int n = valence_of(view, f->patch);
+  const real so_far = f->d.evaluations;
+  descend(domain_of(view, n), control_of(view, f->patch), view.form[f->patch], n,
+          local_hip(view, h, f->patch), numbers_of(view, f->patch)[PATCH_UNSCALE], options, &f->d);
+  const int steps = (int)(f->d.evaluations - so_far);
+  options.spent->evaluations += steps + (f->d.refused ? 1 : 0);
+  options.spent->steps += steps;
+  if (steps > 0) f->flags &= ~(FOOT_BORDER | FOOT_CREASE);
+  return steps;
 }
 
 // True if a descent goes on.
 FN int is_descending(foot f, track_options options) {
-  return !(f.flags & FOOT_CONVERGED) && f.iterations < options.max_iterations;
+  return !f.d.converged && f.d.evaluations < (real)options.max_iterations;
 }
 
 // How a step of a descent ends: the descent with it, in the same patch, or in another, over an edge
@@ -386,7 +376,7 @@ FN int is_descending(foot f, track_options options) {
 #define STEP_ROUNDS 3
 
 FN int converge(foot* f) {
-  f->flags |= FOOT_CONVERGED;
+  f->d.converged = 1;
   return STEP_ENDS;
 }
 
@@ -407,11 +397,11 @@ FN foot_step choose_step(surface_view view, foot f) {
   const held_sides none = {-1, -1};
   const int n = valence_of(view, f.patch);
   foot_step s;
-  s.first = first_form(f.at);
-  s.gradient = gradient_of(f.at, f.r);
-  s.way = newton_step(s.first, f.bend, s.gradient);
+  s.first = first_form(f.d.at);
+  s.gradient = gradient_of(f.d.at, f.d.r);
+  s.way = newton_step(s.first, f.d.bend, s.gradient);
   s.length2 = quadratic(s.first, s.way);
-  s.held = sides_at(domain_of(view, n), n, f.xi, f.eta);
+  s.held = sides_at(domain_of(view, n), n, f.d.xi, f.d.eta);
   s.along = none;
   if (s.length2 > K(1)) {
     const sym2 no_bend = {K(0), K(0), K(0)};
@@ -447,22 +437,21 @@ FN domain_point corner_point(surface_view view, uint side) {
 // The point of another patch where a foot that a step leads out goes on; of patch NONE where it
 // goes on along its sides: there is none, or the step before, `last`, has brought it. Over an edge
 // that may have been to a corner: then it goes round that.
-FN domain_point leave_patch(surface_view view, foot* f, held_sides held, int last) {
+FN domain_point leave_patch(surface_view view, foot* f, held_sides held, int last, effort* spent) {
   const int just_crossed = last == STEP_ROUNDS || (last == STEP_CROSSES && held.b < 0);
   const uint first = view.side_begin[f->patch];
-  domain_point to = {NONE, f->xi, f->eta};
+  domain_point to = {NONE, f->d.xi, f->d.eta};
   int is_border = 1;
   if (held.b >= 0) {
     const uint side = first + (uint)held.b;
-    const real3 way = mul3(K(-1), f->r);
-    const fan_place fan = find_in_fan(view, side, way);
-    f->walked += fan.steps > WIDE_FAN ? fan.steps : 0;
+    const real3 way = mul3(K(-1), f->d.r);
+    const fan_place fan = find_in_fan(view, side, way, spent);
     is_border = fan.is_border;
     const int may_lead_on = fan.side == NONE && !just_crossed && (is_border || HAS_CREASES(view));
-    to = corner_point(view, may_lead_on ? edge_in_fan(view, side, way) : fan.side);
+    to = corner_point(view, may_lead_on ? edge_in_fan(view, side, way, spent) : fan.side);
   } else {
     const uint side = first + (uint)held.a, twin = view.side_twin[side];
-    if (twin != NONE) to = cross_edge(view, side, twin, f->xi, f->eta);
+    if (twin != NONE) to = cross_edge(view, side, twin, f->d.xi, f->d.eta);
   }
   if (to.patch != NONE && !just_crossed) return to;
   f->flags |= to.patch == NONE && is_border ? FOOT_BORDER : FOOT_CREASE;
@@ -474,19 +463,19 @@ FN domain_point leave_patch(surface_view view, foot* f, held_sides held, int las
 // minimum, and no nearer.
 FN int go_on_in_patch(surface_view view, foot from, foot* f, track_options options,
                       known_minimum known) {
-  if (f->patch == known.patch && f->distance2 >= known.distance2) return STEP_ENDS;
-  f->bend = carry_bend(view, from, *f, options);
+  if (f->patch == known.patch && f->d.distance2 >= known.distance2) return STEP_ENDS;
+  f->d.bend = carry_bend(view, from, *f, options);
   return STEP_CROSSES;
 }
 
 FN int enter_patch(surface_view view, hip_point h, domain_point at, foot* f, track_options options,
                    known_minimum known) {
   const foot from = *f;
-  *f = move_foot(view, h, from, at.patch, at.xi, at.eta);
-  ++f->iterations;
+  *f = move_foot(view, h, from, at, options.spent);
+  f->d.evaluations += K(1);
   ++f->crossings;
   const int step = go_on_in_patch(view, from, f, options, known);
-  if (step == STEP_CROSSES) f->last2 = -K(1);
+  if (step == STEP_CROSSES) f->d.last2 = -K(1);
   return step;
 }
 
@@ -501,11 +490,11 @@ typedef struct {
 // Quarters a step, cut where it leaves the patch, until the distance falls.
 FN trial search_along(surface_view view, hip_point h, foot f, foot_step s, track_options options) {
   const int n = valence_of(view, f.patch);
-  const int at_rounding = is_at_rounding(s.gradient, s.way, f.r);
-  const cut_step cut = cut_at_sides(domain_of(view, n), n, s.along, f.xi, f.eta, s.way);
+  const int at_rounding = is_at_rounding(s.gradient, s.way, f.d.r);
+  const cut_step cut = cut_at_sides(domain_of(view, n), n, s.along, f.d.xi, f.d.eta, s.way);
   trial t = {f, cut.length, 0, 0};
-  while (f.iterations < options.max_iterations) {
-    domain_point p = {f.patch, fma(t.length, s.way.xi, f.xi), fma(t.length, s.way.eta, f.eta)};
+  while (f.d.evaluations < (real)options.max_iterations) {
+    domain_point p = {f.patch, fma(t.length, s.way.xi, f.d.xi), fma(t.length, s.way.eta, f.d.eta)};
     const int is_cut = t.length == cut.length && cut.side >= 0;
     t.crossed = 0;
     if (is_cut) {
@@ -513,12 +502,12 @@ FN trial search_along(surface_view view, hip_point h, foot f, foot_step s, track
       t.crossed = twin != NONE;
       if (t.crossed) p = cross_edge(view, side, twin, p.xi, p.eta);
     }
-    t.to = move_foot(view, h, f, p.patch, p.xi, p.eta);
-    t.to.iterations = ++f.iterations;
+    t.to = move_foot(view, h, f, p, options.spent);
+    t.to.d.evaluations = f.d.evaluations += K(1);
     // From a hair's breadth beside a side onto it: no distance falls by that, and the step is not
     // over.
     const int too_short = is_short(s, t.length, options);
-    t.fell = t.to.distance2 < f.distance2 || at_rounding || (too_short && is_cut);
+    t.fell = t.to.d.distance2 < f.d.distance2 || at_rounding || (too_short && is_cut);
     if (t.fell || too_short) break;
     t.length *= K(0.25f);
   }
@@ -529,19 +518,19 @@ FN trial search_along(surface_view view, hip_point h, foot f, foot_step s, track
 FN int take_step(surface_view view, foot* f, foot_step s, trial t, track_options options,
                  known_minimum known) {
   const foot from = *f;
-  f->iterations = t.to.iterations;
+  f->d.evaluations = t.to.d.evaluations;
   // At the rounding of the distance, unless the iterations ran out.
   if (!t.fell) return is_descending(*f, options) ? converge(f) : STEP_ENDS;
   const int follows = s.along.a >= 0;
   *f = t.to;
   f->crossings += t.crossed;
   if (!follows) f->flags &= ~(FOOT_BORDER | FOOT_CREASE);
-  f->before2 = s.length2;
-  f->last2 = t.crossed || follows ? -K(1) : t.length * t.length * s.length2;
+  f->d.before2 = s.length2;
+  f->d.last2 = t.crossed || follows ? -K(1) : t.length * t.length * s.length2;
   if (t.crossed) return go_on_in_patch(view, from, f, options, known);
   if (options.solver == SOLVER_NEWTON) {
     const domain_vector taken = make_vector(t.length * s.way.xi, t.length * s.way.eta);
-    f->bend = bend_after(from.bend, from.at, s.gradient, taken, f->at, f->r);
+    f->d.bend = bend_after(from.d.bend, from.d.at, s.gradient, taken, f->d.at, f->d.r);
   }
   return STEP_STAYS;
 }
@@ -553,18 +542,19 @@ FN int step_foot(surface_view view, hip_point h, foot* f, int last, track_option
   foot_step s = choose_step(view, *f);
   if (is_short(s, K(1), options)) return converge(f);
   if (leads_out(view, *f, s)) {
-    if (s.held.b >= 0 && f->walked > FAN_STEPS_A_DESCENT) return STEP_ENDS;
-    const domain_point to = leave_patch(view, f, s.held, last);
+    const int walked = options.spent->fan_steps - options.spent->fan_begin;
+    if (s.held.b >= 0 && walked > FAN_STEPS_A_DESCENT) return STEP_ENDS;
+    const domain_point to = leave_patch(view, f, s.held, last, options.spent);
     if (to.patch != NONE) {
       const int step = enter_patch(view, h, to, f, options, known);
       return step == STEP_CROSSES && s.held.b >= 0 ? STEP_ROUNDS : step;
     }
     const int n = valence_of(view, f->patch);
     s.along = s.held;
-    s.way = edge_step(domain_of(view, n), n, s.held, s.first, f->bend, s.gradient);
+    s.way = edge_step(domain_of(view, n), n, s.held, s.first, f->d.bend, s.gradient);
     if (is_short(s, K(1), options)) return converge(f);
   }
-  if (is_at_rounding(s.gradient, s.way, f->r) && f->before2 > K(0) && s.length2 >= f->before2)
+  if (is_at_rounding(s.gradient, s.way, f->d.r) && f->d.before2 > K(0) && s.length2 >= f->d.before2)
     return converge(f);
   return take_step(view, f, s, search_along(view, h, *f, s, options), options, known);
 }
@@ -576,9 +566,7 @@ FN_LARGE foot track_foot(surface_view view, hip_point h, foot f, track_options o
                          known_minimum known) {
   int step = STEP_STAYS;
   while (step != STEP_ENDS && is_descending(f, options)) {
-    const int so_far = f.iterations;
-    f = descend_foot(view, h, f, options);
-    if (f.iterations > so_far) step = STEP_STAYS;
+    if (descend_foot(view, h, &f, options) > 0) step = STEP_STAYS;
     if (is_descending(f, options)) step = step_foot(view, h, &f, step, options, known);
   }
   return f;
@@ -586,16 +574,18 @@ FN_LARGE foot track_foot(surface_view view, hip_point h, foot f, track_options o
 
 // Section 4.2 as printed, to be compared with: secants of length lambda = 0.1 towards the
 // neighbours of the nearest corner, no safeguard; over an edge to where the ray from the centre
-// meets it (4.3). Ends by the residual angle.
+// meets it (4.3). Ends by the residual angle. An iteration takes three evaluations: with the budget
+// spent it ends after as many of these as other solvers take.
 FN_LARGE foot track_as_printed(surface_view view, hip_point h, foot f, track_options options) {
-  while (f.iterations < options.max_iterations) {
+  const real most = (real)options.max_iterations;
+  while (f.d.evaluations < most && (K(3) * f.d.evaluations < most || !is_spent(options.spent))) {
     const int n = valence_of(view, f.patch);
     GLOBAL scalar* domain = domain_of(view, n);
     int k = 0;
     real nearest = -K(1);
     for (int i = 0; i < n; ++i) {
       const domain_vector c = domain_corner(domain, i);
-      const real dx = c.xi - f.xi, dy = c.eta - f.eta, d2 = fma(dx, dx, dy * dy);
+      const real dx = c.xi - f.d.xi, dy = c.eta - f.d.eta, d2 = fma(dx, dx, dy * dy);
       if (nearest < K(0) || d2 < nearest) {
         nearest = d2;
         k = i;
@@ -606,20 +596,23 @@ FN_LARGE foot track_as_printed(surface_view view, hip_point h, foot f, track_opt
     const real lambda = K(1) / K(10);
     const domain_vector xa = make_vector(lambda * (next.xi - c.xi), lambda * (next.eta - c.eta));
     const domain_vector xb = make_vector(lambda * (prev.xi - c.xi), lambda * (prev.eta - c.eta));
-    const real3 a = sub3(evaluate_patch(view, f.patch, f.xi + xa.xi, f.eta + xa.eta).g, f.at.g);
-    const real3 b = sub3(evaluate_patch(view, f.patch, f.xi + xb.xi, f.eta + xb.eta).g, f.at.g);
+    const domain_point at_a = {f.patch, f.d.xi + xa.xi, f.d.eta + xa.eta},
+                       at_b = {f.patch, f.d.xi + xb.xi, f.d.eta + xb.eta};
+    const real3 a = sub3(evaluate_aside(view, at_a, options.spent).g, f.d.at.g);
+    const real3 b = sub3(evaluate_aside(view, at_b, options.spent).g, f.d.at.g);
     const real3 normal = cross3(a, b);
-    const real3 off = cross3(f.r, normal);  // |r| |n| sin of the residual angle
+    const real3 off = cross3(f.d.r, normal);  // |r| |n| sin of the residual angle
     const real limit = options.tolerance * options.tolerance;
-    if (dot3(off, off) <= limit * dot3(f.r, f.r) * dot3(normal, normal)) {
-      f.flags |= FOOT_CONVERGED;
+    if (dot3(off, off) <= limit * dot3(f.d.r, f.d.r) * dot3(normal, normal)) {
+      f.d.converged = 1;
       break;
     }
     const sym2 secants = {dot3(a, a), dot3(a, b), dot3(b, b)};
     const sym2 none = {K(0), K(0), K(0)};
-    const domain_vector step = newton_step(secants, none, make_vector(dot3(a, f.r), dot3(b, f.r)));
-    real xi = fma(step.xi, xa.xi, fma(step.eta, xb.xi, f.xi));
-    real eta = fma(step.xi, xa.eta, fma(step.eta, xb.eta, f.eta));
+    const domain_vector step =
+        newton_step(secants, none, make_vector(dot3(a, f.d.r), dot3(b, f.d.r)));
+    real xi = fma(step.xi, xa.xi, fma(step.eta, xb.xi, f.d.xi));
+    real eta = fma(step.xi, xa.eta, fma(step.eta, xb.eta, f.d.eta));
     // Outside: the side whose fan holds the point, where the ray from the centre meets it.
     int out = -1;
     real farthest = domain[0];
@@ -643,8 +636,8 @@ FN_LARGE foot track_as_printed(surface_view view, hip_point h, foot f, track_opt
         f.flags |= FOOT_BORDER;
       }
     }
-    f = move_foot(view, h, f, to.patch, to.xi, to.eta);
-    ++f.iterations;
+    f = move_foot(view, h, f, to, options.spent);
+    f.d.evaluations += K(1);
     f.crossings += crossed;
   }
   return f;

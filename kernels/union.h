@@ -15,7 +15,7 @@ typedef struct {
 #define UNION_RESTS 4
 #define UNION_STEPS 48  // at most, to settle
 typedef struct {
-  int count, iterations, is_spent;  // is_spent: the budget did not suffice
+  int count;
   union_rest rest[UNION_RESTS];
   real3 push;   // contact point - HIP, mesh frame
   int state;    // CONTACT_*, or UNION_LOST
@@ -47,15 +47,20 @@ FN hip_point moved_hip(hip_point h, real3 by) {
   return r;
 }
 
-FN int is_within(surface_view view, foot f) {
-  return contact_of_foot(view, f).state == CONTACT_TOUCHING;
+FN int is_within(surface_view view, foot f, effort* spent) {
+  return contact_of_foot(view, f, spent).state == CONTACT_TOUCHING;
 }
 
-// True, once and for all, where a search has spent the evaluations that it may.
-FN int is_union_spent(union_search* u, track_options options) {
-  u->is_spent = u->is_spent || is_beyond(u->iterations, options);
-  return u->is_spent;
+// True, once and for all, where the budget ends a search.
+FN int is_cut(effort* spent) {
+  spent->is_cut = spent->is_cut || is_spent(spent);
+  return spent->is_cut;
 }
+
+// Answers to whether a point lies in a solid part. Unknown: the budget has ended the search.
+#define BURIED_NO 0
+#define BURIED_YES 1
+#define BURIED_UNKNOWN 2
 
 // True if the patch of a base polygon, whose nearest point is known, may hold a nearer one than
 // `distance2`.
@@ -66,43 +71,42 @@ FN int may_hold_nearer(surface_view view, base_point b, real distance2) {
 }
 
 // Goes on with the nearest point of a part on another patch of it, from one start.
-FN foot try_patch_of_part(surface_view view, hip_point h, uint patch, foot best, union_search* u,
+FN foot try_patch_of_part(surface_view view, hip_point h, uint patch, foot best,
                           track_options options) {
   const base_point b = base_point_on(view, h, patch);
-  if (!may_hold_nearer(view, b, best.distance2)) return best;
-  const known_minimum known = {best.patch, best.distance2};
+  if (!may_hold_nearer(view, b, best.d.distance2)) return best;
+  const known_minimum known = {best.patch, best.d.distance2};
   const foot f =
       end_foot(view, h, begin_foot(view, h, start_on_base(view, b), options), options, known);
-  u->iterations += f.iterations + 1;
   return is_nearer(f, best) ? f : best;
 }
 
 // Nearest point of one part's surface: each patch is searched from one start, which tells inside
-// from outside well enough far from a surface as well. Any point of it where the budget is spent.
-FN_LARGE foot nearest_on_part(surface_view view, hip_point h, uint part, union_search* u,
+// from outside well enough far from a surface as well. Any point of it where the budget ends the
+// search. `beside`: the patch last found so, or NONE.
+FN_LARGE foot nearest_on_part(surface_view view, hip_point h, uint part, uint* beside,
                               track_options options) {
-  const int is_beside = u->beside != NONE && part_of(view, u->beside) == part;
-  const uint guess = is_beside ? u->beside : view.part_table[PART_UINTS * part + PART_FIRST];
+  const int is_beside = *beside != NONE && part_of(view, *beside) == part;
+  const uint guess = is_beside ? *beside : view.part_table[PART_UINTS * part + PART_FIRST];
   near_patches near;
   const base_point base = nearest_base_of(view, h, guess, part, 1, &near);
-  u->beside = base.patch;
+  *beside = base.patch;
   const known_minimum none = {NONE, K(0)};
   foot best =
       end_foot(view, h, begin_foot(view, h, start_on_base(view, base), options), options, none);
-  u->iterations += best.iterations + 1;
-  if (best.distance2 <= near.complete2) {
-    for (int i = 0; i < near.count && near.box2[i] < best.distance2; ++i) {
-      if (near.patch[i] != base.patch && !is_union_spent(u, options))
-        best = try_patch_of_part(view, h, near.patch[i], best, u, options);
+  if (best.d.distance2 <= near.complete2) {
+    for (int i = 0; i < near.count && near.box2[i] < best.d.distance2; ++i) {
+      if (near.patch[i] != base.patch && !is_cut(options.spent))
+        best = try_patch_of_part(view, h, near.patch[i], best, options);
     }
     return best;
   }
   walk w = start_walk(view);
-  for (uint p = next_patch(view, &w, h.high, best.distance2);
-       p != NONE && !is_union_spent(u, options); p = next_patch(view, &w, h.high, best.distance2)) {
+  for (uint p = next_patch(view, &w, h.high, best.d.distance2); p != NONE && !is_cut(options.spent);
+       p = next_patch(view, &w, h.high, best.d.distance2)) {
     if (p != base.patch && part_of(view, p) == part &&
-        patch_box_distance2(view, h, p) < best.distance2)
-      best = try_patch_of_part(view, h, p, best, u, options);
+        patch_box_distance2(view, h, p) < best.d.distance2)
+      best = try_patch_of_part(view, h, p, best, options);
   }
   return best;
 }
@@ -111,17 +115,25 @@ FN int in_part_box(surface_view view, hip_point h, uint part) {
   return !(box_distance2(view.part_box + 6 * (ulong)part, h.high) > K(0));
 }
 
-// True if a point lies in a solid part that may hold points of a patch.
-FN_LARGE int is_in_partner(surface_view view, hip_point h, uint patch, union_search* u,
+// Says whether a point lies in a solid part (BURIED_*), as a search of its surface tells.
+FN int is_in_part(surface_view view, foot nearest, effort* spent) {
+  if (spent->is_cut) return BURIED_UNKNOWN;
+  return is_within(view, nearest, spent) ? BURIED_YES : BURIED_NO;
+}
+
+// Says whether a point lies in a solid part that may hold points of a patch.
+FN_LARGE int is_in_partner(surface_view view, hip_point h, uint patch, uint* beside,
                            track_options options) {
   GLOBAL uint* table = view.part_table + PART_UINTS * (ulong)part_of(view, patch);
   for (uint i = table[PART_PARTNERS]; i < table[PART_PARTNERS_END]; ++i) {
     const uint part = view.partner[i];
-    if (is_union_spent(u, options)) return 0;
-    if (in_part_box(view, h, part) && is_within(view, nearest_on_part(view, h, part, u, options)))
-      return 1;
+    if (!in_part_box(view, h, part)) continue;
+    if (is_cut(options.spent)) return BURIED_UNKNOWN;
+    const foot f = nearest_on_part(view, h, part, beside, options);
+    const int answer = is_in_part(view, f, options.spent);
+    if (answer != BURIED_NO) return answer;
   }
-  return 0;
+  return BURIED_NO;
 }
 
 // The foot of the HIP moved by `push`. Held by an edge or corner, the way out is that to the point.
@@ -130,20 +142,20 @@ FN union_rest rest_of(surface_view view, foot f, real3 push, track_options optio
   union_rest r;
   r.at = f;
   r.normal = normal_of_foot(view, f);
-  r.out = fma3(unscale, f.r, push);
+  r.out = fma3(unscale, f.d.r, push);
   r.weight = K(0);
-  const real length = norm3(f.r);
+  const real length = norm3(f.d.r);
   if ((f.flags & (FOOT_CREASE | FOOT_BORDER)) && length > K(1024) * options.tolerance)
-    r.normal = mul3((is_within(view, f) ? K(1) : K(-1)) / length, f.r);
+    r.normal = mul3((is_within(view, f, options.spent) ? K(1) : K(-1)) / length, f.d.r);
   return r;
 }
 
-// Adds the rest on a solid part that buries the contact point, as seen from a patch that it lies
-// on with an outward direction there; false where there is none. What does not bury it is added
-// too where asked for: the nearest such part.
+// Says whether a solid part buries the contact point, as seen from a patch that it lies on with an
+// outward direction there, and adds a rest on it. With adds_nearest the nearest part that does not
+// bury it is added instead where none does.
 FN_LARGE int join_burier(surface_view view, hip_point h, uint patch, real3 outward, union_search* u,
                          int adds_nearest, track_options options) {
-  if (is_exposed(view, patch) || u->count == UNION_RESTS) return 0;
+  if (is_exposed(view, patch) || u->count == UNION_RESTS) return BURIED_NO;
   const real3 push = fma3(UNION_GAP, outward, u->push);
   const hip_point x = moved_hip(h, push);
   GLOBAL uint* table = view.part_table + PART_UINTS * (ulong)part_of(view, patch);
@@ -154,19 +166,18 @@ FN_LARGE int join_burier(surface_view view, hip_point h, uint patch, real3 outwa
     for (int k = 0; k < u->count; ++k)
       is_held = is_held || part_of(view, u->rest[k].at.patch) == part;
     if (is_held) continue;
-    if (is_union_spent(u, options)) return 0;
-    const foot f = nearest_on_part(view, x, part, u, options);
-    if (is_within(view, f)) {
-      u->rest[u->count++] = rest_of(view, f, push, options);
-      return 1;
-    }
-    if (adds_nearest && (nearest2 < K(0) || f.distance2 < nearest2)) {
-      nearest2 = f.distance2;
+    if (is_cut(options.spent)) return BURIED_UNKNOWN;
+    const foot f = nearest_on_part(view, x, part, &u->beside, options);
+    const int answer = is_in_part(view, f, options.spent);
+    if (answer == BURIED_YES) u->rest[u->count++] = rest_of(view, f, push, options);
+    if (answer != BURIED_NO) return answer;
+    if (adds_nearest && (nearest2 < K(0) || f.d.distance2 < nearest2)) {
+      nearest2 = f.d.distance2;
       u->rest[u->count] = rest_of(view, f, push, options);
     }
   }
   if (nearest2 >= K(0)) ++u->count;
-  return 0;
+  return BURIED_NO;
 }
 
 FN int holds_rests(const union_search* u, real3 push) {
@@ -261,24 +272,24 @@ FN real3 along_seam(const union_search* u) {
   return unit3(cross3(u->rest[first].normal, u->rest[second].normal));
 }
 
-// The domain point of a foot, and that point as a foot of another HIP.
+// The domain point of a foot, and that point as a foot of another HIP. One of -1 evaluations is a
+// place, not evaluated yet.
 FN domain_point point_of(foot f) {
-  domain_point r = {f.patch, f.xi, f.eta};
+  domain_point r = {f.patch, f.d.xi, f.d.eta};
   return r;
 }
 FN foot foot_seen_from(surface_view view, hip_point h, foot f, track_options options) {
-  if (f.starts == 0) {  // not evaluated yet
+  if (f.d.evaluations < K(0)) {
     f = begin_foot(view, h, point_of(f), options);
-    f.iterations = 1;
+    f.d.evaluations = K(1);
     return f;
   }
-  const real unscale = numbers_of(view, f.patch)[PATCH_UNSCALE];
-  f.r = sub3(f.at.g, local_hip(view, h, f.patch));
-  f.distance2 = dot3(f.r, f.r) * unscale * unscale;
-  f.iterations = f.crossings = f.walked = 0;
-  f.flags = 0u;
-  f.last2 = f.before2 = -K(1);
-  f.bend = start_bend(view, f, options);
+  begin_foot_of(&f, f.patch);
+  begin_descent(&f.d);
+  move_descent(&f.d, make_vector(f.d.xi, f.d.eta), f.d.at, local_hip(view, h, f.patch),
+               numbers_of(view, f.patch)[PATCH_UNSCALE]);
+  options.spent->fan_begin = options.spent->fan_steps;
+  f.d.bend = start_bend(view, f, options);
   return f;
 }
 
@@ -292,40 +303,38 @@ FN int move_rests(surface_view view, hip_point h, union_search* u, track_options
     const real weight = u->rest[i].weight;
     const foot f =
         end_foot(view, x, foot_seen_from(view, x, u->rest[i].at, options), options, none);
-    u->iterations += f.iterations;
-    are_there = are_there && (f.flags & FOOT_CONVERGED);
+    are_there = are_there && f.d.converged;
     u->rest[i] = rest_of(view, f, u->push, options);
     u->rest[i].weight = weight;
   }
   return are_there;
 }
 
-// True if another part buries the contact on a seam: its rest is added.
+// Says whether another part buries the contact on a seam, and adds its rest.
 FN int is_seam_buried(surface_view view, hip_point h, union_search* u, track_options options) {
   if (u->count == UNION_RESTS) keep_pressed(u);
   const int count = u->count;
   const real3 outward = unit3(u->push);
   for (int i = 0; i < count; ++i) {
-    if (u->rest[i].weight > K(0) &&
-        join_burier(view, h, u->rest[i].at.patch, outward, u, 0, options))
-      return 1;
+    if (!(u->rest[i].weight > K(0))) continue;
+    const int answer = join_burier(view, h, u->rest[i].at.patch, outward, u, 0, options);
+    if (answer != BURIED_NO) return answer;
   }
-  return 0;
+  return BURIED_NO;
 }
 
 // With one part pressed the contact is the HIP's own foot on it. False if another part buries that:
-// its rest is added.
+// its rest is added. It is kept where that is unknown.
 FN int settle_on_one(surface_view view, hip_point h, union_search* u, track_options options) {
   const known_minimum none = {NONE, K(0)};
   keep_pressed(u);
   u->only = end_foot(view, h, foot_seen_from(view, h, u->rest[0].at, options), options, none);
-  u->iterations += u->only.iterations;
-  if (u->only.distance2 > u->known2) return 1;  // nor is anything nearer that it leads to
+  if (u->only.d.distance2 > u->known2) return 1;  // nor is anything nearer that it leads to
   u->rest[0] = rest_of(view, u->only, make3(K(0), K(0), K(0)), options);
   u->push = u->rest[0].out;
-  u->state = is_within(view, u->only) ? CONTACT_TOUCHING : CONTACT_FREE;
+  u->state = is_within(view, u->only, options.spent) ? CONTACT_TOUCHING : CONTACT_FREE;
   if (u->state == CONTACT_FREE ||
-      !join_burier(view, h, u->rest[0].at.patch, u->rest[0].normal, u, 0, options))
+      join_burier(view, h, u->rest[0].at.patch, u->rest[0].normal, u, 0, options) != BURIED_YES)
     return 1;
   u->state = UNION_LOST;
   return 0;
@@ -340,6 +349,18 @@ FN int leads_nowhere_new(const union_search* u, real length) {
          K(64) * dot3(apart, apart) < length * length;
 }
 
+// True if `out` of each rest is the way from the HIP to its point: what planes are made of.
+FN int are_seen_from(surface_view view, hip_point h, const union_search* u) {
+  for (int i = 0; i < u->count; ++i) {
+    const foot f = u->rest[i].at;
+    const real unscale = numbers_of(view, f.patch)[PATCH_UNSCALE];
+    const real3 out = mul3(unscale, sub3(f.d.at.g, local_hip(view, h, f.patch)));
+    const real error = norm3(sub3(out, u->rest[i].out));
+    if (!(error <= K(1024) * EPSILON * (reach_of_hip(h) + K(1)))) return 0;
+  }
+  return 1;
+}
+
 // From rests and a push to a contact point that no part buries; it is given up where what is known
 // is as near. Along the seam of two parts the step is the secant's, for there the planes know
 // nothing of its curvature.
@@ -350,7 +371,8 @@ FN_LARGE void settle(surface_view view, hip_point h, union_search* u, track_opti
   track_options brief = options;
   brief.max_iterations = options.max_iterations < 1 ? options.max_iterations : 1;
   u->state = UNION_LOST;
-  for (int i = 0; i < UNION_STEPS && !is_union_spent(u, options); ++i) {
+  for (int i = 0; i < UNION_STEPS && !is_cut(options.spent); ++i) {
+    PROMISE(are_seen_from(view, h, u));
     // Back by a long step to where it was: it goes round (Brent 1980).
     if (K(16) * norm3(sub3(u->push, mark)) < norm3(sub3(u->push, before))) return;
     if ((i & (i - 1)) == 0) mark = u->push;
@@ -403,7 +425,7 @@ FN_LARGE void settle(surface_view view, hip_point h, union_search* u, track_opti
       if (!move_rests(view, h, u, options)) return;
       continue;
     }
-    if (is_seam_buried(view, h, u, options)) {
+    if (is_seam_buried(view, h, u, options) == BURIED_YES) {
       last_pressed = 0;
       continue;
     }
@@ -414,34 +436,30 @@ FN_LARGE void settle(surface_view view, hip_point h, union_search* u, track_opti
 }
 
 // Touching; on a seam, that of the part pressed most.
-FN contact contact_of_union(surface_view view, hip_point h, union_search* u) {
+FN contact contact_of_union(surface_view view, hip_point h, const union_search* u, effort* spent) {
   contact c;
   if (u->count == 1) {
-    c = contact_of_foot(view, u->only);
+    c = contact_of_foot(view, u->only, spent);
   } else {
     int most = 0;
     for (int i = 1; i < u->count; ++i) {
       if (u->rest[i].weight > u->rest[most].weight) most = i;
     }
     const foot at = u->rest[most].at;
-    c = contact_at(METHOD_GREGORY, at.patch, at.xi, at.eta, at.at.g, unit3(u->push), u->push);
+    c = contact_at(METHOD_GREGORY, at.patch, at.d.xi, at.d.eta, at.d.at.g, unit3(u->push), u->push);
     c.clear = norm3(u->push);
     c.flags |= FOOT_CREASE;
     for (int i = 0; i < u->count; ++i) {
       if (i != most && c.held_count < 2) c.held[c.held_count++] = point_of(u->rest[i].at);
     }
   }
-  c.iterations = u->iterations;
   c.state = CONTACT_TOUCHING;
-  if (u->is_spent) c.flags |= FOOT_UNFINISHED;
   return within_reach(h, c);
 }
 
-FN union_search start_union(int iterations) {
+FN union_search start_union(void) {
   union_search u;
   u.count = 0;
-  u.iterations = iterations;
-  u.is_spent = 0;
   u.state = UNION_LOST;
   u.known = make3(K(INFINITY), K(INFINITY), K(INFINITY));
   u.known2 = K(INFINITY);
@@ -449,13 +467,13 @@ FN union_search start_union(int iterations) {
   return u;
 }
 FN union_search start_union_at(contact c) {
-  union_search u = start_union(c.iterations);
+  union_search u = start_union();
   u.count = 1;
-  u.rest[0].at.patch = c.patch;
-  u.rest[0].at.xi = c.xi;
-  u.rest[0].at.eta = c.eta;
-  u.rest[0].at.at.g = c.scp;
-  u.rest[0].at.starts = 0;
+  begin_foot_of(&u.rest[0].at, c.patch);
+  u.rest[0].at.d.evaluations = K(-1);
+  u.rest[0].at.d.xi = c.xi;
+  u.rest[0].at.d.eta = c.eta;
+  u.rest[0].at.d.at.g = c.scp;
   u.rest[0].normal = c.normal;
   u.rest[0].out = u.push = c.offset;
   u.rest[0].weight = K(1);
@@ -479,17 +497,16 @@ FN_LARGE void seek_on_patch(surface_view view, hip_point h, base_point base, uni
     const known_minimum none = {NONE, K(0)};
     u->only = end_foot(view, h, first, options, none);
     u->only = search_patch(view, h, base.patch, options, u->only);
-    u->iterations += u->only.iterations;
     u->rest[0] = rest_of(view, u->only, make3(K(0), K(0), K(0)), options);
     u->push = u->rest[0].out;
-    if (u->only.distance2 < u->known2 &&
-        !join_burier(view, h, u->only.patch, u->rest[0].normal, u, 0, options))
+    if (u->only.d.distance2 < u->known2 &&
+        join_burier(view, h, u->only.patch, u->rest[0].normal, u, 0, options) == BURIED_NO)
       u->state = CONTACT_TOUCHING;
     return;
   }
   u->rest[0] = rest_of(view, first, make3(K(0), K(0), K(0)), options);
   u->push = u->rest[0].out;
-  if (join_burier(view, h, base.patch, u->rest[0].normal, u, 1, options)) {
+  if (join_burier(view, h, base.patch, u->rest[0].normal, u, 1, options) == BURIED_YES) {
     // So deep that all of the patch is.
     GLOBAL scalar* numbers = numbers_of(view, base.patch);
     const real size =
@@ -505,18 +522,15 @@ FN_ONCE contact unite_nearest(surface_view view, hip_point h, contact c, track_o
   if (is_exposed(view, c.patch) || !(reach <= FAR_OUTSIDE) || (c.flags & FOOT_UNFINISHED)) return c;
   const int was_touching = c.state == CONTACT_TOUCHING;
   union_search u = start_union_at(c);
-  const int is_buried = join_burier(view, h, c.patch, c.normal, &u, 0, options) &&
-                        (was_touching || is_in_partner(view, h, c.patch, &u, options));
-  if (!is_buried) {
-    c.iterations = u.iterations;
-    if (u.is_spent) c.flags |= FOOT_UNFINISHED;
-    return c;
-  }
+  int buried = join_burier(view, h, c.patch, c.normal, &u, 0, options);
+  if (buried == BURIED_YES && !was_touching)
+    buried = is_in_partner(view, h, c.patch, &u.beside, options);
+  if (buried != BURIED_YES) return c;
   settle(view, h, &u, options);
   union_search best = u;
   if (u.state == CONTACT_TOUCHING) know_push(&u);
   walk w = start_walk(view);
-  for (uint p = next_patch(view, &w, h.high, u.known2); p != NONE && !is_union_spent(&u, options);
+  for (uint p = next_patch(view, &w, h.high, u.known2); p != NONE && !is_cut(options.spent);
        p = next_patch(view, &w, h.high, u.known2)) {
     if ((view.part[p] & PATCH_BURIED) || !(patch_box_distance2(view, h, p) < u.known2)) continue;
     const base_point b = base_point_on(view, h, p);
@@ -527,72 +541,69 @@ FN_ONCE contact unite_nearest(surface_view view, hip_point h, contact c, track_o
       know_push(&u);
     }
   }
-  best.iterations = u.iterations;
   const real clear = c.clear;
   if (best.state == CONTACT_TOUCHING) {
-    c = contact_of_union(view, h, &best);
+    c = contact_of_union(view, h, &best, options.spent);
   } else {
     c.state = CONTACT_TOUCHING;
     c.flags &= ~FOOT_CONVERGED;
-    c.iterations = u.iterations;
   }
-  if (u.is_spent) {
-    c.flags |= FOOT_UNFINISHED;
-    c.clear = clear;
-  }
+  if (is_cut(options.spent)) c.clear = clear;
   return c;
 }
 
-FN_LARGE contact search_union(surface_view view, hip_point h, int iterations,
-                              track_options options) {
-  if (options.budget > 0)
-    options.budget = options.budget > iterations ? options.budget - iterations : 1;
+// Begins anew, with what is left of the budget.
+FN_LARGE contact search_union(surface_view view, hip_point h, track_options options) {
+  options.spent->is_cut = 0;
   near_patches near;
   const base_point base = nearest_base(view, h, 0u, 1, &near);
   const polygon_blend blend = blend_on_polygon(view, base.patch, base.at);
-  contact c = nearest_contact(view, h, base, blend, &near, METHOD_GREGORY, options);
-  c.iterations += iterations;
-  return c;
+  return nearest_contact(view, h, base, blend, &near, METHOD_GREGORY, options);
+}
+
+// The contact that a search along the union has found, or else the nearest point.
+FN contact end_union(surface_view view, hip_point h, const union_search* u, track_options options) {
+  return u->state == CONTACT_TOUCHING ? contact_of_union(view, h, u, options.spent)
+                                      : search_union(view, h, options);
 }
 
 // The contact that was on a seam.
 FN_LARGE contact follow_seam(surface_view view, hip_point h, contact last, track_options options) {
-  union_search u = start_union(0);
+  union_search u = start_union();
   for (int i = 0; i <= last.held_count; ++i) {
     const domain_point own = {last.patch, last.xi, last.eta};
-    const domain_point at = i == 0 ? own : last.held[i - 1];
-    const foot f = start_foot(view, h, at.patch, at.xi, at.eta);
+    const foot f = start_foot(view, h, i == 0 ? own : last.held[i - 1], options.spent);
     u.rest[u.count++] = rest_of(view, f, make3(K(0), K(0), K(0)), options);
   }
   u.push = u.rest[0].out;
   settle(view, h, &u, options);
-  return u.state == CONTACT_TOUCHING ? contact_of_union(view, h, &u)
-                                     : search_union(view, h, u.iterations, options);
+  return end_union(view, h, &u, options);
 }
 
 // From a part that the HIP has left within another: on from above the HIP, where the contact was.
 FN_LARGE contact hand_over(surface_view view, hip_point h, contact last, contact c,
                            track_options options) {
   union_search u = start_union_at(c);
-  if (!is_in_partner(view, h, last.patch, &u, options)) return c;
-  const foot f = start_foot(view, h, last.patch, last.xi, last.eta);
+  if (is_in_partner(view, h, last.patch, &u.beside, options) != BURIED_YES) return c;
+  const domain_point was = {last.patch, last.xi, last.eta};
+  const foot f = start_foot(view, h, was, options.spent);
   const union_rest left = rest_of(view, f, make3(K(0), K(0), K(0)), options);
-  const real height = larger(dot3(left.normal, left.out), K(0));
-  u.push = mul3(height, left.normal);
-  const hip_point x = moved_hip(h, u.push);
+  const real3 above = mul3(larger(dot3(left.normal, left.out), K(0)), left.normal);
+  const hip_point x = moved_hip(h, above);
   GLOBAL uint* table = view.part_table + PART_UINTS * (ulong)part_of(view, last.patch);
   for (uint i = table[PART_PARTNERS]; i < table[PART_PARTNERS_END]; ++i) {
     const uint part = view.partner[i];
     if (!in_part_box(view, h, part)) continue;
-    if (is_union_spent(&u, options)) break;
-    const foot on = nearest_on_part(view, x, part, &u, options);
-    u.rest[0] = rest_of(view, on, u.push, options);
+    if (is_cut(options.spent)) break;
+    const foot on = nearest_on_part(view, x, part, &u.beside, options);
+    u.push = above;
+    u.rest[0] = rest_of(view, on, above, options);
     u.count = 1;
     if (!(dot3(u.rest[0].normal, u.rest[0].out) > K(0))) continue;
     settle(view, h, &u, options);
-    if (u.state == CONTACT_TOUCHING) return contact_of_union(view, h, &u);
+    if (u.state == CONTACT_TOUCHING) break;
   }
-  return search_union(view, h, u.iterations, options);
+  return end_union(view, h, &u, options);
 }
 
 // The contact that followed `last` to c on its own part.
@@ -604,8 +615,7 @@ FN_LARGE contact unite_tracked(surface_view view, hip_point h, contact last, con
   if (is_exposed(view, c.patch)) return c;
   if (c.state != CONTACT_TOUCHING) return hand_over(view, h, last, c, options);
   union_search u = start_union_at(c);
-  if (!join_burier(view, h, c.patch, c.normal, &u, 0, options)) return c;
+  if (join_burier(view, h, c.patch, c.normal, &u, 0, options) != BURIED_YES) return c;
   settle(view, h, &u, options);
-  return u.state == CONTACT_TOUCHING ? contact_of_union(view, h, &u)
-                                     : search_union(view, h, u.iterations, options);
+  return end_union(view, h, &u, options);
 }

@@ -5,9 +5,9 @@
 #include <chai3d.h>
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cmath>
+#include <cstddef>
 #include <cstdio>
 #include <memory>
 #include <span>
@@ -17,6 +17,7 @@
 
 #include "gliss/contact/tracker.h"
 #include "gliss/study/tessellate.h"
+#include "gliss/thread/clock.h"
 
 namespace gliss {
 
@@ -32,13 +33,22 @@ enum class ForceBy {
 // goes along with it.
 //
 // Every interaction point of a tool has a tracker, made by the constructor: a tick allocates
-// nothing, takes no lock, and its work is bounded. One haptic thread may ask at a time. What a tick
-// cannot do is told once on the standard error, and by fault().
+// nothing, takes no lock, and its work is bounded. One haptic thread may ask at a time. Ticks may
+// come at any rate: the time between them is taken from a clock.
+//
+// What a tick cannot do is told by fault(), and once on the standard error: by the next call that
+// is no tick, such as the drawing of the next frame. Where a position is not finite or the surface
+// is at fault, the point's last force is held for kHold and then falls to zero until kZero. Where
+// there is a force again, it comes back in kReturn, from the share that was left.
 class cGlissObject : public chai3d::cGenericObject {
  public:
   // Interaction points of all tools together that touch it, unless the constructor is told another
   // number.
   static constexpr std::size_t kPoints = 16;
+  // As Guard's limits.
+  static constexpr Nanoseconds kHold = std::chrono::milliseconds(2),
+                               kZero = std::chrono::milliseconds(10),
+                               kReturn = std::chrono::milliseconds(500);
 
   // `metres`: the length of one unit of CHAI3D's world. Takes the stiffness and friction of
   // `surface` for its material, unless that gets others. Throws std::invalid_argument for what
@@ -55,11 +65,12 @@ class cGlissObject : public chai3d::cGenericObject {
       throw std::invalid_argument(
           "cGlissObject: has a pose or motion; CHAI3D moves it, by setLocalPos and setLocalRot");
     setEffects(surface_.effects);
-    ids_.reserve(points);
     m_material->setStiffness(surface_.stiffness * metres);
     m_material->setStaticFriction(surface_.friction.at_rest);
     m_material->setDynamicFriction(surface_.friction.slipping);
   }
+
+  ~cGlissObject() override { say_faults(); }
 
   std::string getClassName() override { return "GlissObject"; }
 
@@ -68,12 +79,15 @@ class cGlissObject : public chai3d::cGenericObject {
   void setEffects(const EffectOptions& effects) {
     if (effects.any() && force_by_ == ForceBy::kChai3d)
       throw std::invalid_argument("cGlissObject: its forces are CHAI3D's, without Gliss's effects");
+    say_faults();
     SceneObject surface = surface_;
     surface.effects = effects;
-    std::vector<Tracker> trackers;
-    trackers.reserve(points_);
-    while (trackers.size() < points_) trackers.emplace_back(std::span(&surface, 1));
-    trackers_ = std::move(trackers);
+    std::vector<Point> made;
+    made.reserve(points_);
+    for (std::size_t i = 0; i < points_; ++i) {
+      made.push_back({i < used_ ? points_made_[i].id : 0, Tracker(std::span(&surface, 1))});
+    }
+    points_made_ = std::move(made);
     surface_ = std::move(surface);
   }
 
@@ -81,7 +95,7 @@ class cGlissObject : public chai3d::cGenericObject {
   // anew. Not while a haptic thread asks.
   void forgetPoints() {
     setEffects(surface_.effects);
-    ids_.clear();
+    used_ = 0;
   }
 
   // Draws the surface by a child, which this object owns and which no tool feels: each part of a
@@ -110,23 +124,32 @@ class cGlissObject : public chai3d::cGenericObject {
   const char* fault() const { return fault_; }
 
  protected:
+  // When a tick comes, since any start. A program with a clock of its own may give that.
+  virtual Nanoseconds now() { return monotonic_time(); }
+
   // CHAI3D calls this, then its effects, then computeOtherInteractions, each tick of a point.
-  void computeLocalInteraction(const chai3d::cVector3d& position, const chai3d::cVector3d&,
+  void computeLocalInteraction(const chai3d::cVector3d& position, const chai3d::cVector3d& velocity,
                                const unsigned int id) override {
     m_interactionInside = false;
     m_interactionPoint = position;  // no effect of CHAI3D pulls there
     found_ = {};
-    Tracker* tracker = tracker_of(id);
-    if (tracker == nullptr) return tell(kTooManyPoints);
-    if (!follow_material(*tracker)) tell(kNoMaterial);
-    const Vec3 hip = metres_ * Vec3(position(0), position(1), position(2));
-    const Vec3 force = tracker->step(hip);
-    if (!force.allFinite()) return tell(kNoSurface);
+    Point* point = point_of(id);
+    if (point == nullptr) return tell(kTooManyPoints);
+    Tracker& tracker = point->tracker;
+    if (!follow_material(tracker)) tell(kNoMaterial);
+    const Vec3 hip = metres_ * vector(position);
+    const Nanoseconds time = now();
+    const Vec3 rendered = tracker.step(hip, time, metres_ * vector(velocity)),
+               force = point->bridge(rendered, time);
+    if (!is_finite(rendered)) {
+      found_ = vector(force);
+      return tell(is_finite(hip) ? kNoSurface : kNoPosition);
+    }
 
-    const double unit = tracker->unit(0);
-    ObjectStep step = tracker->objects()[0];
+    const double unit = tracker.unit(0);
+    ObjectStep step = tracker.objects()[0];
     const bool effects_want_it = !m_effects.empty() && surface_.cache != nullptr;
-    if (!step.searched && effects_want_it && hip.allFinite()) {  // too far to touch
+    if (!step.searched && effects_want_it) {  // too far to touch
       QueryOptions query;
       query.method = surface_.method;
       query.budget = ContactTracker::kTickEvaluations;
@@ -139,7 +162,7 @@ class cGlissObject : public chai3d::cGenericObject {
       found_ = vector(force);
     } else if (step.searched && !step.contact.push.isZero(0)) {  // where its spring pulls to
       m_interactionInside = true;
-      m_interactionPoint = local(hip + unit * step.contact.push);
+      m_interactionPoint = local(hip + point->share * unit * step.contact.push);
     }
   }
 
@@ -174,36 +197,74 @@ class cGlissObject : public chai3d::cGenericObject {
     m_boundaryBoxEmpty = false;
   }
 
+  // CHAI3D calls this for each frame, in the thread that draws.
+  void render(chai3d::cRenderOptions& options) override {
+    say_faults();
+    cGenericObject::render(options);
+  }
+
   void scaleObject(const double& factor) override {
     metres_ /= factor;
     updateBoundaryBox();
   }
 
  private:
-  static constexpr char
-      kTooManyPoints[] =
-          "more interaction points than it was made for: no force on those that came last",
-      kNoMaterial[] =
-          "its material has no finite stiffness or a friction above 5: it keeps the one before",
-      kNoSurface[] = "the surface is at fault: no force",
-      kTwoSprings[] =
-          "createEffectSurface adds a second spring: no force of Gliss until "
-          "deleteEffectSurface";
+  enum Fault { kTooManyPoints, kNoMaterial, kNoSurface, kNoPosition, kTwoSprings };
+  static constexpr const char* kTold[] = {
+      "more interaction points than it was made for: no force on those that came last",
+      "its material has a stiffness that is not 0 or more, or a friction above 5: it keeps the one "
+      "before",
+      "the surface is at fault: the force is held and taken away",
+      "a position is not finite: the force is held and taken away",
+      "createEffectSurface adds a second spring: no force of Gliss until deleteEffectSurface"};
 
-  static chai3d::cVector3d vector(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
-  chai3d::cVector3d local(const Vec3& metres) const { return vector(metres / metres_); }
-
-  // The tracker of a point, its own from the first tick on; null: all are taken.
-  Tracker* tracker_of(unsigned int id) {
-    for (std::size_t i = 0; i < ids_.size(); ++i) {
-      if (ids_[i] == id) return &trackers_[i];
-    }
-    if (ids_.size() == points_) return nullptr;
-    ids_.push_back(id);
-    return &trackers_[ids_.size() - 1];
+  // No operation of it is one that a host may have made fatal (feenableexcept).
+  static bool is_finite(const Vec3& v) {
+    return std::isfinite(v.x()) && std::isfinite(v.y()) && std::isfinite(v.z());
   }
 
-  // False for a material that is none. While it changes, the friction of slipping may be the
+  // An interaction point, with what was felt there.
+  struct Point {
+    unsigned int id;  // its own from the first tick on
+    Tracker tracker;
+    Vec3 held = Vec3::Zero();    // N, the last finite force
+    double share = 1;            // of the force, that goes out
+    Nanoseconds felt{}, last{};  // ticks: the last with a finite force, and the last
+
+    // The force that goes out for one of the tracker's, in a tick at `time`.
+    Vec3 bridge(const Vec3& force, Nanoseconds time) {
+      const double gap = share_of(time - felt, kHold, kZero);
+      if (!is_finite(force)) {
+        last = time;
+        return (1 - gap) * held;
+      }
+      share = std::min(1.0, share * (1 - share_of(last - felt, kHold, kZero)) +
+                                share_of(time - last, Nanoseconds(0), kReturn));
+      felt = last = time;
+      held = share * force;
+      return held;
+    }
+    // How far a time is from one to another, 0 to 1.
+    static double share_of(Nanoseconds time, Nanoseconds from, Nanoseconds to) {
+      return std::clamp(in_seconds(time - from) / in_seconds(to - from), 0.0, 1.0);
+    }
+  };
+
+  static chai3d::cVector3d vector(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+  static Vec3 vector(const chai3d::cVector3d& v) { return {v(0), v(1), v(2)}; }
+  chai3d::cVector3d local(const Vec3& metres) const { return vector(metres / metres_); }
+
+  // Null: all are taken.
+  Point* point_of(unsigned int id) {
+    for (std::size_t i = 0; i < used_; ++i) {
+      if (points_made_[i].id == id) return &points_made_[i];
+    }
+    if (used_ == points_) return nullptr;
+    points_made_[used_].id = id;
+    return &points_made_[used_++];
+  }
+
+  // False for a material that is invalid. While it changes, the friction of slipping may be the
   // larger.
   bool follow_material(Tracker& tracker) const {
     const double at_rest = m_material->getStaticFriction();
@@ -212,14 +273,16 @@ class cGlissObject : public chai3d::cGenericObject {
                                 {at_rest, slipping, surface_.friction.settle});
   }
 
-  void tell(const char* fault) {
-    fault_ = fault;
-    for (const char*& told : told_) {
-      if (told == fault) return;
-      if (told != nullptr) continue;
-      told = fault;
-      std::fprintf(stderr, "cGlissObject %s: %s\n", m_name.c_str(), fault);
-      return;
+  void tell(Fault fault) {
+    fault_ = kTold[fault];
+    faults_ |= 1u << fault;
+  }
+  // Prints what was not printed yet.
+  void say_faults() {
+    const unsigned int all = faults_, said = said_.exchange(all);
+    for (std::size_t i = 0; i < std::size(kTold); ++i) {
+      if ((all & ~said) >> i & 1)
+        std::fprintf(stderr, "cGlissObject %s: %s\n", m_name.c_str(), kTold[i]);
     }
   }
 
@@ -227,12 +290,12 @@ class cGlissObject : public chai3d::cGenericObject {
   double metres_;
   std::size_t points_;
   ForceBy force_by_;
-  std::vector<Tracker> trackers_;
-  std::vector<unsigned int> ids_;  // of the points that have trackers, in their order
-  chai3d::cVector3d found_;        // this tick's force, this object's frame
+  std::vector<Point> points_made_;
+  std::size_t used_ = 0;     // of them, in the order of their first ticks
+  chai3d::cVector3d found_;  // this tick's force, this object's frame
   chai3d::cMesh* drawing_ = nullptr;
   std::atomic<const char*> fault_ = nullptr;
-  std::array<const char*, 4> told_{};
+  std::atomic<unsigned int> faults_ = 0, said_ = 0;  // bits of Fault
 };
 
 }  // namespace gliss

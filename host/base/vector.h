@@ -11,6 +11,9 @@ using Vec3 = Eigen::Vector3d;
 // Eigen never aligns it, whatever the flags of a library and its user.
 static_assert(sizeof(Vec3) == 3 * sizeof(double) && alignof(Vec3) == alignof(double));
 
+// The part of v at right angles to a unit axis.
+inline Vec3 across(const Vec3& axis, const Vec3& v) { return v - axis * axis.dot(v); }
+
 // Axis-aligned box.
 struct Box {
   Vec3 low, high;

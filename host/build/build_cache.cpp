@@ -95,7 +95,9 @@ class CacheBuilder {
         topology_(topology),
         options_(options),
         backend_(backend),
-        base_only_(base_only) {}
+        base_only_(base_only) {
+    if (mesh.face_count() == 0) throw MeshError(mesh.source + ": no faces to build");
+  }
 
   PatchCache build(BuildReport* report) {
     set_frame();
@@ -591,7 +593,6 @@ class CacheBuilder {
 
 PatchCache build_cache(const Mesh& mesh, const Topology& topology, const BuildOptions& options,
                        BuildReport* report, const BuildBackend& backend) {
-  if (mesh.face_count() == 0) throw MeshError(mesh.source + ": no faces to build");
   for (const std::uint32_t f : options.faces) {
     if (f >= mesh.face_count()) {
       throw MeshError(mesh.source + ": face " + std::to_string(f) + " is out of range (" +

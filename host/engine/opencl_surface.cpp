@@ -224,7 +224,7 @@ class OpenClSurface final : public ResidentSurface {
 
   static std::size_t hip_bytes(std::size_t methods) {
     return 6 * sizeof(Real) +
-           methods * (kContactReals * sizeof(Real) + kContactUints * sizeof(cl_uint));
+           methods * (CONTACT_REALS * sizeof(Real) + CONTACT_UINTS * sizeof(cl_uint));
   }
 
   // Cuts [0, count) into chunks: enough to keep the device busy, few enough for its memory, and
@@ -289,8 +289,7 @@ class OpenClSurface final : public ResidentSurface {
   void block_points(const PointArrays<T>& points, std::size_t begin, std::size_t count,
                     Blocks& b) const {
     b.points.take(cache_, surface_, points, begin, count);
-    const bool in_runs =
-        b.order.judge(b.points.runs, surface_.patch_count(), lanes_) == PatchOrder::kInRuns;
+    const bool in_runs = b.order.judge(b.points.runs, lanes_) == PatchOrder::kInRuns;
     if (!in_runs) b.order.sort();
     b.runs = in_runs ? b.points.runs : b.order.runs;
     if (!in_runs && is_mixed_) {
@@ -386,8 +385,8 @@ class OpenClSurface final : public ResidentSurface {
   void start_hips(Turn& turn, const HipArrays<T>& hips, std::size_t begin, std::size_t count,
                   std::size_t methods) const {
     turn.in.resize(6 * count);
-    turn.out.resize(kContactReals * row_stride(methods * count));
-    turn.out_index.resize(kContactUints * row_stride(methods * count));
+    turn.out.resize(CONTACT_REALS * row_stride(methods * count));
+    turn.out_index.resize(CONTACT_UINTS * row_stride(methods * count));
     Real* in = turn.in.data();
     for_pieces(count, [&](std::size_t i) {
       const RawHip<Real> hip = raw_hip<Real>(cache_, hip_at(hips, begin + i));
@@ -404,8 +403,8 @@ class OpenClSurface final : public ResidentSurface {
     const cl_uint* uints = turn.out_index.data() + first;
     for_pieces(count, [&](std::size_t i) {
       RawContact<Real> raw;
-      for (std::size_t r = 0; r < kContactReals; ++r) raw.reals[r] = reals[r * stride + i];
-      for (std::size_t r = 0; r < kContactUints; ++r) raw.uints[r] = uints[r * stride + i];
+      for (std::size_t r = 0; r < CONTACT_REALS; ++r) raw.reals[r] = reals[r * stride + i];
+      for (std::size_t r = 0; r < CONTACT_UINTS; ++r) raw.uints[r] = uints[r * stride + i];
       store_contact(cache_, surface_, raw, out, i);
     });
   }

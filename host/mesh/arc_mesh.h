@@ -11,9 +11,6 @@
 
 namespace gliss {
 
-// The part of v at right angles to a unit normal.
-inline Vec3 across(const Vec3& normal, const Vec3& v) { return v - normal * normal.dot(v); }
-
 class ArcMesh {
  public:
   // Its vertices have positions and unit normals; the other arrays are made by finish, but for

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "gliss/base/message.h"
+#include "gliss/base/plain_arithmetic.h"
 #include "gliss/base/units.h"
 #include "gliss/mesh/sectors.h"
 
@@ -262,6 +263,7 @@ std::optional<double> plain_crease_angle(const Mesh& mesh, const Topology& topol
 
 void mark_creases(Mesh& mesh, const Topology& topology, const CreaseRules& rules,
                   std::span<const std::uint32_t> sides) {
+  const PlainArithmetic plain;
   if (rules.normals && mesh.normals.empty())
     throw MeshError(mesh.source + ": creases by normals, but the mesh has no normals");
   if (rules.groups && mesh.face_group.empty())

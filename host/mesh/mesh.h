@@ -55,7 +55,8 @@ struct GLISS_EXPORT MeshError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// XXH3 of the mesh's arrays and unit.
+// XXH3 of the mesh's unit, positions, normals, faces with their corners, and sharp sides. Tangents,
+// groups and strips are left out.
 GLISS_EXPORT std::uint64_t hash_of(const Mesh& mesh);
 
 }  // namespace gliss

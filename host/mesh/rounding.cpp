@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "gliss/base/message.h"
+#include "gliss/base/plain_arithmetic.h"
 #include "gliss/mesh/arc_mesh.h"
 #include "gliss/mesh/face_room.h"
 #include "gliss/mesh/sectors.h"
@@ -398,6 +399,7 @@ class Rounder {
 }  // namespace
 
 void round_creases(Mesh& mesh, double radius) {
+  const PlainArithmetic plain;
   if (!(radius > 0 && radius < std::numeric_limits<double>::infinity()))
     throw MeshError(mesh.source + ": the radius of creases must be positive and finite");
   if (mesh.sharp.empty()) return;

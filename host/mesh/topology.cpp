@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "gliss/base/plain_arithmetic.h"
 #include "gliss/mesh/creases.h"
 #include "gliss/mesh/fitted_normals.h"
 #include "gliss/mesh/mesh_edges.h"
@@ -210,6 +211,7 @@ void smooth_normals(const Mesh& mesh, Groups group, std::vector<Vec3>& normals,
 std::vector<Vec3> group_normals(const Mesh& mesh, std::span<const std::uint32_t> group,
                                 std::size_t count, NormalWeights weights,
                                 const ParallelFor& parallel) {
+  const PlainArithmetic plain;
   std::vector<Vec3> normals = angle_normals(mesh, group, count);
   if (weights == NormalWeights::kSmooth) smooth_normals(mesh, group, normals, parallel);
   return normals;

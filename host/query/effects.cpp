@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gliss/base/plain_arithmetic.h"
+#include "gliss/query/tick_time.h"
+
 namespace gliss {
 
 double MagnetOptions::stiffness() const {
@@ -19,32 +22,37 @@ const char* fault_of(const EffectOptions& options) noexcept {
     return "has a magnet whose force is not 0 or more";
   if (options.magnet.any() && !(options.magnet.range > 0 && std::isfinite(options.magnet.range)))
     return "has a magnet whose range is not above 0";
-  if (!(options.tick > 0 && std::isfinite(options.tick)))
-    return "has effects whose tick is not above 0";
   return fault_of(options.texture);
 }
 
 Effects::Effects(const EffectOptions& options, double stiffness, double unit)
     : options_(options), texture_(options.texture), stiffness_(stiffness), unit_(unit) {}
 
-void Effects::see(const Vec3& hip) noexcept {
-  if (!hip.allFinite()) {
-    count_ = 0;
-    return;
-  }
-  last_ = (last_ + 1) % seen_.size();
-  seen_[last_] = hip;
-  count_ = std::min(count_ + 1, seen_.size());
+void Effects::see(const Vec3& hip, double dt, const Vec3& own) noexcept {
+  const PlainArithmetic plain;
+  constexpr double kApart = kWindow / kPlaces, kRounding = 1e-6;
+  dt = tick_time(dt);
+  time_ += dt;
+  if (!hip.allFinite()) return;
+  const Vec3 was = own_;
+  if (own.norm() <= kFastest) own_ = own / unit_;
+  if (count_ > 0) led_ += 0.5 * dt * (was + own_);
+  hip_ = hip;
+  const bool is_close = count_ > 1 && place(0).time - place(1).time < kApart - kRounding;
+  if (!is_close) last_ = (last_ + 1) % kPlaces;
+  seen_[last_] = {hip - led_, time_};
+  count_ = std::min(count_ + !is_close, kPlaces);
+  while (count_ > 2 && time_ - place(count_ - 1).time > kWindow + kRounding) --count_;
 }
 
 Vec3 Effects::velocity() const noexcept {
-  if (count_ < 2) return Vec3::Zero();
-  const std::size_t ticks = count_ - 1;
-  const Vec3& first = seen_[(last_ + seen_.size() - ticks) % seen_.size()];
-  return unit_ / (static_cast<double>(ticks) * options_.tick) * (seen_[last_] - first);
+  if (count_ < 2) return unit_ * own_;
+  const Place &first = place(count_ - 1), &last = place(0);
+  return unit_ * (own_ + (last.at - first.at) / (last.time - first.time));
 }
 
 Vec3 Effects::force(const Contact& contact, const ContactTracker& tracker) const noexcept {
+  const PlainArithmetic plain;
   if (contact.push.isZero(0)) return pull(contact);
   Vec3 force =
       stiffness_ * unit_ * (options_.texture.any() ? textured(contact, tracker) : contact.push);
@@ -64,17 +72,17 @@ Vec3 Effects::force(const Contact& contact, const ContactTracker& tracker) const
 }
 
 Vec3 Effects::pull(const Contact& contact) const {
-  const double distance = contact.distance * unit_, u = distance / options_.magnet.range;
-  if (!options_.magnet.any() || contact.touching || !(u > 0 && u < 1)) return Vec3::Zero();
-  const Vec3 way = contact.scp - seen_[last_];
+  if (!options_.magnet.any() || contact.touching) return Vec3::Zero();
+  const double u = contact.distance * unit_ / options_.magnet.range;
+  if (!(u > 0 && u < 1)) return Vec3::Zero();
+  const Vec3 way = contact.scp - hip_;
   const double share = 4 * u * (1 - u);
   return share * share * options_.magnet.force * way.stableNormalized();
 }
 
 // The push of the textured surface, mesh's unit.
 Vec3 Effects::textured(const Contact& contact, const ContactTracker& tracker) const {
-  const Vec3& hip = seen_[last_];
-  const ContactFoot foot = tracker.foot(hip, contact);
+  const ContactFoot foot = tracker.foot(hip_, contact);
   const double depth = foot.depth;
   if (!(depth > 0)) return contact.push;
   const Texture::Place relief = texture_.at(unit_ * foot.point);

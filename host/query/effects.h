@@ -22,19 +22,18 @@ struct GLISS_EXPORT MagnetOptions {
 
 // All off by default. Velocities are those of the HIP in the object's frame, m/s.
 struct EffectOptions {
-  // Above these the delay of the velocity, 4 ticks, makes a hand that holds 0.1 kg tremble.
+  // Above these the delay of a measured velocity, 4 ms, makes a hand that holds 0.1 kg tremble.
   static constexpr double kMostDamping = 20, kMostViscosity = 20;
 
   double damping = 0;    // s/m: by how much the normal force grows with the velocity inwards
   double viscosity = 0;  // N s/m, inside
   MagnetOptions magnet = {};
   TextureOptions texture = {};
-  double tick = 1e-3;  // s, from one tick to the next
 
   bool any() const { return damping > 0 || viscosity > 0 || magnet.any() || texture.any(); }
 };
 
-// Why `options` are none, as the end of a sentence; null: they are fine.
+// Returns null if the options are valid; else why not, as the end of a sentence ("has a ...").
 GLISS_EXPORT const char* fault_of(const EffectOptions& options) noexcept;
 
 // The effects of one contact. It allocates nothing and takes no lock; one thread at a time.
@@ -52,21 +51,29 @@ GLISS_EXPORT const char* fault_of(const EffectOptions& options) noexcept;
 class GLISS_EXPORT Effects {
  public:
   static constexpr double kSkin = 1e-4;  // m
-  // Ticks over which a velocity is measured.
-  static constexpr std::size_t kWindow = 8;
+  // s, over which a velocity is measured, and the places that are kept for it at most. What comes
+  // faster than so many in a window replaces the last one.
+  static constexpr double kWindow = 8e-3;
+  static constexpr std::size_t kPlaces = 64;
+  static constexpr double kFastest = 100;  // m/s, of a device: what is faster is a fault
 
   // `unit`: of the mesh, m; `stiffness`: N/m. Requires options without a fault.
   Effects(const EffectOptions& options, double stiffness, double unit);
 
   void set_stiffness(double stiffness) noexcept { stiffness_ = stiffness; }
-  // A tick begins with the HIP at `hip` (mesh's unit), each tick once.
-  void see(const Vec3& hip) noexcept;
+  // A tick begins with the HIP at `hip` (mesh's unit), `dt` (s) after the last one, as tick_time()
+  // takes it; each tick once. `own`: the velocity that the device tells, m/s in the object's frame;
+  // zero: it tells none. One above kFastest counts as the last one.
+  void see(const Vec3& hip, double dt = ContactTracker::kTick,
+           const Vec3& own = Vec3::Zero()) noexcept;
   // The distance outside (mesh's unit) within which a contact has to be looked for.
   double reach() const { return options_.magnet.any() ? options_.magnet.range / unit_ : 0; }
   // The force on the hand, N in the object's frame, for the contact that `tracker` gave of the HIP.
   Vec3 force(const Contact& contact, const ContactTracker& tracker) const noexcept;
 
-  // m/s, object's frame: over the last kWindow ticks, thus 4 ticks old.
+  // m/s, object's frame: the way over the last kWindow, or since the last tick where that is longer
+  // ago; so it is 4 ms old, or half a tick. But of the device's own velocity v it is v now, and
+  // only what the way differs from v by, such as the motion of the object, is as old.
   Vec3 velocity() const noexcept;
 
  private:
@@ -76,8 +83,18 @@ class GLISS_EXPORT Effects {
   EffectOptions options_;
   Texture texture_;
   double stiffness_, unit_;
-  std::array<Vec3, kWindow + 1> seen_;  // the last HIPs, in turns
-  std::size_t count_ = 0, last_ = 0;
+  // Where the HIP was, less the way that the device's own velocity has led it. Mesh's unit, s.
+  struct Place {
+    Vec3 at = Vec3::Zero();
+    double time = 0;
+  };
+  const Place& place(std::size_t back) const { return seen_[(last_ + kPlaces - back) % kPlaces]; }
+
+  std::array<Place, kPlaces> seen_;       // the last ones, in turns
+  std::size_t count_ = 0, last_ = 0;      // of them
+  double time_ = 0;                       // s, of the last tick
+  Vec3 hip_ = Vec3::Zero();               // at the last tick
+  Vec3 own_ = Vec3::Zero(), led_ = own_;  // mesh's unit: a second, and where it has led
 };
 
 // The force on the hand, N in the object's frame, of a contact that `tracker` gave: with its

@@ -53,8 +53,7 @@ void evaluate_piece(const PatchCache& cache, const Surface<Real>& s, const Point
   PatchOrder& order = piece.order;
   piece.points.take(cache, s, points, begin, count);
   const Real *xi = piece.points.xi.data(), *eta = piece.points.eta.data();
-  switch (order.judge(piece.points.runs, s.patch_count(),
-                      static_cast<std::size_t>(kernels<Real>().lanes))) {
+  switch (order.judge(piece.points.runs, static_cast<std::size_t>(kernels<Real>().lanes))) {
     case PatchOrder::kInRuns:
       for (const PatchRun& run : piece.points.runs)
         evaluate_run(cache, s, run.patch, xi + run.begin, eta + run.begin, run.end - run.begin,

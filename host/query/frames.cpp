@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace gliss {
 
@@ -149,87 +150,100 @@ TrackOptions<Real> track_options(const QueryOptions& options) {
 
 namespace {
 
-// The parts of a contact. The scale is a power of two: to multiply by 1 / scale is to divide.
-bool is_touching(const auto& raw) { return raw.uints[kContactState] != 0; }
-Vec3 offset_of(const PatchCache& cache, const auto& raw) {
-  return vec(raw.reals + kContactOffset) * (1 / cache.scale);
-}
-double distance_of(const auto& raw, const Vec3& offset) {
-  return (is_touching(raw) ? -1 : 1) * offset.norm();
-}
-Vec3 push_of(const PatchCache& cache, const auto& raw) {
-  const Vec3 push = vec(raw.reals + kContactPush) * (1 / cache.scale);
-  return is_touching(raw) || push.hasNaN() ? push : Vec3(Vec3::Zero());
-}
-double residual_angle_of(const Vec3& offset, const Vec3& normal) {
-  return std::atan2(offset.cross(normal).norm(), std::abs(offset.dot(normal)));
-}
-template <class Real>
-DomainPoint domain_point_of(const PatchCache& cache, const Surface<Real>& s,
-                            const RawContact<Real>& raw) {
-  return face_point(cache, s, raw.uints[kContactPatch], number(raw.reals[kContactXi]),
-                    number(raw.reals[kContactEta]));
-}
-template <class Real>
-Vec3 scp_of(const PatchCache& cache, const Surface<Real>& s, const RawContact<Real>& raw) {
-  return from_local(cache, s, raw.uints[kContactPatch], vec(raw.reals + kContactScp));
-}
-double clear_of(const PatchCache& cache, const auto& raw) {
-  return number(raw.reals[kContactClear]) * (1 / cache.scale);
-}
-
 template <class T, class U>
 void store(const Strided<T>& out, std::size_t i, U number) {
-  if (out) out[i] = static_cast<T>(number);
+  out[i] = static_cast<T>(number);
 }
 template <class T>
 void store(const StridedVectors<T>& out, std::size_t i, const Vec3& v) {
-  for (int c = 0; out && c < 3; ++c) out[c][i] = static_cast<T>(v[c]);
+  for (int c = 0; c < 3; ++c) out[c][i] = static_cast<T>(v[c]);
 }
+
+// The numbers of a contact in the mesh's unit, by the names of their columns. The scale is a power
+// of two: to multiply by 1 / scale is to divide.
+template <class Real>
+class ContactRows {
+ public:
+  ContactRows(const PatchCache& cache, const Surface<Real>& s, const RawContact<Real>& raw)
+      : cache_(cache), s_(s), raw_(raw), per_(1 / cache.scale) {}
+
+#define GLISS_NUMBER(Name, name) \
+  double name() const { return number(raw_.reals[kContact##Name]); }
+#define GLISS_LENGTH(Name, name) \
+  double name() const { return number(raw_.reals[kContact##Name]) * per_; }
+#define GLISS_POINT(Name, name) \
+  Vec3 name() const { return from_local(cache_, s_, patch(), vec(raw_.reals + kContact##Name)); }
+#define GLISS_DIRECTION(Name, name) \
+  Vec3 name() const { return vec(raw_.reals + kContact##Name); }
+#define GLISS_WAY(Name, name) \
+  Vec3 name() const { return vec(raw_.reals + kContact##Name) * per_; }
+#define GLISS_WORD(Name, name) \
+  std::uint32_t name() const { return raw_.uints[kContact##Name]; }
+  CONTACT_NUMBERS(GLISS_NUMBER, GLISS_LENGTH, GLISS_POINT, GLISS_DIRECTION, GLISS_WAY)
+  CONTACT_WORDS(GLISS_WORD)
+#undef GLISS_NUMBER
+#undef GLISS_LENGTH
+#undef GLISS_POINT
+#undef GLISS_DIRECTION
+#undef GLISS_WAY
+#undef GLISS_WORD
+
+ protected:
+  const PatchCache& cache_;
+  const Surface<Real>& s_;
+  const RawContact<Real>& raw_;
+  const double per_;
+};
+
+// ... and those that are others for users.
+template <class Real>
+class ContactColumns : public ContactRows<Real> {
+ public:
+  using Rows = ContactRows<Real>;
+  using Rows::Rows;
+
+  bool touching() const { return this->state() != 0; }
+  std::uint32_t face() { return at().face; }
+  double xi() { return at().xi; }
+  double eta() { return at().eta; }
+  Vec3 push() const {
+    const Vec3 push = Rows::push();
+    return touching() || push.hasNaN() ? push : Vec3(Vec3::Zero());
+  }
+  double distance() const { return (touching() ? -1 : 1) * this->offset().norm(); }
+  double residual_angle() const {
+    const Vec3 offset = this->offset(), normal = this->normal();
+    return std::atan2(offset.cross(normal).norm(), std::abs(offset.dot(normal)));
+  }
+
+ private:
+  const DomainPoint& at() {
+    if (!at_) at_ = face_point(this->cache_, this->s_, this->patch(), Rows::xi(), Rows::eta());
+    return *at_;
+  }
+  std::optional<DomainPoint> at_;
+};
 
 }  // namespace
 
 template <class Real>
 Contact contact_of(const PatchCache& cache, const Surface<Real>& s, const RawContact<Real>& raw) {
+  ContactColumns<Real> columns(cache, s, raw);
   Contact c;
-  const Vec3 offset = offset_of(cache, raw);
-  c.touching = is_touching(raw);
-  c.at = domain_point_of(cache, s, raw);
-  c.scp = scp_of(cache, s, raw);
-  c.normal = vec(raw.reals + kContactNormal);
-  c.distance = distance_of(raw, offset);
-  c.push = push_of(cache, raw);
-  c.residual_angle = residual_angle_of(offset, c.normal);
-  c.iterations = static_cast<int>(raw.uints[kContactIterations]);
-  c.crossings = static_cast<int>(raw.uints[kContactCrossings]);
-  c.flags = raw.uints[kContactFlags];
-  c.clear = clear_of(cache, raw);
+#define GLISS_COLUMN(Type, name, place) c.place = static_cast<decltype(c.place)>(columns.name());
+  GLISS_CONTACT_COLUMNS(GLISS_COLUMN)
+#undef GLISS_COLUMN
   return c;
 }
 
 template <class Real, class T>
 void store_contact(const PatchCache& cache, const Surface<Real>& s, const RawContact<Real>& raw,
                    const ContactArrays<T>& out, std::size_t i) {
-  store(out.touching, i, is_touching(raw));
-  if (out.face || out.xi || out.eta) {
-    const DomainPoint at = domain_point_of(cache, s, raw);
-    store(out.face, i, at.face);
-    store(out.xi, i, at.xi);
-    store(out.eta, i, at.eta);
-  }
-  if (out.scp) store(out.scp, i, scp_of(cache, s, raw));
-  const Vec3 normal = vec(raw.reals + kContactNormal);
-  store(out.normal, i, normal);
-  if (out.push) store(out.push, i, push_of(cache, raw));
-  if (out.distance || out.residual_angle) {
-    const Vec3 offset = offset_of(cache, raw);
-    store(out.distance, i, distance_of(raw, offset));
-    if (out.residual_angle) store(out.residual_angle, i, residual_angle_of(offset, normal));
-  }
-  store(out.iterations, i, raw.uints[kContactIterations]);
-  store(out.crossings, i, raw.uints[kContactCrossings]);
-  store(out.flags, i, raw.uints[kContactFlags]);
-  if (out.clear) store(out.clear, i, clear_of(cache, raw));
+  ContactColumns<Real> columns(cache, s, raw);
+#define GLISS_COLUMN(Type, name, place) \
+  if (out.name) store(out.name, i, columns.name());
+  GLISS_CONTACT_COLUMNS(GLISS_COLUMN)
+#undef GLISS_COLUMN
 }
 
 #define GLISS_FRAMES(REAL)                                                                       \

@@ -8,8 +8,6 @@ namespace {
 
 constexpr double kMostOnBorder = 0.5;
 
-Vec3 across(const Vec3& v, const Vec3& axis) { return v - v.dot(axis) * axis; }
-
 }  // namespace
 
 const char* fault_of(const FrictionOptions& options) noexcept {
@@ -17,22 +15,19 @@ const char* fault_of(const FrictionOptions& options) noexcept {
   if (!is_coefficient(options.at_rest)) return "has a static friction that is not from 0 to 5";
   if (!is_coefficient(options.slipping)) return "has a dynamic friction that is not from 0 to 5";
   if (options.slipping > options.at_rest) return "has a dynamic friction above the static one";
-  if (!(options.settle >= 0 && std::isfinite(options.settle)))
-    return "has a settle of its friction that is not 0 or more";
+  if (!(options.settle >= 0 && options.settle <= kMostSettleTime))
+    return "has a settle of its friction that is not from 0 to 1 s";
   return nullptr;
 }
 
 Friction::Friction(const FrictionOptions& options)
-    : static_(options.at_rest),
-      dynamic_(options.slipping),
-      stays_(options.settle > 0 ? std::exp(-1 / options.settle) : 0),
-      mu_(static_) {}
+    : static_(options.at_rest), dynamic_(options.slipping), settle_(options.settle), mu_(static_) {}
 
 void Friction::change(const FrictionOptions& options) noexcept {
   mu_ = mu_ == static_ ? options.at_rest : std::clamp(mu_, options.slipping, options.at_rest);
   static_ = options.at_rest;
   dynamic_ = options.slipping;
-  stays_ = options.settle > 0 ? std::exp(-1 / options.settle) : 0;
+  settle_ = options.settle;
   has_grip_ = has_grip_ && is_on();
 }
 
@@ -54,14 +49,15 @@ bool Friction::holds(const Vec3& offset, bool on_border) const {
   return (offset - press * axis_).norm() <= coefficient(on_border) * press;
 }
 
-void Friction::narrow() noexcept {
-  const double next = dynamic_ + stays_ * (mu_ - dynamic_);
+void Friction::narrow(double dt) noexcept {
+  const double stays = settle_ > 0 ? std::exp(-dt / settle_) : 0;
+  const double next = dynamic_ + stays * (mu_ - dynamic_);
   narrowed_ = mu_ - next;
   mu_ = next;
 }
 
 Vec3 Friction::lag_within(const Vec3& offset, bool on_border) const {
-  const Vec3 lag = across(offset, axis_);
+  const Vec3 lag = across(axis_, offset);
   const double most = coefficient(on_border) * std::max(0.0, offset.dot(axis_)),
                length = lag.norm();
   return length > most ? Vec3(most / length * lag) : lag;
@@ -70,7 +66,7 @@ Vec3 Friction::lag_within(const Vec3& offset, bool on_border) const {
 double Friction::lag_factor(const Vec3& offset, const Vec3& rest, const Vec3& axis,
                             bool on_border) const {
   const double most = coefficient(on_border) * std::max(0.0, offset.dot(axis));
-  const Vec3 lag = across(offset, axis), out = across(rest, axis);
+  const Vec3 lag = across(axis, offset), out = across(axis, rest);
   const double over = on_border && !out.isZero(0) ? lag.dot(out) / out.norm() : 0;
   const double free2 = lag.squaredNorm() - over * over, most2 = most * most - over * over;
   return free2 > 0 ? std::sqrt(std::max(0.0, most2) / free2) : 1;
@@ -79,7 +75,7 @@ double Friction::lag_factor(const Vec3& offset, const Vec3& rest, const Vec3& ax
 Vec3 Friction::feel(const Vec3& offset, const Vec3& axis, bool slips, bool on_border) noexcept {
   axis_ = axis;
   press_ = std::max(0.0, offset.dot(axis));
-  lag_ = across(offset, axis);
+  lag_ = across(axis, offset);
   slips_ = slips;
   if (!slips) {
     mu_ = static_;

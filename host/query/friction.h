@@ -41,8 +41,8 @@ class GLISS_EXPORT Friction {
 
   // True if the SCP stays, for the offset that it would have.
   bool holds(const Vec3& offset, bool on_border) const;
-  // Narrows the cone for a tick that slips.
-  void narrow() noexcept;
+  // Narrows the cone for a tick that slips, `dt` (s) after the last one.
+  void narrow(double dt) noexcept;
   // The lag that the cone leaves of an offset's, at the same axis.
   Vec3 lag_within(const Vec3& offset, bool on_border) const;
   // ... as a factor of a lag with which the HIP's point on the surface was found: `offset` is its
@@ -67,9 +67,9 @@ class GLISS_EXPORT Friction {
   double coefficient(bool on_border) const;
   Vec3 past_border(const Vec3& offset) const;
 
-  double static_, dynamic_, stays_;  // stays_: share of the way to the dynamic cone left by a tick
-  double mu_;                        // now
-  double narrowed_ = 0;              // by how much mu_ fell in this tick
+  double static_, dynamic_, settle_;  // settle_: s
+  double mu_;                         // now
+  double narrowed_ = 0;               // by how much mu_ fell in this tick
   double press_ = 0;
   double guess_ = 1;
   Vec3 axis_ = Vec3::Zero(), lag_ = Vec3::Zero();

@@ -17,7 +17,7 @@ class GLISS_EXPORT LazyTracker {
  public:
   // The mesh must be validated; HIPs and contacts are in its unit. query.method: kGregory.
   explicit LazyTracker(Mesh mesh, const LazyOptions& options = {}, const QueryOptions& query = {});
-  Contact tick(const Vec3& hip);
+  Contact tick(const Vec3& hip, double dt = ContactTracker::kTick);
 
   // The patches that are built now, until the next tick; requires a tick before.
   const PatchCache& region() const { return region_->cache; }

@@ -1,7 +1,8 @@
 #include "gliss/query/placed_points.h"
 
 #include <algorithm>
-#include <utility>
+
+#include "gliss/base/hash_index.h"
 
 namespace gliss {
 
@@ -72,8 +73,7 @@ GLISS_TAKE(double, double)
 // Lanes that may be idle for one that is not.
 constexpr double kIdle = 0.5;
 
-PatchOrder::Kind PatchOrder::judge(const std::vector<PatchRun>& given, std::size_t patch_count,
-                                   std::size_t lanes) {
+PatchOrder::Kind PatchOrder::judge(const std::vector<PatchRun>& given, std::size_t lanes) {
   const std::size_t points = given.empty() ? 0 : given.back().end;
   const auto fills = [&](const std::vector<PatchRun>& of) {
     std::size_t blocks = 0;
@@ -84,28 +84,32 @@ PatchOrder::Kind PatchOrder::judge(const std::vector<PatchRun>& given, std::size
     return static_cast<double>(blocks * lanes) <= (1 + kIdle) * static_cast<double>(points);
   };
   if (fills(given)) return kInRuns;
-  if (count_.size() < patch_count) count_.resize(patch_count, 0);
   runs.clear();
-  patch.resize(points);
+  patch.resize(points), run_of_.resize(points);
+  HashIndex index(given.size());  // numbers of patches are dense, and their own hash
   for (const PatchRun& run : given) {
-    for (std::uint32_t i = run.begin; i < run.end; ++i) patch[i] = run.patch;
-    std::uint32_t& count = count_[run.patch];
-    if (count == 0) runs.push_back({run.patch, 0, 0});
-    count += run.end - run.begin;
+    const auto new_run = static_cast<std::uint32_t>(runs.size());
+    const std::uint32_t at = index.find_or_insert(
+        new_run, run.patch,
+        [&](std::uint32_t held, std::uint32_t) { return runs[held].patch == run.patch; });
+    if (at == new_run) runs.push_back({run.patch, 0, 0});
+    runs[at].end += run.end - run.begin;
+    std::fill(&patch[run.begin], &patch[run.begin] + (run.end - run.begin), run.patch);
+    std::fill(&run_of_[run.begin], &run_of_[run.begin] + (run.end - run.begin), at);
   }
   std::uint32_t begin = 0;
   for (PatchRun& run : runs) {
     run.begin = begin;
-    run.end = begin += std::exchange(count_[run.patch], 0);
+    begin = run.end += begin;
   }
   return fills(runs) ? kByPatch : kSparse;
 }
 
 void PatchOrder::sort() {
-  for (const PatchRun& run : runs) count_[run.patch] = run.begin;
+  next_.clear();
+  for (const PatchRun& run : runs) next_.push_back(run.begin);
   order.resize(patch.size());
-  for (std::uint32_t i = 0; i < patch.size(); ++i) order[count_[patch[i]]++] = i;
-  for (const PatchRun& run : runs) count_[run.patch] = 0;
+  for (std::uint32_t i = 0; i < patch.size(); ++i) order[next_[run_of_[i]]++] = i;
 }
 
 }  // namespace gliss

@@ -40,11 +40,12 @@ struct GLISS_EXPORT PatchOrder {
   std::vector<PatchRun> runs;        // in that order; not of kInRuns
   std::vector<std::uint32_t> order;  // [place], which point; after sort()
 
-  Kind judge(const std::vector<PatchRun>& given, std::size_t patch_count, std::size_t lanes);
+  Kind judge(const std::vector<PatchRun>& given, std::size_t lanes);
   void sort();  // what was judged
 
  private:
-  std::vector<std::uint32_t> count_;  // [patch], 0 between calls
+  std::vector<std::uint32_t> run_of_;  // [point], in `runs`
+  std::vector<std::uint32_t> next_;    // [run], place of its next point while sorting
 };
 
 }  // namespace gliss

@@ -167,23 +167,26 @@ HipArrays<double> arrays_of(std::span<const Vec3> hips) {
   return {hips.size(), strided_vectors(hips.data()->data(), sizeof(Vec3))};
 }
 
+namespace {
+
+template <class N>
+Strided<N> column_of(N& number) {
+  return {&number, sizeof(Contact)};
+}
+StridedVectors<double> column_of(Vec3& vector) {
+  return strided_vectors(vector.data(), sizeof(Contact));
+}
+
+}  // namespace
+
 ContactArrays<double> arrays_of(std::span<Contact> contacts) {
-  if (contacts.empty()) return {};
-  Contact& c = contacts.front();
-  constexpr std::ptrdiff_t kStride = sizeof c;
-  return {.touching = {&c.touching, kStride},
-          .face = {&c.at.face, kStride},
-          .xi = {&c.at.xi, kStride},
-          .eta = {&c.at.eta, kStride},
-          .scp = strided_vectors(c.scp.data(), kStride),
-          .normal = strided_vectors(c.normal.data(), kStride),
-          .push = strided_vectors(c.push.data(), kStride),
-          .distance = {&c.distance, kStride},
-          .residual_angle = {&c.residual_angle, kStride},
-          .iterations = {&c.iterations, kStride},
-          .crossings = {&c.crossings, kStride},
-          .flags = {&c.flags, kStride},
-          .clear = {&c.clear, kStride}};
+  ContactArrays<double> arrays;
+  if (contacts.empty()) return arrays;
+  Contact& first = contacts.front();
+#define GLISS_COLUMN(Type, name, place) arrays.name = column_of(first.place);
+  GLISS_CONTACT_COLUMNS(GLISS_COLUMN)
+#undef GLISS_COLUMN
+  return arrays;
 }
 
 std::array<ContactArrays<double>, kMethods> by_method(std::span<Contact> contacts, std::size_t hips,

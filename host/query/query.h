@@ -11,6 +11,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <span>
 
@@ -66,8 +67,8 @@ struct SolverOptions {
   double tolerance = 0;  // 0: as exact as the precision allows; of kPaper a residual angle, rad
 };
 
-// The default of QueryOptions::settle, s.
-constexpr double kSettleTime = 5e-3;
+// s: the default of QueryOptions::settle, and the most that it and FrictionOptions::settle may be.
+constexpr double kSettleTime = 5e-3, kMostSettleTime = 1;
 
 // Coulomb's law: how large the tangential part of a contact's force may be, over the normal part,
 // before the contact point slips, and while it does (Friction). Both 0: it slides freely. For
@@ -75,7 +76,7 @@ constexpr double kSettleTime = 5e-3;
 struct FrictionOptions {
   static constexpr double kMost = 5;
   double at_rest = 0, slipping = 0;  // 0 to kMost, slipping at most at_rest
-  // Ticks in which the one goes to the other by 1 - 1/e once the point slips; 0: at once.
+  // s, in which the one goes to the other by 1 - 1/e once the point slips; 0: at once.
   double settle = 0;
 
   bool any() const { return at_rest > 0; }
@@ -88,10 +89,10 @@ struct QueryOptions : SolverOptions {
   // up to ten thousand, and that where a HIP is as near to many places; the default is a bound for
   // those made to take more.
   int budget = 1 << 16;
-  // For ContactTracker alone. Ticks that the force takes to change by a jump, 20 % of itself, where
-  // the contact would leap: it slides to where it belongs. The default is kSettleTime at 1 kHz.
-  // 0: it leaps, as in the paper.
-  double settle = 5;
+  // For ContactTracker alone. The time (s) that the force takes to change by a jump, 20 % of
+  // itself, where the contact would leap: it turns to where it belongs. 0: it leaps, as in the
+  // paper.
+  double settle = kSettleTime;
   FrictionOptions friction = {};
 };
 
@@ -155,6 +156,9 @@ GLISS_EXPORT ContactArrays<double> arrays_of(std::span<Contact> contacts);
 GLISS_EXPORT std::array<ContactArrays<double>, kMethods> by_method(std::span<Contact> contacts,
                                                                    std::size_t hips,
                                                                    std::size_t methods);
+
+// True if a spring may have it (N/m): it is 0 or more, and finite.
+inline bool is_stiffness(double x) { return x >= 0 && std::isfinite(x); }
 
 // F = stiffness (N/m) x push (mesh's unit), in newtons.
 inline Vec3 push_force(const PatchCache& cache, const Vec3& push, double stiffness) {

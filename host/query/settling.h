@@ -9,10 +9,13 @@ namespace gliss {
 
 // Knows what was felt at the last tick, and what may be felt now. Lengths: in the mesh's unit.
 //
-// A tick *leaps* if the push changes by more than twice the HIP's way and a stride. A stride is a
-// share of the lesser push of the two ticks, 20 % / settle. But it is at most eight times the HIP's
-// way, or a 32nd of that share: however deep it is, a slow hand feels no more than ten times its
-// own way. Where friction lets go of a contact point, what its force changes by is no leap.
+// A tick *leaps* if the push changes by more than the HIP's way and the larger of that and a
+// stride. A stride is a share of the lesser push of the two ticks, 20 % of a tick over `settle`.
+// But it is at most eight times the HIP's way, or a 32nd of that share: however deep it is, a slow
+// hand feels no more than nine times its own way. Then the push that is felt changes by the way and
+// a stride. Where friction lets go of a contact point, what its force changes by is no leap. The
+// push of a contact that has ended fades by the whole share of what it was, so that it is gone five
+// times `settle` later however the hand moves.
 //
 // The energy of a contact, over its stiffness, is push . (SCP - HIP) / 2. That is |push|^2 / 2, and
 // the potential of the rim that rounds off an open border. It grows by the work of the hand alone,
@@ -21,36 +24,39 @@ namespace gliss {
 // shading has no such energy; its pushes just do not leap.
 class GLISS_EXPORT Settling {
  public:
-  // `settle`: ticks, as QueryOptions has it; `tiny`: a length that is rounding.
+  // `settle`: s, as QueryOptions has it; `tiny`: a length that is rounding.
   Settling(double settle, double tiny);
 
+  bool is_on() const { return settle_ > 0; }
   // Begins with a contact, felt in full, or free.
   void begin(const Vec3& hip, const Contact& contact) noexcept;
   void begin_free(const Vec3& hip) noexcept;
-  // A tick begins with the HIP at `hip`; no surface is nearer than `clear` to where it was.
-  void move(const Vec3& hip, double clear) noexcept;
+  // A tick begins, `dt` (s) after the last one, with the HIP at `hip`; no surface is nearer than
+  // `clear` to where it was.
+  void move(const Vec3& hip, double clear, double dt) noexcept;
   // ... with a contact whose push may change by so much more, which is no leap: friction's.
   void allow(double change) noexcept { allowed_ = change; }
   // ... and ends with a contact. Turns it to what is felt of it, which has kSettling if it differs.
   void feel(Contact& now, bool has_energy) noexcept;
 
-  // The way that a contact point may go in this tick where the push leaps between two.
-  double reach(const Vec3& from, const Vec3& to) const;
-  bool is_leap(const Vec3& from, const Vec3& to) const;
-  // True if the push would leap from what is felt.
-  bool is_leap(const Vec3& to) const { return is_leap(felt_, to); }
   double way() const { return way_.norm(); }  // of the HIP in this tick
   bool is_felt() const { return !felt_.isZero(0); }
 
  private:
-  double stride(double size, double way) const;
+  // True if the push would leap from what is felt.
+  bool is_leap(const Vec3& to) const;
+  double share(double size) const;
+  double stride(double size) const;
+  // ... of the lesser of what is felt and another push; of their mean where one of them is zero.
+  double stride_to(const Vec3& to) const;
   double energy_of(const Contact& contact) const;
   double paid(const Contact& now) const;
-  void go_straight(Contact& now, double most) const;
+  void turn(Contact& now, double most) const;
   void fade(Contact& now);
 
   double settle_, tiny_;
   Vec3 hip_ = Vec3::Zero(), way_ = Vec3::Zero(), felt_ = Vec3::Zero();
+  double dt_ = 0;          // s, of this tick
   double pace_ = 0;        // how far the HIP has come near a surface in this tick
   double allowed_ = 0;     // change of the push that is friction's
   double energy_ = 0;      // that the hand has put in and not got back; negative: a debt

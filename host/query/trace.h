@@ -2,6 +2,7 @@
 // would.
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <span>
 #include <vector>
@@ -16,10 +17,15 @@ namespace gliss {
 
 struct TraceOptions : SolverOptions {
   std::vector<Method> methods{Method::kGregory, Method::kShaded, Method::kFlat};
-  double stiffness = 500;                 // N/m
-  double settle = QueryOptions{}.settle;  // ticks
+  double stiffness = 500;                 // N/m, 0 or more
+  double settle = QueryOptions{}.settle;  // s
   FrictionOptions friction = {};
   EffectOptions effects = {};
+  // When each HIP was there, since any start, as Tracker::step takes it; none: each is
+  // ContactTracker::kTick after the one before.
+  std::span<const std::chrono::nanoseconds> times = {};
+  // The device's own velocity at each HIP (m/s), for effects; none: it tells none.
+  std::span<const Vec3> velocities = {};
 };
 
 struct TraceStep {
@@ -42,8 +48,9 @@ struct TraceStatistics : ForceStatistics {
 // False stops the trace.
 using TraceSink = std::function<bool(std::size_t tick, std::span<const TraceStep> steps)>;
 
-// HIPs in the mesh's unit. Throws std::invalid_argument as ContactTracker does,
-// and for effects that are none.
+// HIPs in the mesh's unit. The force at one that is not finite is NaN, and nothing else comes of
+// it. Throws std::invalid_argument as ContactTracker does, for a stiffness or effects that are
+// invalid, and for times or velocities that are not as many as HIPs.
 GLISS_EXPORT std::vector<TraceStatistics> trace(const PatchCache& cache, std::span<const Vec3> hips,
                                                 const TraceOptions& options,
                                                 const TraceSink& sink = nullptr);

@@ -5,6 +5,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "gliss/base/plain_arithmetic.h"
+#include "gliss/base/require.h"
 #include "gliss/base/stopwatch.h"
 #include "gliss/build/build_cache.h"
 #include "gliss/study/tessellate.h"
@@ -51,6 +53,7 @@ Comparison::Comparison(const Mesh& mesh, const Topology& topology, std::vector<C
       distance_(std::move(distance)),
       options_(std::move(options)),
       topology_(topology) {
+  require(is_stiffness(options_.stiffness), "CompareOptions has a stiffness that is not 0 or more");
   if (!options_.normals_given) {
     smooth_mesh_ = mesh;
     smooth_mesh_.normals.clear();
@@ -143,6 +146,7 @@ std::unique_ptr<Engine> Comparison::engine_of(const std::string& backend) const 
 }
 
 std::vector<CompareRow> Comparison::measure(const std::function<void()>& measured) const {
+  const PlainArithmetic plain;
   std::vector<CompareRow> rows;
   for (const CompareCandidate& candidate : options_.candidates) {
     for (const Precision precision : options_.precisions) {
@@ -281,7 +285,9 @@ void Comparison::measure_feel(const PatchCache& cache, const QueryOptions& query
 void Comparison::measure_walks(const PatchCache& cache, const QueryOptions& query,
                                const Engine& engine, CompareRow& row) const {
   row.walk_max_force_step = row.walk_p99_force_step = kUnknown;
+  row.steps_beyond_2dx_per_100k = row.max_step_beyond_2dx = kUnknown;
   row.loop_gain = loop_gain(cache, query, walks_.loops, options_.poll);
+  row.leaving = feel_leaving(cache, query, walks_.leaving, polled(engine));
   if (walks_.walks.empty()) return;
   const FeltWalks felt = feel_walks(cache, query, walks_.walks, walks_.depth / mesh_.unit,
                                     polled(engine), options_.most_jumps > 0 ? &row.jumps : nullptr);
@@ -290,6 +296,8 @@ void Comparison::measure_walks(const PatchCache& cache, const QueryOptions& quer
   if (row.jumps.size() > options_.most_jumps) row.jumps.resize(options_.most_jumps);
   row.walk_max_force_step = options_.stiffness * mesh_.unit * felt.largest_step;
   row.walk_p99_force_step = options_.stiffness * mesh_.unit * felt.p99_step;
+  row.steps_beyond_2dx_per_100k = felt.steps_beyond_2dx_per_100k();
+  row.max_step_beyond_2dx = options_.stiffness * mesh_.unit * felt.largest_beyond_2dx;
   row.jumps_per_100k = felt.jumps_per_100k();
   row.lost_per_100k = felt.lost_per_100k();
   row.settling_share = felt.settling_share();

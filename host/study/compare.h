@@ -12,6 +12,7 @@
 #include "gliss/base/export.h"
 #include "gliss/engine/engine.h"
 #include "gliss/study/fidelity.h"
+#include "gliss/study/leaving_walk.h"
 #include "gliss/study/surface_picture.h"
 #include "gliss/study/walk.h"
 #include "gliss/surface/names.h"
@@ -43,7 +44,7 @@ struct CompareOptions {
   // Makes the engine of a backend; null: those of "tbb" and "serial" are known.
   std::function<std::unique_ptr<Engine>(const std::string& backend)> make_engine = nullptr;
   SolverOptions solving;       // but for the solver
-  double settle = 0;           // ticks, as in QueryOptions; by default leaps show
+  double settle = 0;           // s, as in QueryOptions; by default leaps show
   double stiffness = 500;      // N/m
   std::size_t most_jumps = 0;  // that a row tells the places of
   // Asked many times a second, also from an engine's threads; what it throws ends the measuring.
@@ -65,8 +66,10 @@ struct CompareRow {
   double walk_max_force_step = 0, walk_p99_force_step = 0;  // N, in the walks
   double jumps_per_100k = 0, lost_per_100k = 0;             // in the walks; without, along the path
   double settling_share = 0;                                // of the ticks in contact; as the jumps
-  double loop_gain = 0;                                     // of CompareWalks::loops
-  std::uint64_t unsound = 0;                                // steps that are not finite
+  double steps_beyond_2dx_per_100k = 0, max_step_beyond_2dx = 0;  // in the walks (FeltWalks); N
+  HeldContacts leaving{};                                         // of CompareWalks::leaving
+  double loop_gain = 0;                                           // of CompareWalks::loops
+  std::uint64_t unsound = 0;                                      // steps that are not finite
   // The error is to the force of that surface, as a share of stiffness x depth.
   double max_force_error = 0, p99_force_error = 0;
   double tick = 0;  // s, median
@@ -98,11 +101,12 @@ struct ComparePath {
   std::vector<Vec3> hips{};  // mesh's unit
 };
 
-// Random walks, all at one depth; none: they are switched off.
+// Random walks, all at one depth, and hands that leave; none: they are switched off.
 struct CompareWalks {
   double depth = 0;  // m
   std::vector<Walk> walks{};
-  std::vector<std::vector<Vec3>> loops{};  // loop_paths, as deep
+  std::vector<std::vector<Vec3>> loops{};    // loop_paths, as deep
+  std::vector<std::vector<Vec3>> leaving{};  // leaving_paths, of any depth
 };
 
 // `distance`: from a point (mesh's unit) to the true surface, same unit; null: unknown.

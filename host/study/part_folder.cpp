@@ -75,6 +75,11 @@ std::uint64_t work_hash(std::uint64_t surface, const std::string& told) {
   return cache_format::checksum(all.data(), all.size());
 }
 
+void OwnedDescriptor::set(int descriptor) noexcept {
+  if (descriptor_ >= 0) close(descriptor_);
+  descriptor_ = descriptor;
+}
+
 PartFolder::PartFolder(const std::string& folder, std::uint64_t hash, double patience,
                        PartsAccess access)
     : hash_(hash),
@@ -97,7 +102,7 @@ void PartFolder::open_folder() {
   constexpr int kTries = 100;
   for (int i = 0; i < kTries; ++i) {
     if (open_once()) return;
-    if (lock_ >= 0) close(std::exchange(lock_, -1));
+    lock_.set(-1);
   }
   errno = ENOENT;
   fail("cannot keep");
@@ -111,7 +116,7 @@ bool PartFolder::open_once() {
   struct stat status {};
   if (lstat(folder_.c_str(), &status) == 0 && S_ISLNK(status.st_mode))
     refuse("it is a symbolic link; name the folder that it leads to");
-  lock_ = open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+  lock_.set(open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
   if (lock_ < 0 && errno == ENOENT) return false;
   if (lock_ < 0 || fstat(lock_, &status) != 0) fail("cannot open");
   if (!is_new && status.st_uid != geteuid()) refuse("it belongs to another user");
@@ -131,7 +136,6 @@ bool PartFolder::open_once() {
 PartFolder::~PartFolder() {
   if (made_ && access_ == PartsAccess::kAlone)
     rmdir(folder_.c_str());  // refused while anything is there
-  close(lock_);
 }
 
 std::optional<PartFile> PartFolder::load(std::size_t part) {
@@ -244,12 +248,10 @@ std::string PartFolder::path_of(std::size_t part) const {
 
 void PartFolder::fail(const char* action) const {
   const int error = errno;
-  if (lock_ >= 0) close(lock_);
   throw std::system_error(error, std::generic_category(), fmt::format("{} '{}'", action, folder_));
 }
 
 void PartFolder::refuse(const char* why) const {
-  if (lock_ >= 0) close(lock_);
   throw std::runtime_error(fmt::format("parts folder '{}': {}", folder_, why));
 }
 

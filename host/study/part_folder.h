@@ -48,6 +48,21 @@ GLISS_EXPORT std::uint64_t surface_hash(const PatchCache& cache);
 // parts; `told`: all else that the parts of some work depend on.
 GLISS_EXPORT std::uint64_t work_hash(std::uint64_t surface, const std::string& told);
 
+// Closes it in the end.
+class OwnedDescriptor {
+ public:
+  OwnedDescriptor() = default;
+  ~OwnedDescriptor() { set(-1); }
+  OwnedDescriptor(const OwnedDescriptor&) = delete;
+  OwnedDescriptor& operator=(const OwnedDescriptor&) = delete;
+
+  operator int() const { return descriptor_; }  // below 0: none
+  void set(int descriptor) noexcept;            // closes the one before
+
+ private:
+  int descriptor_ = -1;
+};
+
 // A part is a file of its own that is there as a whole or not at all, with a checksum. Its name
 // says of which work it is, by a hash. What is of other work, or damaged, is never read, and what
 // is of other work stays. Failures of files throw std::system_error. For one thread, but that
@@ -109,7 +124,7 @@ class GLISS_EXPORT PartFolder {
   std::string folder_, key_;  // the hash, which the names of its files begin with
   PartsAccess access_;
   bool made_ = false;
-  int lock_ = -1;
+  OwnedDescriptor lock_;
   double patience_;
   Stopwatch clock_;
   std::atomic<double> saved_ = 0;  // s, when a part was saved or loaded last

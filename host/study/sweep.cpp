@@ -15,6 +15,7 @@
 
 #include "gliss/base/pace.h"
 #include "gliss/base/plain_arithmetic.h"
+#include "gliss/base/require.h"
 #include "gliss/base/stopwatch.h"
 #include "gliss/query/force_statistics.h"
 #include "gliss/study/sweep_grid.h"
@@ -192,7 +193,9 @@ class Sweeper {
         options_(options),
         grid_(cache, options.rings),
         parts_(grid_, options),
-        surface_(engine.reside(cache)) {}
+        surface_(engine.reside(cache)) {
+    require(is_stiffness(options.stiffness), "SweepOptions has a stiffness that is not 0 or more");
+  }
 
   // `keeps_last`: also the part that ends the sweep is saved.
   SweepResult run(const PartSource& source, const SweepSink& sink, const SweepProgress& progress,

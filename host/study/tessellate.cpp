@@ -2,6 +2,7 @@
 
 #include <span>
 
+#include "gliss/base/plain_arithmetic.h"
 #include "gliss/query/query.h"
 
 namespace gliss {
@@ -70,6 +71,7 @@ std::uint64_t tessellated_count(const Mesh& mesh, std::uint32_t cells) {
 
 Mesh tessellate(const Mesh& mesh, const PatchCache& cache, std::uint32_t cells,
                 const ParallelFor& parallel) {
+  const PlainArithmetic plain;
   constexpr std::size_t kGrain = 4096;
   const Topology topology = build_topology(mesh);
   const Nodes nodes(mesh, topology, cells);

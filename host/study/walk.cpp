@@ -4,12 +4,12 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <random>
 
+#include "gliss/base/plain_arithmetic.h"
 #include "gliss/build/build_cache.h"
-#include "gliss/mesh/triangulate.h"
 #include "gliss/query/contact_tracker.h"
 #include "gliss/study/fidelity.h"
+#include "gliss/study/random_places.h"
 
 namespace gliss {
 namespace {
@@ -21,85 +21,6 @@ constexpr double kWander = 0.002;                 // ... and its change, rad
 constexpr int kTries = 1000;                      // to find a start
 constexpr std::size_t kMostWalks = 1000;          // a walker
 constexpr int kRound = 4000, kRoundBegins = 400;  // ticks of a closed loop
-
-double diagonal_of(const Mesh& mesh) {
-  Vec3 low = mesh.positions.front(), high = low;
-  for (const Vec3& p : mesh.positions) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  return (high - low).norm();
-}
-
-// The same numbers with every standard library, whose distributions differ.
-class Random {
- public:
-  Random(std::uint64_t seed, std::uint64_t walker) {
-    std::seed_seq seeds{seed, seed >> 32, walker, walker >> 32};
-    engine_.seed(seeds);
-  }
-  double uniform() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }  // [0, 1)
-  // A sum of twelve: normal but for tails beyond 3, without a logarithm, whose last bit libraries
-  // disagree on.
-  double normal() {
-    double sum = -6;
-    for (int i = 0; i < 12; ++i) sum += uniform();
-    return sum;
-  }
-
- private:
-  std::mt19937_64 engine_;
-};
-
-// The triangles of a mesh's polygons, to choose points by area.
-class Places {
- public:
-  explicit Places(const Mesh& mesh) {
-    std::vector<Vec3> corners;
-    std::vector<std::uint32_t> triangles;
-    for (std::size_t face = 0; face < mesh.face_count(); ++face) {
-      corners.clear();
-      triangles.clear();
-      for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c)
-        corners.push_back(mesh.positions[mesh.corner_vertex[c]]);
-      triangulate(corners, newell_normal(mesh, face), triangles);
-      for (std::size_t t = 0; t < triangles.size(); t += 3) {
-        corner_.insert(corner_.end(), {corners[triangles[t]], corners[triangles[t + 1]],
-                                       corners[triangles[t + 2]]});
-        add_area();
-      }
-    }
-  }
-
-  double area() const { return until_.back() / 2; }
-  Vec3 choose(Random& random) const {
-    const double area = random.uniform() * until_.back();
-    const auto at = std::upper_bound(until_.begin(), until_.end() - 1, area) - until_.begin();
-    const Vec3* p = &corner_[3 * static_cast<std::size_t>(at)];
-    double u = random.uniform(), v = random.uniform();
-    if (u + v > 1) {
-      u = 1 - u;
-      v = 1 - v;
-    }
-    return p[0] + u * (p[1] - p[0]) + v * (p[2] - p[0]);
-  }
-
- private:
-  void add_area() {
-    const Vec3* p = &corner_[corner_.size() - 3];
-    const double area = (p[1] - p[0]).cross(p[2] - p[0]).norm();
-    until_.push_back((until_.empty() ? 0 : until_.back()) + area);
-  }
-
-  std::vector<Vec3> corner_;   // [triangle][3]
-  std::vector<double> until_;  // [triangle], sum of areas
-};
-
-// Turns a tangent about the normal by about `angle`, which is small.
-Vec3 turned(const Vec3& direction, const Vec3& normal, double angle) {
-  const Vec3 tangent = (direction - direction.dot(normal) * normal).normalized();
-  return (tangent + angle * normal.cross(tangent)).normalized();
-}
 
 class Walker {
  public:
@@ -149,7 +70,7 @@ class Walker {
   // Ticks that it took, until the guide loses contact or there are enough.
   std::size_t slide(ContactTracker& guide, Contact contact, std::size_t ticks, Walk& walk) {
     const double step = options_.step * options_.depth;
-    Vec3 direction(random_.normal(), random_.normal(), random_.normal());
+    Vec3 direction = random_.vector();
     double turn = 0;
     std::size_t taken = 0;
     while (taken < ticks && contact.touching) {
@@ -174,13 +95,14 @@ class Walker {
 
 }  // namespace
 
-double walk_depth(const Mesh& mesh) { return 0.005 * diagonal_of(mesh); }
+double walk_depth(const Mesh& mesh) { return 0.005 * BoxMeasure(mesh).diagonal; }
 
 std::vector<Walk> walk_paths(const Mesh& mesh, const Topology& topology, const WalkOptions& options,
                              const ParallelFor& parallel) {
+  const PlainArithmetic plain;
   const PatchCache base = build_base(mesh, topology, Precision::kDouble);
   const Places places(mesh);
-  const double diagonal = diagonal_of(mesh);
+  const double diagonal = BoxMeasure(mesh).diagonal;
   std::vector<std::vector<Walk>> by_walker(options.walkers);
   parallel(options.walkers, 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
@@ -195,7 +117,7 @@ std::vector<Walk> walk_paths(const Mesh& mesh, const Topology& topology, const W
 FeltWalks feel_walks(const PatchCache& cache, const QueryOptions& options,
                      std::span<const Walk> walks, double depth, const ParallelFor& parallel,
                      std::vector<WalkJump>* jumps) {
-  std::vector<ForceStatistics> felt(walks.size(), ForceStatistics(depth));
+  std::vector<FeltWalks> felt(walks.size(), FeltWalks{ForceStatistics(depth)});
   std::vector<std::vector<double>> steps(walks.size());
   std::vector<std::vector<WalkJump>> jumps_of(jumps != nullptr ? walks.size() : 0);
   parallel(walks.size(), 1, [&](std::size_t begin, std::size_t end) {
@@ -206,7 +128,10 @@ FeltWalks feel_walks(const PatchCache& cache, const QueryOptions& options,
         const Contact contact = tracker.tick(walks[i].hips[tick]);
         if (tick + 1 < Walk::kEntry) continue;
         const double step = felt[i].add(contact.touching, contact.push, is_settling(contact.flags));
-        if (!std::isnan(step)) steps[i].push_back(step);
+        if (!std::isnan(step)) {
+          steps[i].push_back(step);
+          felt[i].add_beyond(step - 2 * (walks[i].hips[tick] - walks[i].hips[tick - 1]).norm());
+        }
         if (jumps != nullptr && step > ForceStatistics::kJump * depth && std::isfinite(step)) {
           const Contact& at = before.touching ? before : contact;
           jumps_of[i].push_back({at.scp, at.at.face, step / depth, !contact.touching});
@@ -216,7 +141,7 @@ FeltWalks feel_walks(const PatchCache& cache, const QueryOptions& options,
     }
   });
   FeltWalks all{ForceStatistics(depth)};
-  for (const ForceStatistics& of_walk : felt) all.merge(of_walk);
+  for (const FeltWalks& of_walk : felt) all.merge(of_walk);
   for (const auto& of_walk : jumps_of) jumps->insert(jumps->end(), of_walk.begin(), of_walk.end());
   std::vector<double> every;
   for (const std::vector<double>& of_walk : steps)

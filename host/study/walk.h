@@ -2,6 +2,7 @@
 // slides on at one depth, turning slowly. Unlike a chosen path they meet every part of a surface.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -53,6 +54,21 @@ struct WalkJump {
 
 struct FeltWalks : ForceStatistics {
   double p99_step = 0;  // of the steps
+  // Steps that exceed twice the HIP's way, which a quick hand has without a leap; by how much, at
+  // most. A step that is not finite is among them.
+  std::uint64_t steps_beyond_2dx = 0;
+  double largest_beyond_2dx = 0;
+
+  void add_beyond(double excess) noexcept {
+    steps_beyond_2dx += excess > 0;
+    largest_beyond_2dx = std::max(largest_beyond_2dx, excess);
+  }
+  void merge(const FeltWalks& other) noexcept {
+    ForceStatistics::merge(other);
+    steps_beyond_2dx += other.steps_beyond_2dx;
+    largest_beyond_2dx = std::max(largest_beyond_2dx, other.largest_beyond_2dx);
+  }
+  double steps_beyond_2dx_per_100k() const noexcept { return per_100k(steps_beyond_2dx); }
 };
 // Counts what a tracker of its own feels on each walk; stiffness 1 N per unit of length, full
 // force `depth` (mesh's unit). Ticks of pressing in are not counted. Adds to `jumps`, unless it is

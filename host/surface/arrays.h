@@ -34,24 +34,35 @@ struct HipArrays {
   StridedVectors<const T> position{};
 };
 
-// Contact (query.h) as arrays.
+// The columns of contacts: their type, name and place in a Contact (query.h).
+#define GLISS_CONTACT_COLUMNS(COLUMN)                \
+  COLUMN(Strided<bool>, touching, touching)          \
+  COLUMN(Strided<std::uint32_t>, face, at.face)      \
+  COLUMN(Strided<T>, xi, at.xi)                      \
+  COLUMN(Strided<T>, eta, at.eta)                    \
+  COLUMN(StridedVectors<T>, scp, scp)                \
+  COLUMN(StridedVectors<T>, normal, normal)          \
+  COLUMN(StridedVectors<T>, push, push)              \
+  COLUMN(Strided<T>, distance, distance)             \
+  COLUMN(Strided<T>, residual_angle, residual_angle) \
+  COLUMN(Strided<int>, iterations, iterations)       \
+  COLUMN(Strided<int>, crossings, crossings)         \
+  COLUMN(Strided<std::uint32_t>, flags, flags)       \
+  COLUMN(Strided<T>, clear, clear)
+
+// Contact as arrays.
 template <class T>
 struct ContactArrays {
-  Strided<bool> touching{};
-  Strided<std::uint32_t> face{};
-  Strided<T> xi{}, eta{};
-  StridedVectors<T> scp{}, normal{}, push{};
-  Strided<T> distance{}, residual_angle{};
-  Strided<int> iterations{}, crossings{};
-  Strided<std::uint32_t> flags{};
-  Strided<T> clear{};
+#define GLISS_COLUMN(Type, name, place) Type name{};
+  GLISS_CONTACT_COLUMNS(GLISS_COLUMN)
+#undef GLISS_COLUMN
 
   ContactArrays from(std::size_t i) const {
-    return {touching.from(i),   face.from(i),      xi.from(i),
-            eta.from(i),        scp.from(i),       normal.from(i),
-            push.from(i),       distance.from(i),  residual_angle.from(i),
-            iterations.from(i), crossings.from(i), flags.from(i),
-            clear.from(i)};
+    ContactArrays rest;
+#define GLISS_COLUMN(Type, name, place) rest.name = name.from(i);
+    GLISS_CONTACT_COLUMNS(GLISS_COLUMN)
+#undef GLISS_COLUMN
+    return rest;
   }
 };
 

@@ -37,7 +37,8 @@ struct TrackOptions {
   int budget = 0;  // evaluations after which a search begins no further descent; 0: no limit
 };
 
-inline constexpr std::size_t kContactReals = 15, kContactUints = 5;
+// The most that a contact has of each, with room for more (kernels/layout.h).
+inline constexpr std::size_t kContactReals = 16, kContactUints = 8;
 
 // A contact as the kernels see it (kernels/contact.h): local frame of its patch, offsets in the
 // mesh frame. Starts free.
@@ -45,6 +46,7 @@ template <class Real>
 struct RawContact {
   Real reals[kContactReals] = {};
   std::uint32_t uints[kContactUints] = {};
+  int evaluations = 0;  // that the query took, or the time of as many
   // Left by a tick for the next one: bend and drift, once warm.
   Real warmth[5] = {};
   bool warm = false;

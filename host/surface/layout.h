@@ -8,9 +8,10 @@
 #include "gliss/base/vector.h"
 #include "gliss/surface/instances.h"
 #include "gliss/surface/patch_cache.h"
-#include "kernels/layout.h"
 
 namespace gliss {
+
+#include "kernels/layout.h"
 
 inline constexpr std::size_t kSideReals = SIDE_REALS, kPatchReals = PATCH_REALS,
                              kNodeReals = NODE_REALS;
@@ -56,16 +57,8 @@ inline constexpr std::size_t kCutRows = CUT_ROWS, kCutTransforms = CUT_TRANSFORM
                              kCutOutRows = CUT_OUT_ROWS;
 inline constexpr std::uint32_t kTileAnyTurn = TILE_ANY_TURN, kTileBends = TILE_BENDS;
 inline constexpr int kTileTurnShift = TILE_TURN_SHIFT;
-inline constexpr std::size_t kContactXi = CONTACT_XI, kContactEta = CONTACT_ETA,
-                             kContactScp = CONTACT_SCP, kContactNormal = CONTACT_NORMAL,
-                             kContactOffset = CONTACT_OFFSET, kContactPush = CONTACT_PUSH,
-                             kContactClear = CONTACT_CLEAR;
-inline constexpr std::size_t kContactState = CONTACT_STATE, kContactPatch = CONTACT_PATCH,
-                             kContactIterations = CONTACT_ITERATIONS,
-                             kContactCrossings = CONTACT_CROSSINGS, kContactFlags = CONTACT_FLAGS;
-
 // instances.h tells these to users without the macros.
-static_assert(kContactReals == CONTACT_REALS && kContactUints == CONTACT_UINTS);
+static_assert(kContactReals >= CONTACT_REALS && kContactUints >= CONTACT_UINTS);
 static_assert(kConverged == FOOT_CONVERGED && kOnBorder == FOOT_BORDER &&
               kOnCrease == FOOT_CREASE && kUnfinished == FOOT_UNFINISHED);
 static_assert(static_cast<int>(Method::kGregory) == METHOD_GREGORY &&
@@ -179,20 +172,8 @@ bool is_outer_side(const PatchCache& cache, const Surface<Real>& surface, std::u
 #undef SOLVER_NEWTON
 #undef SOLVER_GAUSS_NEWTON
 #undef SOLVER_PAPER
-#undef CONTACT_XI
-#undef CONTACT_ETA
-#undef CONTACT_SCP
-#undef CONTACT_NORMAL
-#undef CONTACT_OFFSET
-#undef CONTACT_PUSH
-#undef CONTACT_CLEAR
-#undef CONTACT_REALS
-#undef CONTACT_STATE
-#undef CONTACT_PATCH
-#undef CONTACT_ITERATIONS
-#undef CONTACT_CROSSINGS
-#undef CONTACT_FLAGS
-#undef CONTACT_UINTS
+#undef CONTACT_ROW
+#undef CONTACT_ROWS
 #undef FOOT_CONVERGED
 #undef FOOT_BORDER
 #undef FOOT_CREASE

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "gliss/base/poll.h"
@@ -13,19 +15,43 @@ namespace {
 
 const std::vector<std::vector<std::string>> kNames = {{"x", "y", "z"}, {"x_mm", "y_mm", "z_mm"}};
 
-std::vector<Vec3> read_recording(const Hdf5Reader& file, const std::string& action, Poll& poll) {
-  const auto x = file.numbers("ticks/x"), y = file.numbers("ticks/y"), z = file.numbers("ticks/z");
-  if (y.size() != x.size() || z.size() != x.size())
-    throw std::runtime_error(action + ": x, y and z are not equally long");
-  std::vector<Vec3> points;
-  points.reserve(x.size());
+// Vectors of three columns that `numbers` gives, each as long as the first.
+template <class Numbers>
+std::vector<Vec3> vectors_of(const Numbers& x, const Numbers& y, const Numbers& z, Poll& poll) {
+  std::vector<Vec3> vectors;
+  vectors.reserve(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) {
     poll();
-    points.emplace_back(x[i], y[i], z[i]);
-    if (!points.back().allFinite())
+    vectors.emplace_back(x[i], y[i], z[i]);
+  }
+  return vectors;
+}
+
+template <class Numbers>
+std::vector<std::chrono::nanoseconds> times_of(const Numbers& seconds, Poll& poll) {
+  constexpr double kMost = 9e9;  // s, of 64 bits of nanoseconds
+  std::vector<std::chrono::nanoseconds> times;
+  times.reserve(seconds.size());
+  for (const double time : seconds) {
+    poll();
+    times.emplace_back(std::llround(1e9 * std::clamp(time, -kMost, kMost)));
+  }
+  return times;
+}
+
+// ticks/x, ticks/y and ticks/z, or of other names.
+std::vector<Vec3> read_vectors(const Hdf5Reader& file, const std::string& prefix,
+                               const std::string& action, Poll& poll) {
+  const auto x = file.numbers(prefix + "x"), y = file.numbers(prefix + "y"),
+             z = file.numbers(prefix + "z");
+  if (y.size() != x.size() || z.size() != x.size())
+    throw std::runtime_error(action + ": x, y and z are not equally long");
+  std::vector<Vec3> vectors = vectors_of(x, y, z, poll);
+  for (std::size_t i = 0; i < vectors.size(); ++i) {
+    if (!vectors[i].allFinite())
       throw std::runtime_error(fmt::format("{}: tick {} is not finite", action, i));
   }
-  return points;
+  return vectors;
 }
 
 std::vector<Turn> read_recorded_turns(const Hdf5Reader& file, std::size_t ticks,
@@ -42,6 +68,28 @@ std::vector<Turn> read_recorded_turns(const Hdf5Reader& file, std::size_t ticks,
     turns.emplace_back(w[i], x[i], y[i], z[i]);
   }
   return turns;
+}
+
+PointTable read_recording(const Hdf5Reader& file, const std::string& action, Poll& poll) {
+  PointTable ticks;
+  ticks.points = read_vectors(file, "ticks/", action, poll);
+  ticks.turns = read_recorded_turns(file, ticks.points.size(), action, poll);
+  if (file.has("ticks/time")) ticks.times = times_of(file.numbers("ticks/time"), poll);
+  if (file.has("ticks/vx")) ticks.velocities = read_vectors(file, "ticks/v", action, poll);
+  for (const std::size_t length : {ticks.times.size(), ticks.velocities.size()}) {
+    if (length != 0 && length != ticks.points.size())
+      throw std::runtime_error(action + ": time, vx, vy and vz are not as long as x");
+  }
+  return ticks;
+}
+
+// Sets what the table has of kMotionColumns.
+void read_motion(const InputTable& table, PointTable& to, Poll& poll) {
+  const LargeArray<double>* found[4];
+  for (std::size_t i = 0; i < 4; ++i) found[i] = table.find(kMotionColumns[i]);
+  if (found[0] != nullptr) to.times = times_of(*found[0], poll);
+  if (found[1] != nullptr && found[2] != nullptr && found[3] != nullptr)
+    to.velocities = vectors_of(*found[1], *found[2], *found[3], poll);
 }
 
 // True if a quaternion's length is 1 but for what files round.
@@ -80,8 +128,7 @@ PointReader::PointReader(const std::string& path, double unit,
       if (!file.has("x") && !file.has("x_mm")) {
         const std::string action = fmt::format("cannot read '{}' as a recording", path);
         Poll poll_rows(poll);
-        recording_.points = read_recording(file, action, poll_rows);
-        recording_.turns = read_recorded_turns(file, recording_.points.size(), action, poll_rows);
+        recording_ = read_recording(file, action, poll_rows);
         return;
       }
     } catch (const std::runtime_error& error) {
@@ -105,10 +152,13 @@ PointTable PointReader::read(std::size_t begin, std::size_t end) {
     };
     add_rows(recording_.points, result.points);
     add_rows(recording_.turns, result.turns);
+    add_rows(recording_.times, result.times);
+    add_rows(recording_.velocities, result.velocities);
     return result;
   }
   result.table = reader_->read(begin, end);
   result.turns = turns_of(result.table, poll_);
+  read_motion(result.table, result, poll);
   const std::size_t chosen = result.table.alternative;
   const std::string named = result.table.unit(kNames[chosen][0]);
   result.unit = chosen == 0 ? unit_ : 1e-3;
@@ -122,11 +172,7 @@ PointTable PointReader::read(std::size_t begin, std::size_t end) {
   }
   const auto &x = *result.table.find(kNames[chosen][0]), &y = *result.table.find(kNames[chosen][1]),
              &z = *result.table.find(kNames[chosen][2]);
-  result.points.reserve(x.size());
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    poll();
-    result.points.emplace_back(x[i], y[i], z[i]);
-  }
+  result.points = vectors_of(x, y, z, poll);
   return result;
 }
 

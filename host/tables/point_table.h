@@ -1,6 +1,7 @@
 // Points in files, in whatever unit they come: CSV tables, and recordings of the loop in HDF5.
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <memory>
 #include <string>
@@ -21,7 +22,10 @@ struct PointTable {
   InputTable table;          // the other columns that were asked for; of a recording: none
   double unit = 1;           // m
   std::vector<Vec3> points;  // in `unit`
-  std::vector<Turn> turns;   // of kTurnColumns, where they were asked for and are there; of ticks
+  // Of kTurnColumns and kMotionColumns, where they were asked for and are there; of ticks.
+  std::vector<Turn> turns;
+  std::vector<std::chrono::nanoseconds> times;
+  std::vector<Vec3> velocities;  // m/s
 };
 
 // The same some rows at a time, as far as open_table() does; recordings are held in memory.
@@ -44,6 +48,8 @@ class GLISS_EXPORT PointReader {
 
 // The columns of a rotation: a unit quaternion.
 inline const std::vector<std::string> kTurnColumns = {"qw", "qx", "qy", "qz"};
+// When a HIP was there (s), and the velocity that its device told (m/s). The time alone will do.
+inline const std::vector<std::string> kMotionColumns = {"time", "vx", "vy", "vz"};
 // The rotations of a table that was asked for these columns; none where it lacks them all. Throws
 // std::runtime_error, which names the file or the row, where some are missing or the length is not
 // 1 to a thousandth. `poll` as in read_points().

@@ -354,11 +354,12 @@ class Surface:
             samples=samples, rings=rings, methods=methods, stiffness=stiffness, output=path, parts=folder,
             command_line=command_line)))
 
-    def trace(self, path, stiffness="0.5N/mm", method="gregory", **options):
-        """Tracks a HIP along a path, a tick of 1 ms a row, as a device loop does. A Trace.
+    def trace(self, path, stiffness="0.5N/mm", method="gregory", *, time=None, **options):
+        """Tracks a HIP along a path, a tick a row, as a device loop does. A Trace.
 
         path: (n, 3), in the surface's unit. The forces are those of ``gliss trace``, byte for byte.
         stiffness: N/m. method as for nearest. These are keywords:
+        time: (n,) s, when the HIP was there; None: 1 ms from row to row.
         settle: the time that the force takes to change by 20 % where a contact would leap; 0: it leaps.
         friction: a coefficient, 0 to 5, or (at rest, slipping); friction_settle: s, from the one to the other.
         damping: s/m, 0 to 20. viscosity: N s/m, 0 to 20.
@@ -367,10 +368,12 @@ class Surface:
         Trace: force (n, 3) N, point (n, 3), normal (n, 3), distance (n,), face (n,), domain (n, 2), touching (n,),
         slipping (n,), cone_share (n,), flags (n,).
         """
-        return Trace(*_gliss.trace(self._open, _real(path, "path"), _touch(stiffness, method, **options)))
+        if time is not None:
+            time = _np.atleast_1d(_real(time, "time"))[:, None]
+        return Trace(*_gliss.trace(self._open, _real(path, "path"), time, _touch(stiffness, method, **options)))
 
     def hand(self, stiffness="0.5N/mm", method="gregory", **options):
-        """A Hand on this surface, for simulators: hand.tick(hip) each ms. Options are those of trace."""
+        """A Hand on this surface, for simulators: hand.tick(hip) each ms. Options are those of trace, but time."""
         return Hand(self, stiffness, method, **options)
 
 
@@ -383,17 +386,17 @@ class Hand:
     def __init__(self, surface, stiffness="0.5N/mm", method="gregory", **options):
         self._open = _gliss.OpenHand(surface._open, _touch(stiffness, method, **options))
 
-    def tick(self, hip):
+    def tick(self, hip, dt=1e-3):
         """The Contact after the HIP has moved to `hip`, (3,) in the surface's unit: a microsecond and the call.
 
-        A way through the surface is met at any speed. ValueError for numbers that are not finite: the hand stays as
+        dt: s since the last tick, or text such as "2ms"; damping, viscosity, friction_settle and settle go by it. A way through the surface is met at any speed. ValueError for numbers that are not finite: the hand stays as
         it was.
         """
-        return self._open.tick(hip)
+        return self._open.tick(hip, dt)
 
-    def ticks(self, path):
+    def ticks(self, path, dt=1e-3):
         """The same for each row of a path, (n, 3), while other Python threads run. Results as of Surface.trace."""
-        return Results(self._open.ticks(_real(path, "path")))
+        return Results(self._open.ticks(_real(path, "path"), dt))
 
 
 def load(path, unit=None, **options):

@@ -113,8 +113,8 @@ class Hand:
         damping: _Quantity = 0.0, viscosity: _Quantity = 0.0, magnet: tuple[_Quantity, _Quantity] | None = None,
         texture: tuple[str, _Quantity, _Quantity] | tuple[str, _Quantity, _Quantity, ArrayLike] | None = None,
     ) -> None: ...
-    def tick(self, hip: ArrayLike) -> Contact: ...
-    def ticks(self, path: ArrayLike) -> Results: ...
+    def tick(self, hip: ArrayLike, dt: _Quantity = 1e-3) -> Contact: ...
+    def ticks(self, path: ArrayLike, dt: _Quantity = 1e-3) -> Results: ...
 
 class Surface:
     def __init__(
@@ -158,7 +158,7 @@ class Surface:
         output: _Path | None = None, parts: _Path | None = None,
     ) -> Sweep: ...
     def trace(
-        self, path: ArrayLike, stiffness: _Quantity = "0.5N/mm", method: _Method = "gregory", *,
+        self, path: ArrayLike, stiffness: _Quantity = "0.5N/mm", method: _Method = "gregory", *, time: ArrayLike | None = None,
         settle: _Quantity = "5ms", friction: float | tuple[float, float] = 0.0, friction_settle: _Quantity = 0.0,
         damping: _Quantity = 0.0, viscosity: _Quantity = 0.0, magnet: tuple[_Quantity, _Quantity] | None = None,
         texture: tuple[str, _Quantity, _Quantity] | tuple[str, _Quantity, _Quantity, ArrayLike] | None = None,

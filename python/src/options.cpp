@@ -95,12 +95,14 @@ double stiffness(py::handle value) {
                   "stiffness");
 }
 
-double ticks(py::handle value, const char* name) {
+double settle(py::handle value, const char* name) {
   const double seconds = quantity(value, name, parse_time, "a time in s, or text such as '5ms'");
-  if (!(seconds >= 0 && seconds <= 1))
+  if (!(seconds >= 0 && seconds <= kMostSettleTime))
     throw py::value_error(fmt::format("{}: {} s is not from 0 to 1 s", name, seconds));
-  return seconds * 1e3;
+  return seconds;
 }
+
+double tick(py::handle value) { return positive(settle(value, "dt"), "dt"); }
 
 std::vector<double> depths(py::handle list) {
   if (py::isinstance<py::str>(list) || !py::isinstance<py::sequence>(list))
@@ -111,7 +113,7 @@ std::vector<double> depths(py::handle list) {
   return all;
 }
 
-FrictionOptions friction(py::handle value, py::handle settle) {
+FrictionOptions friction(py::handle value, py::handle settle_time) {
   constexpr char kWhat[] = "a coefficient, or (at rest, slipping)";
   FrictionOptions options;
   const auto number = [&](py::handle part) { return quantity(part, "friction", nullptr, kWhat); };
@@ -123,7 +125,7 @@ FrictionOptions friction(py::handle value, py::handle settle) {
   } else {
     options.at_rest = options.slipping = number(value);
   }
-  options.settle = ticks(settle, "friction_settle");
+  options.settle = settle(settle_time, "friction_settle");
   if (const char* fault = fault_of(options))
     throw py::value_error(fmt::format("the surface {}", fault));
   return options;
@@ -147,7 +149,7 @@ TouchOptions touch_options(const py::dict& options) {
   TouchOptions touch;
   touch.stiffness = stiffness(options["stiffness"]);
   touch.query.method = choice("method", text(options, "method"), kMethodNames);
-  touch.query.settle = ticks(options["settle"], "settle");
+  touch.query.settle = settle(options["settle"], "settle");
   touch.query.friction = friction(options["friction"], options["friction_settle"]);
   touch.effects =
       effects(options["damping"], options["viscosity"], options["magnet"], options["texture"]);

@@ -24,9 +24,10 @@ double quantity(py::handle value, const char* name, double (*parse)(std::string_
 // The usual ones; all throw ValueError for what is out of range.
 double length(py::handle value, const char* name);  // m, above 0
 double stiffness(py::handle value);                 // N/m, above 0
-double ticks(py::handle value, const char* name);   // of 1 ms, from a time of 0 to 1 s
+double settle(py::handle value, const char* name);  // s, 0 to 1
+double tick(py::handle value);                      // s, above 0, to 1
 std::vector<double> depths(py::handle list);        // m, above 0; one, or a list of them
-FrictionOptions friction(py::handle value, py::handle settle);  // a number, or two
+FrictionOptions friction(py::handle value, py::handle settle_time);  // a number, or two
 // magnet: (force, range); texture: (relief, height, period) or with a vector behind.
 EffectOptions effects(py::handle damping, py::handle viscosity, py::handle magnet,
                       py::handle texture);

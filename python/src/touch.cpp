@@ -2,7 +2,10 @@
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <atomic>
+#include <chrono>
+#include <cmath>
 #include <optional>
 
 #include "arrays.h"
@@ -65,7 +68,23 @@ std::vector<Vec3> hips_of(const Reals& path, double unit) {
   return hips;
 }
 
-py::tuple trace(const OpenSurface& surface, const Reals& path, const py::dict& keywords) {
+// Of a column of s; none of none.
+std::vector<std::chrono::nanoseconds> times_of(const std::optional<Reals>& time, std::size_t rows) {
+  std::vector<std::chrono::nanoseconds> times;
+  if (!time) return times;
+  require_rows(*time, "time", 1);
+  const Strided<const double> seconds = column(*time, 0);
+  const auto n = static_cast<std::size_t>(time->shape(0));
+  if (n != rows)
+    throw py::value_error(
+        fmt::format("time: expected {} numbers, as path has rows, found {}", rows, n));
+  for (std::size_t i = 0; i < n; ++i)
+    times.emplace_back(std::llround(1e9 * std::clamp(seconds[i], -9e9, 9e9)));
+  return times;
+}
+
+py::tuple trace(const OpenSurface& surface, const Reals& path, const std::optional<Reals>& time,
+                const py::dict& keywords) {
   const TouchOptions touch = touch_options(keywords);
   TraceOptions options;
   options.methods = {touch.query.method};
@@ -74,6 +93,8 @@ py::tuple trace(const OpenSurface& surface, const Reals& path, const py::dict& k
   options.friction = touch.query.friction;
   options.effects = touch.effects;
   const std::vector<Vec3> hips = hips_of(path, surface.cache->unit);
+  const std::vector<std::chrono::nanoseconds> times = times_of(time, hips.size());
+  options.times = times;
   TickArrays ticks(hips.size());
   const TraceStatistics statistics = released([&] {
     return gliss::trace(*surface.cache, hips, options,
@@ -98,20 +119,22 @@ class Hand {
   }
 
   // The GIL stays: a tick is shorter than letting it go.
-  TraceStep tick(py::handle hip) {
+  TraceStep tick(py::handle hip, py::handle seconds) {
     const Vec3 at = point_of(hip, "hip");
+    const double dt = python::tick(seconds);
     const Use use(*this);
-    return step(at);
+    return step(at, dt);
   }
-  py::dict ticks(const Reals& path) {
+  py::dict ticks(const Reals& path, py::handle seconds) {
     require_rows(path, "path", 3);
+    const double dt = python::tick(seconds);
     const Use use(*this);
     const StridedVectors<const double> from = vectors(path);
     const auto n = static_cast<std::size_t>(path.shape(0));
     TickArrays out(n);
     released([&] {
       for (std::size_t i = 0; i < n; ++i) {
-        out.set(i, step(Vec3(from.x[i], from.y[i], from.z[i])));
+        out.set(i, step(Vec3(from.x[i], from.y[i], from.z[i]), dt));
         poll();
       }
     });
@@ -133,10 +156,10 @@ class Hand {
    private:
     Hand& hand_;
   };
-  TraceStep step(const Vec3& hip) {
-    if (effects_) effects_->see(hip);
+  TraceStep step(const Vec3& hip, double dt) {
+    if (effects_) effects_->see(hip, dt);
     TraceStep step;
-    step.contact = tracker_.tick(hip);
+    step.contact = tracker_.tick(hip, dt);
     step.force = force_of(effects_, step.contact, tracker_, *surface_->cache, stiffness_);
     step.cone_share = tracker_.cone_share();
     return step;

@@ -11,6 +11,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "gliss/base/plain_arithmetic.h"
 #include "gliss/base/require.h"
 #include "gliss/contact/tracker.h"
 #include "gliss/device/guard.h"
@@ -33,6 +34,7 @@ struct gliss_hand {
   std::vector<gliss_surface*> surfaces;  // one for each object
   gliss::Tracker tracker;
   std::size_t hips;
+  gliss::Nanoseconds tick, time{0};  // time: of the last tick
 };
 
 struct gliss_guard {
@@ -55,6 +57,7 @@ std::int32_t fail(std::int32_t code, const char* what) noexcept {
 // Does what may throw, and tells how it ended.
 template <class Act>
 std::int32_t attempt(const Act& act) noexcept {
+  const gliss::PlainArithmetic plain;
   last_error[0] = 0;
   try {
     act();
@@ -83,10 +86,11 @@ void store(const Vec3& v, double* to) { std::copy_n(v.data(), 3, to); }
 
 constexpr char kNoRotation[] = "rotation: is no unit quaternion w, x, y, z";
 
-// The rotation of w, x, y, z at a position; nothing where that is none.
+// The rotation of w, x, y, z at a position; nothing where that is invalid, but for numbers that are
+// not finite: these are Tracker::step's to tell.
 std::optional<gliss::Pose> find_pose(const double* rotation, const double* position) noexcept {
   const gliss::Turn turn(rotation[0], rotation[1], rotation[2], rotation[3]);
-  if (!(std::abs(turn.norm() - 1) < 1e-3)) return std::nullopt;
+  if (turn.coeffs().allFinite() && !(std::abs(turn.norm() - 1) < 1e-3)) return std::nullopt;
   gliss::Pose pose = gliss::Pose::Identity();
   pose.linear() = turn.normalized().toRotationMatrix();
   pose.translation() = vector_of(position);
@@ -95,7 +99,7 @@ std::optional<gliss::Pose> find_pose(const double* rotation, const double* posit
 // The same. Throws std::invalid_argument.
 gliss::Pose pose_of(const double* rotation, const double* position) {
   const std::optional<gliss::Pose> pose = find_pose(rotation, position);
-  require(pose.has_value(), kNoRotation);
+  require(pose && pose->linear().allFinite(), kNoRotation);
   return *pose;
 }
 
@@ -190,8 +194,12 @@ gliss::SceneObject object_of(const gliss_object& from) {
                                         gliss::Relief::kNoise};
   object.effects.texture = {kReliefs[from.texture], from.texture_height, from.texture_period,
                             vector_of(from.texture_along)};
-  object.effects.tick = from.tick;
   return object;
+}
+
+// ns, where a tick is not told another.
+std::int64_t next_time(const gliss_hand& hand) {
+  return (std::min(hand.time, gliss::Nanoseconds::max() - hand.tick) + hand.tick).count();
 }
 
 }  // namespace
@@ -290,14 +298,17 @@ std::int32_t gliss_surface_nearest(const gliss_surface* surface, std::uint32_t m
     need(points, "points: is NULL");
     need(out, "out: is NULL");
     if (stride == 0) stride = 3 * bytes;
+    const auto point = [&](std::size_t i) {
+      return bytes == 4 ? point_at<float>(points, stride, i) : point_at<double>(points, stride, i);
+    };
+    for (std::size_t i = 0; i < count; ++i)
+      require(point(i).allFinite(), "points: one is not finite");
     std::vector<Vec3> hips;
     std::vector<gliss::Contact> contacts;
     for (std::size_t first = 0; first < count; first += kBlock) {
       const std::size_t many = std::min(kBlock, count - first);
       hips.clear();
-      for (std::size_t i = first; i < first + many; ++i)
-        hips.push_back(bytes == 4 ? point_at<float>(points, stride, i)
-                                  : point_at<double>(points, stride, i));
+      for (std::size_t i = first; i < first + many; ++i) hips.push_back(point(i));
       contacts.resize(many);
       surface->resident->project(hips, query, contacts);
       for (std::size_t i = 0; i < many; ++i) store(contacts[i], out + first + i);
@@ -333,7 +344,7 @@ gliss_object gliss_object_init(void) {
   object.rotation[0] = 1;
   object.settle = usual.settle;
   object.texture_along[0] = 1;
-  object.tick = usual.effects.tick;
+  object.tick = gliss::ContactTracker::kTick;
   return object;
 }
 
@@ -349,10 +360,15 @@ std::int32_t gliss_hand_create(const gliss_object* objects, std::size_t count, c
       scene.push_back(object_of(objects[i]));
       surfaces.push_back(objects[i].surface);
     }
+    const double tick = count == 0 ? gliss::ContactTracker::kTick : objects[0].tick;
+    require(tick >= 1e-6 && tick <= 1, "tick: is not from 1e-6 to 1 s");
+    for (std::size_t i = 1; i < count; ++i)
+      require(objects[i].tick == tick, "tick: is not the same in all objects");
     std::vector<Vec3> tool;
     for (std::size_t i = 0; i < hips; ++i) tool.push_back(vector_of(points + 3 * i));
     *out = new gliss_hand{std::move(surfaces), gliss::Tracker(scene, tool),
-                          std::max<std::size_t>(hips, 1)};
+                          std::max<std::size_t>(hips, 1),
+                          gliss::Nanoseconds(std::llround(1e9 * tick))};
     for (gliss_surface* surface : (*out)->surfaces) gliss_surface_retain(surface);
   });
 }
@@ -367,9 +383,7 @@ void gliss_hand_release(gliss_hand* hand) {
 std::int32_t gliss_hand_tick(gliss_hand* hand, const double position[3], double force[3]) {
   if (hand == nullptr || position == nullptr || force == nullptr)
     return fail(kBadInput, "hand, position or force: is NULL");
-  last_error[0] = 0;
-  store(hand->tracker.step(vector_of(position)), force);
-  return 0;
+  return gliss_hand_tick_at(hand, next_time(*hand), position, nullptr, nullptr, force, nullptr);
 }
 
 std::int32_t gliss_hand_tick_tool(gliss_hand* hand, const double position[3],
@@ -377,12 +391,24 @@ std::int32_t gliss_hand_tick_tool(gliss_hand* hand, const double position[3],
   if (hand == nullptr || position == nullptr || rotation == nullptr || force == nullptr ||
       torque == nullptr)
     return fail(kBadInput, "hand, position, rotation, force or torque: is NULL");
+  return gliss_hand_tick_at(hand, next_time(*hand), position, nullptr, rotation, force, torque);
+}
+
+std::int32_t gliss_hand_tick_at(gliss_hand* hand, std::int64_t time_ns, const double position[3],
+                                const double* velocity, const double* rotation, double force[3],
+                                double* torque) {
+  if (hand == nullptr || position == nullptr || force == nullptr)
+    return fail(kBadInput, "hand, position or force: is NULL");
+  const gliss::PlainArithmetic plain;
   last_error[0] = 0;
-  const std::optional<gliss::Pose> tool = find_pose(rotation, position);
+  constexpr double kNoTurn[] = {1, 0, 0, 0};
+  const auto tool = find_pose(rotation == nullptr ? kNoTurn : rotation, position);
   if (!tool) return fail(kBadInput, kNoRotation);
-  const gliss::Wrench wrench = hand->tracker.step(*tool);
+  hand->time = gliss::Nanoseconds(time_ns);
+  const gliss::Wrench wrench = hand->tracker.step(
+      *tool, hand->time, velocity == nullptr ? Vec3(Vec3::Zero()) : vector_of(velocity));
   store(wrench.force, force);
-  store(wrench.torque, torque);
+  if (torque != nullptr) store(wrench.torque, torque);
   return 0;
 }
 

@@ -32,7 +32,7 @@ extern "C" {
 #define GLISS_API
 #endif
 
-#define GLISS_ABI 0x000100u
+#define GLISS_ABI 0x000101u
 
 typedef struct gliss_surface gliss_surface;
 typedef struct gliss_hand gliss_hand;
@@ -110,8 +110,9 @@ typedef struct {
   uint64_t reserved[2];
 } gliss_contact;
 
-/* The nearest point of the surface to each of `count` points, of scalars of `bytes`: 8 (double) or
- * 4 (float), three in a row, `stride` bytes from point to point (0: close together). */
+/* The nearest point of the surface to each of `count` points, which are finite, of scalars of
+ * `bytes`: 8 (double) or 4 (float), three in a row, `stride` bytes from point to point (0: close
+ * together). */
 GLISS_API int32_t gliss_surface_nearest(const gliss_surface* surface, uint32_t method,
                                         const void* points, size_t stride, size_t bytes,
                                         size_t count, gliss_contact* out);
@@ -127,13 +128,13 @@ typedef struct {
   uint32_t size;          /* sizeof of this struct */
   uint32_t method;        /* GLISS_GREGORY, ... */
   gliss_surface* surface; /* the hand keeps it */
-  double stiffness;       /* N/m */
+  double stiffness;       /* N/m, 0 or more */
   double rotation[4];     /* of the object, a unit quaternion w, x, y, z */
   double position[3];     /* m */
-  /* Ticks that the force takes to change by 20 % where a contact would leap; 0: it leaps. */
+  /* s that the force takes to change by 20 % where a contact would leap, 0 to 1; 0: it leaps. */
   double settle;
   double friction_static, friction_dynamic; /* 0 to 5 */
-  double friction_settle;                   /* ticks from the one to the other */
+  double friction_settle;                   /* s from the one to the other, 0 to 1 */
   double damping;                           /* s/m, 0 to 20 */
   double viscosity;                         /* N s/m, 0 to 20 */
   double magnet_force, magnet_range;        /* N, m */
@@ -141,7 +142,7 @@ typedef struct {
   uint32_t reserved;                        /* 0 */
   double texture_height, texture_period;    /* m */
   double texture_along[3];                  /* the way across the grooves of a grating */
-  double tick;                              /* s, from one tick to the next */
+  double tick; /* s, 1e-6 to 1, of a tick whose time is not told; the same in all objects */
 } gliss_object;
 /* An object as it is by default, of no surface yet. */
 GLISS_API gliss_object gliss_object_init(void);
@@ -151,13 +152,21 @@ GLISS_API gliss_object gliss_object_init(void);
 GLISS_API int32_t gliss_hand_create(const gliss_object* objects, size_t count, const double* points,
                                     size_t hips, gliss_hand** out);
 GLISS_API void gliss_hand_release(gliss_hand* hand);
-/* A tick: the force (N) on a device at a position (m). It allocates nothing, takes no lock, and its
- * work is bounded. A force that is not finite tells of a fault: let gliss_guard_step see it. */
+/* A tick: the force (N) on a device at a position (m), `tick` after the last one. It allocates
+ * nothing, takes no lock, and its work is bounded. The force is NaN where the surface is at fault
+ * or the position or rotation is not finite: let gliss_guard_step see it. The contact is kept. */
 GLISS_API int32_t gliss_hand_tick(gliss_hand* hand, const double position[3], double force[3]);
 /* The same of a device that turns: rotation is a unit quaternion w, x, y, z; torque in N m about
  * the position. */
 GLISS_API int32_t gliss_hand_tick_tool(gliss_hand* hand, const double position[3],
                                        const double rotation[4], double force[3], double torque[3]);
+/* The same at a time since any start, ns: so a rate of its own, a late tick and one that was left
+ * out change no law of friction, damping, viscosity and settle. velocity: that of the device, m/s,
+ * for damping and viscosity; NULL: it is measured. rotation NULL: the device does not turn; torque
+ * NULL: not wanted. */
+GLISS_API int32_t gliss_hand_tick_at(gliss_hand* hand, int64_t time_ns, const double position[3],
+                                     const double* velocity, const double* rotation,
+                                     double force[3], double* torque);
 /* The contact of the last tick with an object, by the HIP of an index. */
 GLISS_API int32_t gliss_hand_contact(const gliss_hand* hand, size_t hip, size_t object,
                                      gliss_contact* out);

@@ -23,11 +23,11 @@ LazyContact::LazyContact(std::shared_ptr<const LazyMesh> mesh, const QueryOption
       query_(query),
       base_(mesh_->base(), on_base(query)) {}
 
-Contact LazyContact::tick(const Vec3& hip) noexcept {
+Contact LazyContact::tick(const Vec3& hip, double dt) noexcept {
   take_region();
-  const Contact contact = place_ == Place::kFree        ? tick_free(hip)
-                          : place_ == Place::kOnPatches ? tick_on_patches(hip)
-                                                        : tick_on_base(hip);
+  const Contact contact = place_ == Place::kFree        ? tick_free(hip, dt)
+                          : place_ == Place::kOnPatches ? tick_on_patches(hip, dt)
+                                                        : tick_on_base(hip, dt);
   face_ = contact.at.face;
   if (hip.allFinite()) last_ = hip;
   return contact;
@@ -80,34 +80,34 @@ Contact LazyContact::stand_in(const Vec3& hip, Contact base) noexcept {
 }
 
 // The base polygons tell where patches matter, and catch what passes through them in a tick.
-Contact LazyContact::tick_free(const Vec3& hip) noexcept {
-  const Contact base = base_.tick(hip);
+Contact LazyContact::tick_free(const Vec3& hip, double dt) noexcept {
+  const Contact base = base_.tick(hip, dt);
   if (!base.touching && base.distance > mesh_->reach()) {
     clear_ = base.distance - mesh_->reach();
     if (patches_) patches_->release(hip, clear_);
     return base;
   }
   if (covers(base.at.face)) {
-    const Contact contact = patches_->tick(hip);
+    const Contact contact = patches_->tick(hip, dt);
     if (holds(contact)) return settle(contact, Place::kOnPatches);
   }
   return stand_in(hip, base);
 }
 
-Contact LazyContact::tick_on_patches(const Vec3& hip) noexcept {
+Contact LazyContact::tick_on_patches(const Vec3& hip, double dt) noexcept {
   const Settling felt = patches_->felt();
-  const Contact contact = patches_->tick(hip);
+  const Contact contact = patches_->tick(hip, dt);
   if (!holds(contact))
-    return stand_in(hip, base_.track(hip, {face_}, &felt, &patches_->friction()));
+    return stand_in(hip, base_.track(hip, {face_}, &felt, &patches_->friction(), dt));
   if (!contact.touching) base_.release(hip, 0);
   return settle(contact, Place::kOnPatches);
 }
 
-Contact LazyContact::tick_on_base(const Vec3& hip) noexcept {
+Contact LazyContact::tick_on_base(const Vec3& hip, double dt) noexcept {
   const Settling felt = base_.felt();
-  const Contact base = base_.tick(hip);
+  const Contact base = base_.tick(hip, dt);
   if (covers(base.at.face)) {
-    const Contact contact = patches_->track(hip, base.at, &felt, &base_.friction());
+    const Contact contact = patches_->track(hip, base.at, &felt, &base_.friction(), dt);
     if (holds(contact)) return settle(contact, Place::kOnPatches);
   }
   return stand_in(hip, base);

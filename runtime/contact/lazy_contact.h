@@ -21,8 +21,8 @@ class GLISS_EXPORT LazyContact {
 
   // Every HIP, also where it is clear: the worker goes by them.
   void post(const Vec3& hip) noexcept { worker_.post(hip, touching(), face_); }
-  Contact tick(const Vec3& hip) noexcept;
   // As ContactTracker's.
+  Contact tick(const Vec3& hip, double dt = ContactTracker::kTick) noexcept;
   bool set_friction(const FrictionOptions& friction) noexcept;
   bool touching() const { return place_ != Place::kFree; }
   bool is_clear(const Vec3& hip) const { return !touching() && (hip - last_).norm() < clear_; }
@@ -34,9 +34,9 @@ class GLISS_EXPORT LazyContact {
   enum class Place { kFree, kOnPatches, kOnBase };
 
   void take_region() noexcept;
-  Contact tick_free(const Vec3& hip) noexcept;
-  Contact tick_on_patches(const Vec3& hip) noexcept;
-  Contact tick_on_base(const Vec3& hip) noexcept;
+  Contact tick_free(const Vec3& hip, double dt) noexcept;
+  Contact tick_on_patches(const Vec3& hip, double dt) noexcept;
+  Contact tick_on_base(const Vec3& hip, double dt) noexcept;
   Contact settle(const Contact& contact, Place touched) noexcept;
   Contact stand_in(const Vec3& hip, Contact base) noexcept;
   bool covers(std::uint32_t face) const { return region_ != nullptr && region_->covers(face); }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "gliss/base/plain_arithmetic.h"
 #include "gliss/query/contact_tracker.h"
 
 namespace gliss {
@@ -63,6 +64,7 @@ void LazyWorker::give_back(const LazyRegion* region) noexcept {
 }
 
 void LazyWorker::work() {
+  const PlainArithmetic plain;
   // A real-time thread may have created this one, which must not keep it from its ticks.
   const sched_param ordinary{};
   pthread_setschedparam(pthread_self(), SCHED_OTHER, &ordinary);

@@ -2,13 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
 #include "gliss/base/plain_arithmetic.h"
+#include "gliss/query/tick_time.h"
 
 namespace gliss {
 namespace {
+
+constexpr Nanoseconds kTick = std::chrono::milliseconds(1);
+static_assert(in_seconds(kTick) == ContactTracker::kTick);
+const Vec3 kNaN = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
 
 QueryOptions query_of(const SceneObject& object) {
   QueryOptions query{{object.solver, object.max_iterations, object.tolerance}, object.method};
@@ -23,8 +29,9 @@ const char* fault_of(const SceneObject& object) {
   if (!is_rigid(object.pose)) return "has a pose that is no rotation and translation";
   if (object.motion != nullptr && object.poses != nullptr)
     return "has a motion and poses, of which it can follow one";
-  if (!std::isfinite(object.stiffness)) return "has a stiffness that is not finite";
-  if (!(object.settle >= 0)) return "has a settle that is not 0 or more";
+  if (!is_stiffness(object.stiffness)) return "has a stiffness that is not 0 or more";
+  if (!(object.settle >= 0 && object.settle <= kMostSettleTime))
+    return "has a settle that is not from 0 to 1 s";
   if (const char* fault = fault_of(object.friction)) return fault;
   if (const char* fault = fault_of(object.effects)) return fault;
   if (object.cache != nullptr)
@@ -80,7 +87,7 @@ bool Tracker::move(std::size_t object, const Pose& pose) noexcept {
 
 bool Tracker::set_material(std::size_t object, double stiffness,
                            const FrictionOptions& friction) noexcept {
-  if (!std::isfinite(stiffness) || fault_of(friction) != nullptr) return false;
+  if (!is_stiffness(stiffness) || fault_of(friction) != nullptr) return false;
   places_[object].object.stiffness = stiffness;
   places_[object].object.friction = friction;
   for (Tracked& tracked : tracked_) {
@@ -91,48 +98,62 @@ bool Tracker::set_material(std::size_t object, double stiffness,
   return true;
 }
 
-void Tracker::follow_motions(Nanoseconds time) noexcept {
+void Tracker::follow_motions() noexcept {
   for (std::size_t i = 0; i < places_.size(); ++i) {
     const SceneObject& object = places_[i].object;
     if (object.motion != nullptr) {
-      move(i, object.motion->at(std::chrono::duration<double>(time).count()) * object.pose);
+      move(i, object.motion->at(in_seconds(*time_)) * object.pose);
     } else if (object.poses != nullptr) {
       if (const auto pose = object.poses->latest()) move(i, *pose);
     }
   }
 }
 
-Vec3 Tracker::step(const Vec3& position, Nanoseconds time) noexcept {
+Vec3 Tracker::step(const Vec3& position, std::optional<Nanoseconds> time,
+                   const Vec3& velocity) noexcept {
   Pose tool = Pose::Identity();
   tool.translation() = position;
-  return step(tool, time).force;
+  return step(tool, time, velocity).force;
 }
 
-Wrench Tracker::step(const Pose& tool, Nanoseconds time) noexcept {
+Wrench Tracker::step(const Pose& tool, std::optional<Nanoseconds> time,
+                     const Vec3& velocity) noexcept {
   const PlainArithmetic plain;
-  follow_motions(time);
-  Wrench sum;
-  for (std::size_t i = 0; i < tracked_.size(); ++i) {
-    Tracked& tracked = tracked_[i];
-    const Place& place = places_[tracked.place];
-    ObjectStep& step = steps_[i];
-    const Vec3 arm = tool.linear() * tracked.hip;
-    const Vec3 at = place.to_object * (tool.translation() + arm) / tracked.unit;
-    if (tracked.lazy) tracked.lazy->post(at);
-    if (tracked.effects) tracked.effects->see(at);
-    step.searched = !tracked.is_clear(at);
-    step.force.setZero();
-    if (!step.searched) continue;
-    step.contact = tracked.tick(at);
-    if (step.contact.push.isZero(0) && !tracked.effects) continue;
-    const Vec3 force = tracked.effects
-                           ? tracked.effects->force(step.contact, tracked.tracker())
-                           : Vec3(place.object.stiffness * tracked.unit * step.contact.push);
-    step.force = place.now.linear() * force;
-    sum.force += step.force;
-    sum.torque += arm.cross(step.force);
+  if (!time_ || time) {
+    time_ = time.value_or(Nanoseconds(0));
+  } else {
+    time_ = std::min(*time_, Nanoseconds::max() - kTick) + kTick;
   }
+  if (!tool.matrix().allFinite()) return {kNaN, kNaN};
+  follow_motions();
+  const double dt = tick_time(felt_.value_or(*time_), *time_);
+  felt_ = time_;
+  Wrench sum;
+  for (std::size_t i = 0; i < tracked_.size(); ++i) feel(tool, dt, velocity, i, sum);
   return sum;
+}
+
+// Adds what is felt of a HIP and an object.
+void Tracker::feel(const Pose& tool, double dt, const Vec3& velocity, std::size_t i,
+                   Wrench& sum) noexcept {
+  Tracked& tracked = tracked_[i];
+  const Place& place = places_[tracked.place];
+  ObjectStep& step = steps_[i];
+  const Vec3 arm = tool.linear() * tracked.hip;
+  const Vec3 at = place.to_object * (tool.translation() + arm) / tracked.unit;
+  if (tracked.lazy) tracked.lazy->post(at);
+  if (tracked.effects) tracked.effects->see(at, dt, place.to_object.linear() * velocity);
+  step.searched = !tracked.is_clear(at);
+  step.force.setZero();
+  if (!step.searched) return;
+  step.contact = tracked.tick(at, dt);
+  if (step.contact.push.isZero(0) && !tracked.effects) return;
+  const Vec3 force = tracked.effects
+                         ? tracked.effects->force(step.contact, tracked.tracker())
+                         : Vec3(place.object.stiffness * tracked.unit * step.contact.push);
+  step.force = place.now.linear() * force;
+  sum.force += step.force;
+  sum.torque += arm.cross(step.force);
 }
 
 bool Tracker::touching() const {

@@ -22,7 +22,7 @@ namespace gliss {
 // An object that a hand can touch. It needs a cache or `lazy`.
 struct SceneObject {
   std::shared_ptr<const PatchCache> cache;  // null: its patches are built near the HIP, of `lazy`
-  double stiffness = 500;                   // N/m
+  double stiffness = 500;                   // N/m, 0 or more
   Method method = Method::kGregory;
   Solver solver = Solver::kNewton;
   Pose pose = Pose::Identity();
@@ -35,7 +35,7 @@ struct SceneObject {
   LazyWorkerOptions worker = {};
   int max_iterations = 64;  // these two as SolverOptions has them
   double tolerance = 0;
-  double settle = QueryOptions{}.settle;  // ticks
+  double settle = QueryOptions{}.settle;  // s
   FrictionOptions friction = {};
   EffectOptions effects = {};  // a magnet needs a cache
 
@@ -63,18 +63,23 @@ class GLISS_EXPORT Tracker {
   // world's where the device does not turn); none: one, there.
   // Throws std::invalid_argument, one line with the object's index, for an object without a surface
   // (neither cache nor `lazy`, or a cache without patches) and for a lazy one with another method
-  // than kGregory, poses that are not rigid, numbers that are not finite, friction or effects that
-  // are none; and for such HIPs.
+  // than kGregory, poses that are not rigid, a stiffness that is not 0 or more, a `settle`,
+  // friction or effects that are invalid; and for HIPs that are not finite.
   explicit Tracker(std::span<const SceneObject> objects, std::span<const Vec3> hips = {});
 
   // The force on the hand at a position (m, world), in N: the sum over HIPs and objects. What is
-  // farther than the HIP has moved since its last search costs a comparison. NaN where a surface is
-  // at fault, for the guard to see.
-  // `time`, which does not run back, is for objects with a Motion.
-  Vec3 step(const Vec3& position, Nanoseconds time = {}) noexcept;
+  // farther than the HIP has moved since its last search costs a comparison. NaN, for the guard to
+  // see, where a surface is at fault, and where the position is not finite: that is no step but for
+  // the time, and contacts go on from where they are.
+  // `time`: of the step, since any start. A step without a time is ContactTracker::kTick after the
+  // last one; the first one is at 0. So long is also a step whose time has not gone on.
+  // `velocity`: the device's own (m/s, world), for effects; zero: it tells none.
+  Vec3 step(const Vec3& position, std::optional<Nanoseconds> time = {},
+            const Vec3& velocity = Vec3::Zero()) noexcept;
   // The same for a tool that turns: `tool` leads from its frame to the world's. The torque is about
   // the device's position.
-  Wrench step(const Pose& tool, Nanoseconds time = {}) noexcept;
+  Wrench step(const Pose& tool, std::optional<Nanoseconds> time = {},
+              const Vec3& velocity = Vec3::Zero()) noexcept;
   // Puts an object of the constructor's list to where the next step finds it. False for a pose that
   // is not rigid: the object stays.
   bool move(std::size_t object, const Pose& pose) noexcept;
@@ -106,18 +111,22 @@ class GLISS_EXPORT Tracker {
       return whole ? whole->is_clear(at, effects ? effects->reach() : 0) : lazy->is_clear(at);
     }
     const ContactTracker& tracker() const { return whole ? *whole : lazy->tracker(); }
-    Contact tick(const Vec3& at) noexcept { return whole ? whole->tick(at) : lazy->tick(at); }
+    Contact tick(const Vec3& at, double dt) noexcept {
+      return whole ? whole->tick(at, dt) : lazy->tick(at, dt);
+    }
     void set_friction(const FrictionOptions& friction) noexcept {
       if (whole) whole->set_friction(friction);
       if (lazy) lazy->set_friction(friction);
     }
     bool touching() const { return whole ? whole->touching() : lazy->touching(); }
   };
-  void follow_motions(Nanoseconds time) noexcept;
+  void follow_motions() noexcept;
+  void feel(const Pose& tool, double dt, const Vec3& velocity, std::size_t i, Wrench& sum) noexcept;
 
   std::vector<Place> places_;  // [object]
   std::vector<Tracked> tracked_;
-  std::vector<ObjectStep> steps_;  // [tracked_]
+  std::vector<ObjectStep> steps_;           // [tracked_]
+  std::optional<Nanoseconds> time_, felt_;  // of the last step, and of the last with a position
 };
 
 }  // namespace gliss

@@ -7,6 +7,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "gliss/base/plain_arithmetic.h"
 #include "gliss/base/require.h"
 #include "gliss/thread/clock.h"
 
@@ -87,6 +88,7 @@ LimitedForce limit_force(const Vec3& wanted, const Vec3& from, double most,
 }
 
 std::optional<Vec3> motor_force(const Vec3& wanted, double most) noexcept {
+  const PlainArithmetic plain;
   if (!std::isfinite(wanted.norm())) return std::nullopt;
   return limit_force(wanted, Vec3::Zero(), most, std::numeric_limits<double>::infinity()).force;
 }
@@ -94,6 +96,7 @@ std::optional<Vec3> motor_force(const Vec3& wanted, double most) noexcept {
 Guard::Guard(const GuardLimits& limits) : limits_(checked(limits)) {}
 
 GuardOutput Guard::step(nanoseconds now, const GuardInput& input) noexcept {
+  const PlainArithmetic plain;
   nanoseconds dt{0};
   if (started_) {
     dt = since(now_, now, limits_.ramp_to);

@@ -1,5 +1,5 @@
-// A recorded path of positions, one a tick, perhaps with orientations, as a device. Its forces go
-// nowhere.
+// A recorded path of positions, one a tick, perhaps with orientations and velocities, as a device.
+// Its forces go nowhere.
 #pragma once
 
 #include <string>
@@ -12,9 +12,9 @@ namespace gliss {
 
 class GLISS_EXPORT ReplayDevice final : public HapticDevice {
  public:
-  // `orientations`: none, or as many as positions, or std::invalid_argument.
+  // Orientations and velocities (m/s): none, or as many as positions, or std::invalid_argument.
   explicit ReplayDevice(std::vector<Vec3> positions, const std::string& name = "replay",
-                        std::vector<Turn> orientations = {});
+                        std::vector<Turn> orientations = {}, std::vector<Vec3> velocities = {});
 
   const DeviceInfo& info() const noexcept override { return info_; }
   DeviceState read(Nanoseconds now) noexcept override;
@@ -24,6 +24,7 @@ class GLISS_EXPORT ReplayDevice final : public HapticDevice {
   DeviceInfo info_;
   std::vector<Vec3> positions_;  // m
   std::vector<Turn> orientations_;
+  std::vector<Vec3> velocities_;
   std::size_t read_ = 0;
 };
 

@@ -5,6 +5,8 @@
 #include <limits>
 #include <optional>
 
+#include "gliss/base/plain_arithmetic.h"
+
 namespace gliss {
 namespace {
 
@@ -66,13 +68,14 @@ HapticLoop::HapticLoop(HapticDevice& device, Tracker& tracker, const LoopOptions
 }
 
 void HapticLoop::feel(Nanoseconds now, LoopTick& tick) noexcept {
+  const PlainArithmetic plain;
   const Turn& turn = tick.input.orientation;
   const bool is_turn = std::abs(turn.norm() - 1) < 1e-3;  // of three degrees of freedom as well
-  if (tick.input.sequence > 0 && tick.input.position.allFinite() && is_turn) {
+  if (tick.input.sequence > 0 && is_turn) {
     Pose tool = Pose::Identity();
     if (device_.info().has_orientation) tool.linear() = turn.normalized().toRotationMatrix();
     tool.translation() = tick.input.position;
-    const Wrench wrench = tracker_.step(tool, tick.time);
+    const Wrench wrench = tracker_.step(tool, tick.time, tick.input.velocity);
     tick.rendered = wrench.force;
     if (device_.info().has_orientation) tick.rendered_torque = wrench.torque;
   } else {
@@ -91,6 +94,7 @@ void HapticLoop::feel(Nanoseconds now, LoopTick& tick) noexcept {
 }
 
 void HapticLoop::describe(LoopTick& tick) const noexcept {
+  const PlainArithmetic plain;
   const auto steps = tracker_.objects();
   tick.touching = tracker_.touching();
   double best = std::numeric_limits<double>::infinity();

@@ -45,12 +45,9 @@ std::vector<SceneObject> open_objects(const Scene& scene, const SceneOpening& op
     object.solver = described.solver;
     object.max_iterations = described.max_iterations;
     object.tolerance = described.tolerance;
-    const double period = std::chrono::duration<double>(scene.loop.period).count();
-    object.settle = described.settle / period;
+    object.settle = described.settle;
     object.friction = described.friction;
-    object.friction.settle /= period;
     object.effects = described.effects;
-    object.effects.tick = period;
     object.pose = described.pose;
     object.motion = described.motion;
     if (described.patches == Patches::kLazy) {

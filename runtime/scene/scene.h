@@ -45,8 +45,8 @@ struct ObjectDescription : SolverOptions {
   double crease_radius = 0;                  // m, that they are rounded by; 0: they stay sharp
   double stiffness = 500;                    // N/m
   double settle = kSettleTime;               // s; 0: contacts leap (QueryOptions::settle)
-  FrictionOptions friction{};                // its `settle` in s
-  EffectOptions effects{};                   // the loop's period is its tick
+  FrictionOptions friction{};
+  EffectOptions effects{};
   Method method = Method::kGregory;
   Pose pose = Pose::Identity();
   std::shared_ptr<const Motion> motion;  // null: it rests

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <limits>
 
+#include "gliss/base/plain_arithmetic.h"
+
 namespace gliss {
 
 std::vector<Vec3> spread_points(const Mesh& mesh, std::size_t count,
                                 const std::function<void()>& poll) {
+  const PlainArithmetic plain;
   std::vector<Vec3> points;
   if (mesh.positions.empty()) return points;
   Eigen::AlignedBox3d box;

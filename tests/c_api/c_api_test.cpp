@@ -172,6 +172,90 @@ TEST(CApi, ticks_as_the_tracker_does_and_allocates_nothing) {
   gliss_hand_release(hand);
 }
 
+// By a time of its own or the object's, and by the velocity that it is told.
+TEST(CApi, ticks_by_the_time_that_it_is_told) {
+  const CBall ball;
+  gliss_object object = ball.object();
+  object.friction_static = 0.5;
+  object.friction_dynamic = 0.3;
+  object.friction_settle = 0.02;
+  object.damping = 2;
+  object.viscosity = 3;
+  object.tick = 0.25e-3;
+  SceneObject scene{.cache = std::make_shared<const PatchCache>(build_cache(ball.mesh))};
+  scene.friction = {0.5, 0.3, 0.02};
+  scene.effects.damping = 2;
+  scene.effects.viscosity = 3;
+  gliss_hand *told = nullptr, *steady = nullptr;
+  ASSERT_EQ(gliss_hand_create(&object, 1, nullptr, 0, &told), 0) << gliss_last_error();
+  ASSERT_EQ(gliss_hand_create(&object, 1, nullptr, 0, &steady), 0);
+  Tracker by_time({&scene, 1}), by_tick({&scene, 1});
+  std::int64_t time = 0;
+  for (int i = 0; i < 2000; ++i) {
+    time += i % 58 == 57 ? 8'250'000 : 250'000;
+    const double position[3] = {2e-6 * i, 0, 11e-3 - 2e-6 * i}, velocity[3] = {0.008, 0, 1e-4 * i};
+    const Vec3 at(position[0], position[1], position[2]);
+    double force[3];
+    ASSERT_EQ(gliss_hand_tick_at(told, time, position, velocity, nullptr, force, nullptr), 0);
+    ASSERT_EQ(Vec3(force[0], force[1], force[2]),
+              by_time.step(at, Nanoseconds(time), Vec3(velocity[0], 0, velocity[2])));
+    ASSERT_EQ(gliss_hand_tick(steady, position, force), 0);
+    ASSERT_EQ(Vec3(force[0], force[1], force[2]), by_tick.step(at, Nanoseconds(250'000 * i)));
+  }
+  EXPECT_TRUE(by_time.touching());
+  double force[3];
+  EXPECT_EQ(gliss_hand_tick_at(told, INT64_MAX, force, nullptr, nullptr, force, nullptr), 0);
+  EXPECT_EQ(gliss_hand_tick(told, force, force), 0);
+  gliss_hand_release(told);
+  gliss_hand_release(steady);
+}
+
+TEST(CApi, tells_of_numbers_that_are_not_finite_and_keeps_the_contact) {
+  const CBall ball;
+  gliss_object object = ball.object();
+  gliss_hand* hand = nullptr;
+  ASSERT_EQ(gliss_hand_create(&object, 1, nullptr, 0, &hand), 0);
+  const double nan = std::nan(""), outside[] = {0, 0, 12e-3}, inside[] = {0, 0, 9e-3},
+               bad[] = {0, nan, 9e-3}, turn[] = {1, 0, 0, 0}, no_turn[] = {nan, 0, 0, 0};
+  double force[3], pressed[3], torque[3];
+  EXPECT_EQ(gliss_hand_tick(hand, outside, force), 0);
+  EXPECT_EQ(gliss_hand_tick(hand, inside, pressed), 0);
+  EXPECT_GT(pressed[2], 0.4);
+  EXPECT_EQ(gliss_hand_tick(hand, bad, force), 0);
+  EXPECT_TRUE(std::isnan(force[0]) && std::isnan(force[1]) && std::isnan(force[2]));
+  EXPECT_EQ(gliss_hand_tick_tool(hand, bad, turn, force, torque), 0);
+  EXPECT_TRUE(std::isnan(force[2]) && std::isnan(torque[2]));
+  EXPECT_EQ(gliss_hand_tick_tool(hand, inside, no_turn, force, torque), 0);
+  EXPECT_TRUE(std::isnan(force[2]) && std::isnan(torque[2]));
+  gliss_contact contact;
+  EXPECT_EQ(gliss_hand_contact(hand, 0, 0, &contact), 0);
+  EXPECT_EQ(contact.touching, 1u);
+  EXPECT_EQ(gliss_hand_tick(hand, inside, force), 0);
+  EXPECT_EQ(force[2], pressed[2]);
+  contact.distance = 7;
+  EXPECT_EQ(gliss_surface_nearest(ball.surface, GLISS_GREGORY, bad, 0, 8, 1, &contact), 2);
+  EXPECT_THAT(gliss_last_error(), HasSubstr("points: one is not finite"));
+  EXPECT_EQ(contact.distance, 7);
+  gliss_hand_release(hand);
+  const auto refused = [&](const char* why) {
+    EXPECT_EQ(gliss_hand_create(&object, 1, nullptr, 0, &hand), 2);
+    EXPECT_THAT(gliss_last_error(), HasSubstr(why));
+    object = ball.object();
+  };
+  object.stiffness = -500;
+  refused("stiffness that is not 0 or more");
+  object.settle = 5;  // a number of ticks
+  refused("settle that is not from 0 to 1 s");
+  object.friction_settle = -1;
+  refused("settle of its friction that is not from 0 to 1 s");
+  object.tick = 0;
+  refused("tick: is not from 1e-6 to 1 s");
+  gliss_object two[2] = {ball.object(), ball.object()};
+  two[1].tick = 2e-3;
+  EXPECT_EQ(gliss_hand_create(two, 2, nullptr, 0, &hand), 2);
+  EXPECT_THAT(gliss_last_error(), HasSubstr("tick: is not the same in all objects"));
+}
+
 TEST(CApi, guards_a_force_as_the_guard_does) {
   gliss_guard* guard = nullptr;
   ASSERT_EQ(gliss_guard_create(3.3, 1000, &guard), 0);

@@ -14,6 +14,7 @@ namespace {
 using chai3d::cInteractionRecorder;
 using chai3d::cMatrix3d;
 using chai3d::cVector3d;
+using namespace std::chrono_literals;
 using oracle::Rng, oracle::uniform;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
@@ -53,19 +54,38 @@ struct Pull final : chai3d::cGenericEffect {
   }
 };
 
+// One with a clock of the test's.
+struct Ticking : cGlissObject {
+  using cGlissObject::cGlissObject;
+  Nanoseconds now() override { return time; }
+  Nanoseconds time{1h};
+};
+
 // A world of one object: what a tool's point feels there, m and N.
 class World {
  public:
-  explicit World(cGlissObject& object) : object_(object) { recorder.m_interactions.reserve(8); }
-  Vec3 force(const Vec3& hip, unsigned int id = 0) {
+  explicit World(Ticking& object, Nanoseconds tick = 1ms) : object_(object), tick_(tick) {
+    recorder.m_interactions.reserve(8);
+  }
+  Vec3 force(const Vec3& hip, unsigned int id = 0, const Vec3& velocity = Vec3::Zero()) {
+    object_.time += tick_;
     recorder.m_interactions.clear();
-    return vec(object_.computeInteractions(vec(hip), {}, id, recorder));
+    return vec(object_.computeInteractions(vec(hip), vec(velocity), id, recorder));
   }
   cInteractionRecorder recorder;
 
  private:
-  cGlissObject& object_;
+  Ticking& object_;
+  Nanoseconds tick_;
 };
+
+// What an object says on the standard error when the next frame is drawn.
+std::string said_by(cGlissObject& object) {
+  chai3d::cRenderOptions options;
+  ::testing::internal::CaptureStderr();
+  object.renderSceneGraph(options);
+  return ::testing::internal::GetCapturedStderr();
+}
 
 // The path's forces are those of `want`, and some are not zero.
 template <class Want>
@@ -83,7 +103,7 @@ void expect_forces(World& world, const std::vector<Vec3>& path, Want want, unsig
 
 TEST(Chai3d, gives_the_forces_of_a_contact_tracker) {
   const SceneObject surface = ball();
-  cGlissObject object(surface);
+  Ticking object(surface);
   World world(object);
   ContactTracker alone(*surface.cache, {});
   expect_forces(world, sliding(4000), [&](const Vec3& hip) {
@@ -94,10 +114,10 @@ TEST(Chai3d, gives_the_forces_of_a_contact_tracker) {
 
 TEST(Chai3d, gives_the_forces_of_a_tracker_with_friction_and_effects) {
   SceneObject surface = ball();
-  surface.friction = {0.6, 0.4, 3};
+  surface.friction = {0.6, 0.4, 3e-3};
   surface.effects = {.damping = 2, .viscosity = 1, .magnet = {0.2, 0.001}};
   Tracker alone({&surface, 1});
-  cGlissObject object(surface);
+  Ticking object(surface);
   World world(object);
   expect_forces(world, sliding(4000), [&](const Vec3& hip) { return alone.step(hip); });
 
@@ -109,7 +129,7 @@ TEST(Chai3d, gives_the_forces_of_a_tracker_with_friction_and_effects) {
 
 TEST(Chai3d, gives_each_point_of_the_tools_its_own_contact) {
   const SceneObject surface = ball();
-  cGlissObject object(surface);
+  Ticking object(surface);
   World world(object);
   constexpr unsigned int ids[] = {7, 3, 4000000000};
   std::vector<std::vector<Vec3>> paths;
@@ -121,7 +141,7 @@ TEST(Chai3d, gives_each_point_of_the_tools_its_own_contact) {
   for (std::size_t tick = 0; tick < 1000; ++tick) {
     for (std::size_t i = 0; i < 3; ++i) {
       const Vec3& hip = paths[i][tick];
-      EXPECT_LE((world.force(hip, ids[i]) - alone[i].step(hip)).norm(), kSame);
+      EXPECT_LE((world.force(hip, ids[i]) - alone[i].step(hip, object.time)).norm(), kSame);
     }
   }
 }
@@ -138,7 +158,7 @@ Vec3 turn_back(const Eigen::Matrix3d& turn, const Vec3& v) {
 TEST(Chai3d, is_moved_by_chai3d) {
   SceneObject surface = ball();
   surface.friction = {0.6, 0.4};
-  cGlissObject object(surface);
+  Ticking object(surface);
   World world(object);
   Tracker alone({&surface, 1}), still({&surface, 1});
   double turned = 0;
@@ -166,7 +186,7 @@ TEST(Chai3d, is_moved_by_chai3d) {
 TEST(Chai3d, takes_stiffness_and_friction_of_the_material_in_each_tick) {
   SceneObject surface = ball();
   surface.friction = {0.5, 0.4};
-  cGlissObject object(surface);
+  Ticking object(surface);
   EXPECT_EQ(object.m_material->getStiffness(), 700);
   EXPECT_EQ(object.m_material->getStaticFriction(), 0.5);
   EXPECT_EQ(object.m_material->getDynamicFriction(), 0.4);
@@ -187,23 +207,23 @@ TEST(Chai3d, takes_stiffness_and_friction_of_the_material_in_each_tick) {
 }
 
 TEST(Chai3d, keeps_the_material_before_one_that_is_none) {
-  cGlissObject object(ball());
+  Ticking object(ball());
   World world(object);
   world.force({0, 0, 0.012});
   const Vec3 force = world.force({0, 0, 0.008});
-  ::testing::internal::CaptureStderr();
   object.m_material->setStaticFriction(7);
   EXPECT_LE((world.force({0, 0, 0.008}) - force).norm(), kSame);
   EXPECT_LE((world.force({0, 0, 0.008}) - force).norm(), kSame);
-  EXPECT_EQ(::testing::internal::GetCapturedStderr(),
-            "cGlissObject : its material has no finite stiffness or a friction above 5: it keeps "
-            "the one before\n");
+  EXPECT_EQ(said_by(object),
+            "cGlissObject : its material has a stiffness that is not 0 or more, or a friction "
+            "above 5: it keeps the one before\n");
+  EXPECT_EQ(said_by(object), "");
   EXPECT_THAT(object.fault(), HasSubstr("friction above 5"));
 }
 
 TEST(Chai3d, speaks_in_the_worlds_units) {
   const SceneObject surface = ball();
-  cGlissObject object(surface, 0.1);  // a unit of the world: 0.1 m
+  Ticking object(surface, 0.1);  // a unit of the world: 0.1 m
   EXPECT_DOUBLE_EQ(object.m_material->getStiffness(), 70);
   World world(object);
   Tracker alone({&surface, 1});
@@ -225,7 +245,7 @@ TEST(Chai3d, speaks_in_the_worlds_units) {
 
 TEST(Chai3d, tells_chai3d_where_the_contact_is) {
   const SceneObject surface = ball();
-  cGlissObject object(surface);
+  Ticking object(surface);
   World world(object);
   ContactTracker alone(*surface.cache, {});
   for (const Vec3& hip : sliding(1000)) {
@@ -249,7 +269,7 @@ TEST(Chai3d, tells_chai3d_where_the_contact_is) {
 
 TEST(Chai3d, shows_effects_of_chai3d_the_nearest_point_from_afar_too) {
   const SceneObject surface = ball();
-  cGlissObject object(surface, 1, 1, ForceBy::kChai3d);
+  Ticking object(surface, 1, 1, ForceBy::kChai3d);
   object.addEffect(new Pull(&object));
   World world(object);
   for (const Vec3& hip :
@@ -263,7 +283,7 @@ TEST(Chai3d, shows_effects_of_chai3d_the_nearest_point_from_afar_too) {
 TEST(Chai3d, leaves_the_spring_to_chai3d_where_it_is_told_to) {
   SceneObject surface = ball();
   surface.friction = {0.6, 0.4};
-  cGlissObject object(surface, 1, 1, ForceBy::kChai3d);
+  Ticking object(surface, 1, 1, ForceBy::kChai3d);
   object.createEffectSurface();
   World world(object);
   Tracker alone({&surface, 1});
@@ -273,7 +293,7 @@ TEST(Chai3d, leaves_the_spring_to_chai3d_where_it_is_told_to) {
 TEST(Chai3d, leaves_the_spring_to_chai3d_at_an_open_border_too) {
   SceneObject surface{.cache = std::make_shared<PatchCache>(test::cache_of(test::sheet()))};
   surface.friction = {0.6, 0.4};
-  cGlissObject object(surface, 1, 1, ForceBy::kChai3d);
+  Ticking object(surface, 1, 1, ForceBy::kChai3d);
   object.createEffectSurface();
   World world(object);
   Tracker alone({&surface, 1});
@@ -289,16 +309,15 @@ TEST(Chai3d, leaves_the_spring_to_chai3d_at_an_open_border_too) {
 }
 
 TEST(Chai3d, lets_no_spring_act_twice) {
-  cGlissObject object(ball());
+  Ticking object(ball());
   object.m_name = "ball";
   World world(object);
   world.force({0, 0, 0.012});
   const Vec3 force = world.force({0, 0, 0.008});
   object.createEffectSurface();
-  ::testing::internal::CaptureStderr();
   EXPECT_LE((world.force({0, 0, 0.008}) - force).norm(), kSame);
   EXPECT_LE((world.force({0, 0, 0.008}) - force).norm(), kSame);
-  const std::string told = ::testing::internal::GetCapturedStderr();
+  const std::string told = said_by(object);
   EXPECT_EQ(told, "cGlissObject ball: " + std::string(object.fault()) + "\n");
   EXPECT_THAT(told, HasSubstr("second spring"));
   object.deleteEffectSurface();
@@ -306,7 +325,7 @@ TEST(Chai3d, lets_no_spring_act_twice) {
 }
 
 TEST(Chai3d, has_no_force_for_points_that_it_was_not_made_for_and_says_so_once) {
-  cGlissObject object(ball(), 1, 2);
+  Ticking object(ball(), 1, 2);
   object.addEffect(new Pull(&object));
   World world(object);
   const auto press = [&](unsigned int id) {
@@ -315,11 +334,10 @@ TEST(Chai3d, has_no_force_for_points_that_it_was_not_made_for_and_says_so_once) 
   };
   EXPECT_GT(press(5), 1);
   EXPECT_GT(press(6), 1);
-  ::testing::internal::CaptureStderr();
   EXPECT_EQ(press(7), 0);
   EXPECT_FALSE(object.m_interactionInside);
   EXPECT_EQ(press(8), 0);
-  EXPECT_EQ(::testing::internal::GetCapturedStderr(),
+  EXPECT_EQ(said_by(object),
             "cGlissObject : more interaction points than it was made for: no force on those that "
             "came last\n");
   EXPECT_GT(press(5), 1);
@@ -331,18 +349,80 @@ TEST(Chai3d, has_no_force_where_the_surface_is_at_fault) {
   auto broken = std::make_shared<PatchCache>(test::cache_of(goldberg().mesh));
   for (std::uint32_t face = 0; face < broken->mesh_face_count; ++face)
     test::break_patch(*broken, face);
-  cGlissObject object({.cache = broken});
+  Ticking object({.cache = broken});
   World world(object);
-  ::testing::internal::CaptureStderr();
   for (double z = 0.012; z > 0.005; z -= 1e-3) EXPECT_TRUE(world.force({0, 0, z}).isZero(0));
-  EXPECT_THAT(::testing::internal::GetCapturedStderr(), HasSubstr("the surface is at fault"));
+  EXPECT_THAT(said_by(object), HasSubstr("the surface is at fault"));
 }
 
-TEST(Chai3d, has_no_force_for_a_position_that_is_none) {
-  cGlissObject object(ball());
+TEST(Chai3d, has_no_force_for_a_first_position_that_is_not_finite) {
+  Ticking object(ball());
   World world(object);
   EXPECT_TRUE(world.force({NAN, 0, 0}).isZero(0));
   EXPECT_FALSE(object.m_interactionInside);
+}
+
+// The force stays for a bad position or two; then it goes, and comes back gently.
+TEST(Chai3d, holds_and_takes_away_the_force_where_positions_are_not_finite) {
+  for (const ForceBy by : {ForceBy::kGliss, ForceBy::kChai3d}) {
+    Ticking object(ball(), 1, 1, by);
+    if (by == ForceBy::kChai3d) object.createEffectSurface();
+    World world(object);
+    world.force({0, 0, 0.012});
+    for (int i = 0; i < 600; ++i) world.force({0, 0, 0.008});
+    const Vec3 pressed(0, 0, 0.008), force = world.force(pressed);
+    ASSERT_GT(force.norm(), 1);
+    EXPECT_EQ(object.fault(), nullptr);
+    const Vec3 bad[] = {{NAN, 0, 0.008}, {0, INFINITY, 0}, {0, 0, -INFINITY}};
+    for (const Vec3& hip : bad) {
+      EXPECT_LE((world.force(hip) - force).norm(), kSame);
+      EXPECT_FALSE(object.m_interactionInside);
+      EXPECT_LE((world.force(pressed) - force).norm(), kSame);
+    }
+    Vec3 last = force;
+    for (int i = 1; i <= 12; ++i) {
+      const Vec3 held = world.force(bad[i % 3]);
+      EXPECT_LE((held - std::clamp((10.0 - i) / 8, 0.0, 1.0) * force).norm(), kSame) << i;
+    }
+    last.setZero();
+    for (int i = 1; i <= 510; ++i) {
+      const Vec3 back = world.force(pressed);
+      EXPECT_LE((back - last).norm(), force.norm() / 490) << i;
+      last = back;
+    }
+    EXPECT_LE((last - force).norm(), kSame);
+    EXPECT_EQ(said_by(object),
+              "cGlissObject : a position is not finite: the force is held and taken away\n");
+  }
+}
+
+// Haptic threads run as fast as they may, and some ticks come late.
+TEST(Chai3d, has_the_same_laws_at_any_rate) {
+  constexpr double kSpeed = 0.03, kViscosity = 4, kTau = 0.2;  // m/s, N s/m, s
+  constexpr double kBreaks = 0.5e-3 / kSpeed;                  // s, when the point lets go
+  for (const int rate : {500, 1000, 3000, 8000}) {
+    SceneObject surface{.cache = std::make_shared<PatchCache>(test::cache_of(test::sheet()))};
+    surface.friction = {0.5, 0.3, kTau};
+    surface.effects = {.viscosity = kViscosity};
+    Ticking object(surface);
+    World world(object, Nanoseconds(0));
+    world.force({-3e-3, 0, 1e-3});
+    const Nanoseconds start = object.time;
+    std::size_t felt = 0;
+    for (int i = 1; i < rate / 5; ++i) {
+      if (i % 100 > 91) continue;
+      const double s = static_cast<double>(i) / rate;
+      object.time = start + Nanoseconds(1'000'000'000ll * i / rate);
+      const Vec3 told(rate == 3000 ? kSpeed : 0, 0, 0);
+      const Vec3 force = world.force({-3e-3 + kSpeed * s, 0, -1e-3}, 0, told);
+      if (s < 0.03) continue;
+      const double rubs = 0.3 + 0.2 * std::exp(-(s - kBreaks) / kTau);
+      EXPECT_NEAR(force.z(), 0.5, 1e-9);
+      EXPECT_NEAR(-force.x(), 0.5 * rubs + kViscosity * kSpeed, 0.01 * 0.2) << rate << " " << s;
+      ++felt;
+    }
+    EXPECT_GT(felt, 50u);
+  }
 }
 
 TEST(Chai3d, allocates_nothing_in_a_tick) {
@@ -350,7 +430,7 @@ TEST(Chai3d, allocates_nothing_in_a_tick) {
   SceneObject surface = ball();
   surface.friction = {0.6, 0.4};
   surface.effects = {.damping = 2, .magnet = {0.2, 0.001}};
-  cGlissObject object(surface, 1, 3);
+  Ticking object(surface, 1, 3);
   object.addEffect(new Pull(&object));
   World world(object);
   const std::vector<Vec3> path = sliding(2000);
@@ -369,7 +449,7 @@ TEST(Chai3d, still_asks_its_children_and_heeds_what_is_switched_off) {
       return {0, 0, 40};
     }
   };
-  cGlissObject object(ball());
+  Ticking object(ball());
   object.addChild(new Child);
   World world(object);
   EXPECT_EQ(world.force({0, 0, 0.012}), Vec3(0, 0, 40));
@@ -384,7 +464,7 @@ TEST(Chai3d, still_asks_its_children_and_heeds_what_is_switched_off) {
 TEST(Chai3d, draws_its_surface_by_a_child) {
   const Mesh mesh = goldberg().mesh;
   const SceneObject surface = ball();
-  cGlissObject object(surface, 0.1);
+  Ticking object(surface, 0.1);
   object.createDrawing(mesh, 1);
   const chai3d::cMesh* drawing = object.createDrawing(mesh, 2);
   ASSERT_EQ(object.getNumChildren(), 1u);

@@ -105,6 +105,8 @@ class cEffectSurface : public cGenericEffect {
                     cVector3d& force) override;
 };
 
+struct cRenderOptions {};
+
 class cGenericType {
  public:
   virtual ~cGenericType() = default;
@@ -159,6 +161,8 @@ class cGenericObject : public cGenericType {
   cVector3d getBoundaryMin() const { return m_boundaryBoxMin; }
   cVector3d getBoundaryMax() const { return m_boundaryBoxMax; }
 
+  virtual void renderSceneGraph(cRenderOptions& options) { render(options); }
+
   // The force on a tool, both in the frame of this object's parent: the object finds its point,
   // then come its effects and what else it does, then its children.
   virtual cVector3d computeInteractions(const cVector3d& position, const cVector3d& velocity,
@@ -187,6 +191,7 @@ class cGenericObject : public cGenericType {
   bool m_interactionInside = false;
 
  protected:
+  virtual void render(cRenderOptions&) {}
   virtual void updateBoundaryBox() {}
   virtual void scaleObject(const double&) {}
   virtual void computeLocalInteraction(const cVector3d&, const cVector3d&, const unsigned int) {}

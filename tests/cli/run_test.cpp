@@ -142,6 +142,41 @@ TEST_F(Run, replays_its_recordings_to_the_same_bytes) {
   expect_same(recorded("knot.toml --device replay:second.h5 --no-wait"), first);
 }
 
+// At any rate, with the velocities of the device; a replay of it has the same, at the same rate.
+TEST_F(Run, is_traced_by_the_times_and_velocities_of_its_recording) {
+  const std::string object =
+      "[[object]]\nmesh = 'knot.obj'\nunit = 'mm'\nfriction = {static = 0.5, dynamic = 0.3, settle "
+      "= '20ms'}\ndamping = 2\nviscosity = 1\n";
+  const std::string hand =
+      "[sim]\nwaypoints = [[0.067, 0, 0], [0.060, 0, 0], [0.060, 0.01, 0]]\nspeed = 0.05\n";
+  gliss("bake", "knot.obj --unit mm -o knot.gliss");
+  for (const int rate : {1000, 2000}) {
+    folder_.write("timed.toml", object + fmt::format("[loop]\nrate = {}\n", rate) + hand);
+    const TextTable felt = recorded("timed.toml --device sim --no-wait");
+    gliss("run", "timed.toml --device sim --no-wait --quiet -o timed.h5");
+    folder_.write("timed.csv", folder_.read("recorded.csv"));
+    ASSERT_GT(felt.rows(), 100u);
+    std::size_t touching = 0;
+    for (const char* name : {"timed.csv", "timed.h5"}) {
+      SCOPED_TRACE(fmt::format("{} Hz, {}", rate, name));
+      gliss("trace", fmt::format("knot.gliss --path {} -o trace.csv --method gregory --friction "
+                                 "0.5,0.3 --friction-settle 20ms --damping 2 --viscosity 1",
+                                 name));
+      const TextTable trace(folder_.read("trace.csv"));
+      const TextTable again =
+          recorded(fmt::format("timed.toml --device replay:{} --no-wait", name));
+      for (const char* column : {"fx", "fy", "fz", "state"}) {
+        EXPECT_EQ(trace[column], felt[column]) << column;
+        ASSERT_GE(again.rows(), felt.rows());
+        for (std::size_t i = 0; i < felt.rows(); ++i)
+          ASSERT_EQ(again[column][i], felt[column][i]) << column << " " << i;
+      }
+      touching = std::count(felt["state"].begin(), felt["state"].end(), "contact");
+    }
+    EXPECT_GT(touching, 100u);
+  }
+}
+
 // Whatever the machine does meanwhile, for a replay's positions are counted in ticks.
 TEST_F(Run, renders_the_same_in_real_time) {
   const TextTable fast = recorded("knot.toml --device replay:mm.csv --no-wait");

@@ -174,6 +174,26 @@ TEST(MovingObject, drags_a_hand_that_rests_on_it_by_friction_and_viscosity) {
   }
 }
 
+// A hand that goes along with a conveyor, and says so, is not resisted; one that rests beside it
+// is.
+TEST(MovingObject, is_taken_off_a_devices_own_velocity) {
+  constexpr double kSpeed = 0.02;  // m/s
+  SceneObject object = moving(test::sheet());
+  object.effects.viscosity = 3;
+  const Pose turned = pose_of({0, 0, 0}, {0, 0, 1}, 0.7);
+  Tracker along({&object, 1}), beside({&object, 1});
+  Vec3 rides, rests;
+  for (int i = 0; i <= 200; ++i) {
+    const Vec3 way(kSpeed * 1e-3 * i, 0, 0), at(0, 0, 1e-3 - 2e-5 * std::min(i, 100));
+    const Pose pose = Eigen::Translation3d(way) * turned;
+    ASSERT_TRUE(along.move(0, pose) && beside.move(0, pose));
+    rides = along.step(at + way, i * 1ms, Vec3(kSpeed, 0, 0));
+    rests = beside.step(at, i * 1ms, Vec3::Zero());
+  }
+  EXPECT_LT((rides - Vec3(0, 0, 500 * 1e-3)).norm(), 1e-9);
+  EXPECT_LT((rests - Vec3(3 * kSpeed, 0, 500 * 1e-3)).norm(), 1e-9);
+}
+
 TEST(MovingObject, changes_the_force_by_no_more_than_both_have_moved) {
   const Mesh mesh = test::with_normals(goldberg(4).mesh);
   SceneObject object = moving(mesh);

@@ -7,6 +7,7 @@
 #include "gliss/engine/engine.h"
 #include "gliss/generate/generate.h"
 #include "gliss/loop/loop.h"
+#include "gliss/query/tick_time.h"
 #include "gliss/query/trace.h"
 #include "tests/support/allocations.h"
 #include "tests/support/surfaces.h"
@@ -14,6 +15,7 @@
 namespace gliss {
 namespace {
 
+using namespace std::chrono_literals;
 using oracle::Rng, oracle::uniform;
 
 std::shared_ptr<const PatchCache> ball(Precision precision = Precision::kDouble) {
@@ -149,16 +151,16 @@ TEST(Tracker, refuses_friction_that_is_none_and_names_it) {
   EXPECT_EQ(told({0.5, nan}), slipping);
   EXPECT_EQ(told({0.3, 0.4}), "SceneObject 1 has a dynamic friction above the static one");
   EXPECT_EQ(told({0.3, 0.3, -1}),
-            "SceneObject 1 has a settle of its friction that is not 0 or more");
+            "SceneObject 1 has a settle of its friction that is not from 0 to 1 s");
   EXPECT_EQ(told({0.3, 0.3, 1 / 0.0}),
-            "SceneObject 1 has a settle of its friction that is not 0 or more");
-  EXPECT_EQ(told({0.3, 0, 2}), "none");
+            "SceneObject 1 has a settle of its friction that is not from 0 to 1 s");
+  EXPECT_EQ(told({0.3, 0, 2e-3}), "none");
   EXPECT_EQ(told({5, 5}), "none");
 }
 
 TEST(Tracker, rubs_as_a_contact_tracker_does_and_allocates_nothing) {
   const auto cache = ball();
-  const FrictionOptions friction{0.5, 0.3, 2};
+  const FrictionOptions friction{0.5, 0.3, 2e-3};
   const SceneObject object{.cache = cache, .friction = friction};
   Tracker tracker({&object, 1});
   QueryOptions query;
@@ -254,6 +256,111 @@ TEST(Tracker, goes_on_with_the_material_that_it_is_given) {
   EXPECT_NEAR(press(built_later).norm(), 250 * 0.002, 0.1);
   built_later.step(Vec3(0, 2e-4, 0.008));
   EXPECT_NEAR(built_later.step(Vec3(0, 2e-4, 0.008)).y(), -250 * 2e-4, 0.02);
+}
+
+// A ball of 10 mm that a hand presses by 2 mm and strokes, m.
+Vec3 stroking(double s) {
+  return Vec3(0.003 * std::sin(9 * s), 0, std::max(0.008, 0.0105 - 0.05 * s));
+}
+
+TEST(Tracker, feels_by_the_time_of_its_steps) {
+  const auto cache = ball();
+  SceneObject object{.cache = cache, .friction = {0.5, 0.3, 0.02}};
+  object.effects = {.damping = 2, .viscosity = 3};
+  for (const int period : {250, 1000, 2000}) {  // us
+    for (const bool has_gaps : {false, true}) {
+      Tracker tracker({&object, 1});
+      QueryOptions query;
+      query.friction = object.friction;
+      ContactTracker contact(*cache, query);
+      Effects effects(object.effects, object.stiffness, cache->unit);
+      Nanoseconds last{};
+      double felt = 0;
+      for (int i = 0; i < 1000; ++i) {
+        if (has_gaps && i % 58 >= 50) continue;
+        const Nanoseconds time = 7s + std::chrono::microseconds(i * period);
+        const Vec3 own(i % 2 == 0 ? 0.01 : 0.012, 0, 0), at = stroking(1e-6 * i * period);
+        const Vec3 got = tracker.step(at, time, own), hip = at / cache->unit;
+        const double dt = i == 0 ? ContactTracker::kTick : tick_time(last, time);
+        last = time;
+        effects.see(hip, dt, own);
+        const Vec3 want = effects.force(contact.tick(hip, dt), contact);
+        ASSERT_LE((got - want).norm(), 1e-12) << period << " us, " << i;
+        felt = std::max(felt, got.norm());
+      }
+      EXPECT_GT(felt, 0.5);
+    }
+  }
+}
+
+TEST(Tracker, counts_a_step_without_a_time_as_a_millisecond) {
+  SceneObject object{.cache = ball(), .friction = {0.5, 0.3, 3e-3}};
+  object.effects = {.damping = 2};
+  Tracker without({&object, 1}), with({&object, 1}), stands({&object, 1}), back({&object, 1});
+  for (int i = 0; i < 300; ++i) {
+    const Vec3 hip = stroking(1e-3 * i), want = with.step(hip, i * 1ms);
+    EXPECT_EQ(without.step(hip), want);
+    EXPECT_EQ(stands.step(hip, Nanoseconds::max()), want);
+    EXPECT_EQ(back.step(hip, -i * 1h), want);
+  }
+  EXPECT_TRUE(with.touching());
+  // Also where times would overflow.
+  EXPECT_TRUE(stands.step(stroking(0.3)).allFinite());
+  EXPECT_TRUE(back.step(stroking(0.3), Nanoseconds::min()).allFinite());
+  EXPECT_TRUE(back.step(stroking(0.3), Nanoseconds::max()).allFinite());
+}
+
+TEST(Tracker, tells_of_a_position_that_is_not_finite_and_keeps_the_contact) {
+  SceneObject object{.cache = ball(), .friction = {0.5, 0.3}};
+  object.effects = {.viscosity = 2};
+  Tracker tracker({&object, 1}), whole({&object, 1});
+  Guard guard;
+  const double nan = std::nan(""), inf = std::numeric_limits<double>::infinity();
+  const Vec3 bad[] = {{nan, 0, 0.008}, {0, inf, 0.008}, {0, 0, -inf}};
+  double sent = 0, lost = 0;
+  for (int i = 1; i < 2000; ++i) {
+    const Nanoseconds now = i * 1ms;
+    const Vec3 hip = stroking(1e-3 * std::min(i, 1000));
+    const bool is_lost = i > 1000 && i % 50 == 0;
+    const Vec3 want = whole.step(hip, now);
+    const Vec3 force = tracker.step(is_lost ? bad[i / 50 % 3] : hip, now);
+    const GuardOutput out = guard.step(now, {force, now});
+    if (is_lost) {
+      EXPECT_TRUE(force.array().isNaN().all());
+      EXPECT_EQ(out.state, GuardState::kHold);
+      EXPECT_NEAR(out.force.norm(), sent, 1e-9);
+      EXPECT_TRUE(tracker.touching());
+      ++lost;
+    } else {
+      EXPECT_LT((force - want).norm(), 1e-9) << i;
+    }
+    sent = out.force.norm();
+  }
+  EXPECT_GT(sent, 0.9);
+  EXPECT_EQ(lost, 19);
+  Pose tool = Pose::Identity();
+  tool.linear()(1, 1) = nan;
+  const Wrench wrench = tracker.step(tool);
+  EXPECT_TRUE(wrench.force.array().isNaN().all() && wrench.torque.array().isNaN().all());
+}
+
+TEST(Tracker, refuses_a_spring_that_pulls_and_times_that_are_ticks) {
+  const double nan = std::nan(""), inf = std::numeric_limits<double>::infinity();
+  for (const double bad : {-1e-9, -500.0, nan, inf}) {
+    EXPECT_EQ(refusal({.cache = ball(), .stiffness = bad}),
+              "SceneObject 1 has a stiffness that is not 0 or more");
+  }
+  for (const double bad : {-1e-9, 5.0, nan, inf}) {
+    EXPECT_EQ(refusal({.cache = ball(), .settle = bad}),
+              "SceneObject 1 has a settle that is not from 0 to 1 s");
+    EXPECT_EQ(refusal({.cache = ball(), .friction = {0.5, 0.3, bad}}),
+              "SceneObject 1 has a settle of its friction that is not from 0 to 1 s");
+  }
+  EXPECT_EQ(refusal({.cache = ball(), .stiffness = 0, .settle = 1}), "none");
+  const SceneObject object{.cache = ball()};
+  Tracker tracker({&object, 1});
+  for (const double bad : {-1e-9, nan, inf}) EXPECT_FALSE(tracker.set_material(0, bad, {}));
+  EXPECT_TRUE(tracker.set_material(0, 0, {}));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "gliss/build/build_cache.h"
 #include "gliss/generate/generate.h"
 #include "gliss/query/contact_tracker.h"
+#include "gliss/query/placed_points.h"
 #include "gliss/surface/names.h"
 #include "tests/oracle/oracle.h"
 #include "tests/support/open_meshes.h"
@@ -18,6 +19,27 @@ namespace gliss {
 namespace {
 
 using oracle::Rng, oracle::uniform;
+
+// Patches of high numbers cost no more room than others: it goes by the points alone.
+TEST(PatchOrder, sorts_points_by_patch_whatever_the_numbers_of_patches) {
+  const std::uint32_t many = 4'000'000'000;
+  const std::vector<PatchRun> given = {{many, 0, 1}, {7, 1, 3}, {many, 3, 4}, {7, 4, 6}};
+  PatchOrder order;
+  ASSERT_EQ(order.judge(given, 2), PatchOrder::kInRuns);
+  ASSERT_EQ(order.judge(given, 8), PatchOrder::kSparse);
+  EXPECT_EQ(order.patch, (std::vector<std::uint32_t>{many, 7, 7, many, 7, 7}));
+  std::vector<PatchRun> mixed;
+  for (std::uint32_t i = 0; i < 16; ++i) mixed.push_back({i % 2 == 0 ? many : 7, i, i + 1});
+  ASSERT_EQ(order.judge(mixed, 4), PatchOrder::kByPatch);
+  order.sort();
+  ASSERT_EQ(order.runs.size(), 2u);
+  for (const PatchRun& run : order.runs) {
+    EXPECT_EQ(run.end - run.begin, 8u);
+    for (std::uint32_t at = run.begin; at < run.end; ++at) {
+      EXPECT_EQ(order.order[at], 2 * (at - run.begin) + (run.patch == 7));
+    }
+  }
+}
 
 struct Asked {
   std::vector<DomainPoint> points;

@@ -106,7 +106,6 @@ TEST(Effects, refuse_what_is_none) {
     EXPECT_NE(fault_of(EffectOptions{.magnet = {1, bad}}), nullptr);
     EXPECT_NE(fault_of(EffectOptions{.texture = noise(bad, 1)}), nullptr);
     EXPECT_NE(fault_of(EffectOptions{.texture = noise(1e-5, bad)}), nullptr);
-    EXPECT_NE(fault_of(EffectOptions{.tick = bad}), nullptr);
   }
   EXPECT_NE(fault_of(EffectOptions{.magnet = {1, 0}}), nullptr);
   EXPECT_NE(fault_of(grating(1e-3, 1e-3)), nullptr);  // too steep

@@ -25,7 +25,7 @@ using oracle::Rng, oracle::uniform;
 constexpr Method kEveryMethod[] = {Method::kGregory, Method::kShaded, Method::kFlat};
 constexpr double kStiff = 0.5;  // N/mm: forces of pushes in mm
 
-QueryOptions with_friction(double at_rest, double slipping, double settle = 5,
+QueryOptions with_friction(double at_rest, double slipping, double settle = 5e-3,
                            Method method = Method::kGregory) {
   QueryOptions options;
   options.method = method;
@@ -62,7 +62,7 @@ TEST(Friction, breaks_away_at_the_static_limit_and_slips_at_the_dynamic_one) {
   constexpr double kStep = 0.005;  // mm a tick, 5 mm/s
   const Vec3 way = Vec3(1, 0.3, 0).normalized();
   for (const Method method : kEveryMethod) {
-    for (const double settle : {0.0, 5.0}) {
+    for (const double settle : {0.0, 5e-3}) {
       FrictionOnSheet sheet(with_friction(0.5, 0.3, settle, method));
       EXPECT_LT(drag_of(sheet.press({-7, -1, 0})).norm(), 1e-12);
       double most = 0;
@@ -93,7 +93,7 @@ TEST(Friction, breaks_away_at_the_static_limit_and_slips_at_the_dynamic_one) {
 TEST(Friction, takes_its_settling_time_from_the_static_to_the_dynamic_limit) {
   constexpr double kStep = 0.005, kTicks = 2;
   QueryOptions options = with_friction(0.5, 0.3);
-  options.friction.settle = kTicks;
+  options.friction.settle = 1e-3 * kTicks;
   FrictionOnSheet sheet(options);
   sheet.press({-7, 0, 0});
   int slipped = 0;
@@ -107,7 +107,7 @@ TEST(Friction, takes_its_settling_time_from_the_static_to_the_dynamic_limit) {
 }
 
 TEST(Friction, changes_in_contact_to_the_cone_that_it_is_given) {
-  for (const double settle : {0.0, 5.0}) {
+  for (const double settle : {0.0, 5e-3}) {
     FrictionOnSheet sheet(with_friction(0.5, 0.3, settle));
     sheet.press({-7, 0, 0});
     const auto drag = [&] { return drag_of(sheet.tick(-6.2)).norm(); };
@@ -127,7 +127,7 @@ TEST(Friction, changes_in_contact_to_the_cone_that_it_is_given) {
     for (int i = 0; i < 200; ++i) drag();
     EXPECT_NEAR(drag(), 0, 1e-9);
     EXPECT_FALSE(is_slipping(sheet.tick(-6.3).flags));
-    EXPECT_TRUE(sheet.change({0.5, 0.3, 2}));
+    EXPECT_TRUE(sheet.change({0.5, 0.3, 2e-3}));
     drag();  // from here on it has friction
     EXPECT_NEAR(drag_of(sheet.tick(-5.8)).norm(), 0.2, 1e-9);
     EXPECT_NEAR(drag_of(sheet.tick(-5.1)).norm(), 0.3 + 0.2 * std::exp(-0.5), 1e-9);
@@ -182,15 +182,15 @@ double work_of_round(FrictionOnSheet& sheet, double amplitude) {
 TEST(Friction, takes_no_work_within_the_cone_and_coulombs_beyond_it) {
   for (const Method method : kEveryMethod) {
     constexpr double kForce = 1, kMu = 0.3, kStop = kMu * kForce / kStiff;  // N, mm
-    FrictionOnSheet inside(with_friction(kMu, kMu, 5, method));
+    FrictionOnSheet inside(with_friction(kMu, kMu, 5e-3, method));
     inside.press({0, 0, 0});
     EXPECT_LT(std::abs(work_of_round(inside, 0.1)), 1e-15);
-    FrictionOnSheet beyond(with_friction(kMu, kMu, 5, method));
+    FrictionOnSheet beyond(with_friction(kMu, kMu, 5e-3, method));
     beyond.press({0, 0, 0});
     const double want = 4 * kMu * kForce * (2 - kStop) * 1e-3;
     EXPECT_NEAR(work_of_round(beyond, 2), want, 0.01 * want);
     // At each turn the spring goes on to the static limit.
-    FrictionOnSheet sticky(with_friction(0.5, kMu, 5, method));
+    FrictionOnSheet sticky(with_friction(0.5, kMu, 5e-3, method));
     sticky.press({0, 0, 0});
     const double more = want + std::pow(0.2 * kForce, 2) / kStiff * 1e-3;
     EXPECT_NEAR(work_of_round(sticky, 2), more, 0.01 * more);
@@ -286,7 +286,7 @@ TEST(Friction, makes_no_energy) {
     const std::vector<Walk> ways = ways_on(made.mesh, 4 * walk_depth(made.mesh));
     for (const Method method : {Method::kGregory, Method::kFlat}) {
       double excess = 0;
-      for (const double settle : {5.0, 0.0}) {
+      for (const double settle : {5e-3, 0.0}) {
         for (const double mu : {0.3, 1.5}) {
           const FrictionEnergy found =
               energy_on(cache, with_friction(1.5 * mu, mu, settle, method), ways);
@@ -309,7 +309,7 @@ TEST(Friction, gives_on_rims_what_the_hand_has_put_in) {
     const PatchCache cache = test::cache_of(mesh);
     const double depth = 4 * walk_depth(mesh);
     const std::vector<Walk> ways = ways_on(mesh, depth);
-    for (const double settle : {5.0, 0.0}) {
+    for (const double settle : {5e-3, 0.0}) {
       for (const double mu : {0.3, 0.5, 1.5}) {
         const FrictionEnergy found = energy_on(cache, with_friction(1.5 * mu, mu, settle), ways);
         EXPECT_LE(found.given, 1e-12) << mesh.source << ", mu " << mu << ", settle " << settle;
@@ -432,7 +432,7 @@ TEST(Friction, steps_by_no_more_than_the_hand_and_the_drop) {
   for (const FrictionWay& path : ways_to_rub()) {
     const PatchCache cache = test::cache_of(path.mesh);
     double most = 0;
-    for (const double settle : {0.0, 5.0}) {
+    for (const double settle : {0.0, 5e-3}) {
       for (const double mu : {0.001, 0.1, 0.3, 0.5}) {
         const QueryOptions options = with_friction(mu, 0.6 * mu, settle);
         ContactTracker tracker(cache, options);
@@ -533,7 +533,7 @@ TEST(Friction, of_lazy_patches_is_that_of_the_whole_mesh) {
 
 TEST(Friction, of_nothing_changes_no_byte) {
   QueryOptions none;
-  none.friction.settle = 3;
+  none.friction.settle = 3e-3;
   for (const Mesh& mesh : {torus_knot(60, 8).mesh, test::open_strip(), friction_plates()}) {
     const std::vector<Walk> ways = ways_on(mesh, 4 * walk_depth(mesh));
     for (const Precision precision : {Precision::kDouble, Precision::kFloat}) {
@@ -568,9 +568,9 @@ TEST(Friction, stays_finite_and_within_a_ticks_budget_under_any_hand) {
     const Box box = cache.bounds();
     for (int round = 0; round < 24; ++round) {
       const double mu = uniform(rng, 0, 1) * (round % 2 == 0 ? 0.6 : 5);
-      QueryOptions options = with_friction(mu, mu * uniform(rng, 0, 1), round % 4 == 3 ? 0 : 5,
+      QueryOptions options = with_friction(mu, mu * uniform(rng, 0, 1), round % 4 == 3 ? 0 : 5e-3,
                                            kEveryMethod[round % 3]);
-      options.friction.settle = round % 5 == 0 ? 2 : 0;
+      options.friction.settle = round % 5 == 0 ? 2e-3 : 0;
       ContactTracker tracker(cache, options);
       const double depth = std::pow(10, uniform(rng, -6, 1.3)),
                    speed = std::pow(10, uniform(rng, -5, 0.3));

@@ -11,13 +11,18 @@
 
 #include "gliss/build/build_cache.h"
 #include "gliss/contact/tracker.h"
+#include "gliss/device/guard.h"
+#include "gliss/device/replay_device.h"
 #include "gliss/engine/engine.h"
 #include "gliss/files/cache_file.h"
 #include "gliss/files/mesh_file.h"
 #include "gliss/generate/generate.h"
+#include "gliss/loop/loop.h"
 #include "gliss/query/contact_tracker.h"
+#include "gliss/query/lazy_mesh.h"
 #include "gliss/query/trace.h"
 #include "gliss/study/sweep.h"
+#include "gliss/study/tessellate.h"
 #include "tests/support/gliss_process.h"
 #include "tests/support/places.h"
 
@@ -32,6 +37,15 @@ std::string refused(const Call& call) {
 }
 
 PatchCache ball() { return build_cache(goldberg(3, 10).mesh); }
+
+TEST(HostMisuse, meshes_without_faces_are_refused) {
+  const auto why = [](const auto& call) { return test::message_of<MeshError>(call); };
+  const Mesh empty;
+  const auto nothing = HasSubstr("no faces to build");
+  EXPECT_THAT(why([&] { build_base(empty, Topology(), Precision::kDouble); }), nothing);
+  EXPECT_THAT(why([&] { build_cache(empty); }), nothing);
+  EXPECT_THAT(why([&] { LazyMesh(empty, {}); }), nothing);
+}
 
 TEST(HostMisuse, results_with_too_little_room_are_refused_before_anything_is_written) {
   const PatchCache cache = ball();
@@ -190,6 +204,55 @@ TEST(HostMisuse, an_instruction_set_of_no_known_name_is_an_error) {
   }
   for (const char* isa : {"baseline", "v3", "v4", ""}) EXPECT_EQ(with(isa).code, 0) << isa;
 }
+
+#if defined(__GLIBC__)
+// Calls all that computes, in a process whose faulty operations end it (SIGFPE).
+[[noreturn]] void compute_where_faults_are_fatal(const Mesh& mesh, const PatchCache& made) {
+  feenableexcept(FE_DIVBYZERO | FE_INVALID | FE_OVERFLOW);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto cache = std::make_shared<const PatchCache>(build_cache(mesh));
+  bool fine = nearest(*cache, Vec3(3, 4, 8)).distance == nearest(made, Vec3(3, 4, 8)).distance;
+  nearest(*cache, Vec3(3, 4, 0));
+  nearest(*cache, Vec3(1e300, 0, nan));
+  ContactTracker contact(*cache, {});
+  TraceOptions options;
+  options.friction = {0.5, 0.3, 2e-3};
+  options.effects = {.damping = 2, .viscosity = 1, .texture = {Relief::kNoise, 5e-5, 2e-3}};
+  std::vector<Vec3> path;
+  for (int i = 0; i < 300; ++i) path.push_back(Vec3(3, 4, 10 - 0.05 * i));
+  path[150].x() = nan;
+  for (const Vec3& hip : path) contact.tick(hip);
+  trace(*cache, path, options);
+  SceneObject object{.cache = cache, .friction = options.friction, .effects = options.effects};
+  Tracker hand({&object, 1});
+  Guard guard;
+  for (int i = 0; i < 300; ++i) {
+    const Vec3 force =
+        hand.step(1e-3 * path[static_cast<std::size_t>(i)], Nanoseconds(1'000'000 * i));
+    const GuardOutput out =
+        guard.step(Nanoseconds(1'000'000 * i), {force, Nanoseconds(1'000'000 * i)});
+    fine = fine && motor_force(out.force, 3).has_value();
+  }
+  fine = fine && !motor_force(Vec3::Constant(nan), 3);
+  SweepOptions swept;
+  swept.depths = {1e-3};
+  swept.rings = 2;
+  sweep(*cache, *make_serial_engine(), swept, {}, {}, nullptr);
+  tessellate(mesh, *cache, 2);
+  ReplayDevice device({{0, 0, 0.02}, {0, 0, 0.009}, {0, 0, nan}, {0, 0, 0.009}});
+  Tracker felt({&object, 1});
+  HapticLoop(device, felt, {.wait = false}).run([](const LoopTick&) { return true; });
+  // They are fatal again.
+  fine = fine && fegetexcept() == (FE_DIVBYZERO | FE_INVALID | FE_OVERFLOW);
+  std::_Exit(fine ? 0 : 1);
+}
+
+TEST(HostMisuse, survives_floating_point_exceptions_that_are_fatal) {
+  const Mesh mesh = goldberg(2, 10).mesh;
+  const PatchCache made = build_cache(mesh);
+  EXPECT_EXIT(compute_where_faults_are_fatal(mesh, made), ::testing::ExitedWithCode(0), "");
+}
+#endif
 
 }  // namespace
 }  // namespace gliss

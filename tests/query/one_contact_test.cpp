@@ -84,7 +84,7 @@ struct Placed {
 Placed placed(const Mesh& mesh, Precision precision) {
   Placed object;
   object.cache = std::make_shared<PatchCache>(test::cache_of(mesh, precision));
-  object.options.settle = precision == Precision::kDouble ? 5 : 0;
+  object.options.settle = precision == Precision::kDouble ? 5e-3 : 0;
   return object;
 }
 

@@ -73,7 +73,7 @@ TEST(Settle, lets_a_contact_that_begins_deep_push_as_far_as_the_hand_has_pressed
   const PatchCache cache = fair_cache_of(test::with_normals(ball.mesh));
   const Vec3 out = Vec3(0.3, 0.5, 0.8).normalized();
   for (const Method method : {Method::kGregory, Method::kFlat}) {
-    ContactTracker tracker(cache, with_settle(5, method));
+    ContactTracker tracker(cache, with_settle(5e-3, method));
     double depth = kDeep;
     tracker.release((10 - depth) * out, 0);
     const auto go = [&](double to) {
@@ -129,7 +129,7 @@ TEST(Settle, lets_no_force_leap_with_any_method) {
       const PatchCache cache = fair_cache_of(mesh);
       const std::vector<Walk> walks = walks_on(mesh, 4 * walk_depth(mesh));
       const ForceStatistics leaping = feel(cache, with_settle(0, method), walks);
-      const ForceStatistics settling = feel(cache, with_settle(5, method), walks);
+      const ForceStatistics settling = feel(cache, with_settle(5e-3, method), walks);
       leaps += leaping.jumps();
       EXPECT_EQ(leaping.settling, 0u);
       EXPECT_EQ(settling.jumps(), 0u) << mesh.source;
@@ -151,7 +151,7 @@ TEST(Settle, takes_energy_and_gives_none) {
       const PatchCache cache = test::cache_of(mesh, Precision::kDouble);
       const double depth = 4 * walk_depth(mesh);
       for (const Walk& walk : walks_on(mesh, depth)) {
-        ContactTracker tracker(cache, with_settle(5, method));
+        ContactTracker tracker(cache, with_settle(5e-3, method));
         Contact last = tracker.tick(walk.hips[0]);
         for (std::size_t i = 1; i < walk.hips.size(); ++i) {
           const Contact now = tracker.tick(walk.hips[i]);
@@ -170,33 +170,35 @@ TEST(Settle, takes_energy_and_gives_none) {
 
 // ... or where the push is as long as the hand has paid for, short of a nearest point.
 TEST(Settle, ends_at_a_nearest_point_once_the_hand_rests) {
-  const Mesh mesh = test::with_normals(fin().mesh);
-  const PatchCache cache = test::cache_of(mesh, Precision::kDouble);
-  const double depth = 4 * walk_depth(mesh);
   std::size_t slides = 0, short_ones = 0;
-  for (const Walk& walk : walks_on(mesh, depth)) {
-    ContactTracker tracker(cache, with_settle(5));
-    bool was_settling = false;
-    for (const Vec3& hip : walk.hips) {
-      const bool settles = is_settling(tracker.tick(hip).flags);
-      if (settles && !was_settling) {
-        ContactTracker resting = tracker;
-        int ticks = 0;
-        Contact contact = resting.tick(hip);
-        for (; is_settling(contact.flags) && ticks < 20000; ++ticks) contact = resting.tick(hip);
-        // What is left of the way may take more iterations than a tick has.
-        for (int i = 0; i < 40; ++i) contact = resting.tick(hip);
-        const bool is_short = contact.push.norm() < (1 - 1e-6) * std::abs(contact.distance);
-        EXPECT_EQ(is_settling(contact.flags), is_short);
-        EXPECT_TRUE(contact.flags & kConverged);
-        EXPECT_LT((resting.tick(hip).push - contact.push).norm(), 1e-9 * depth);
-        short_ones += is_short;
-        ++slides;
+  for (const Mesh& mesh : leaping_meshes()) {
+    const PatchCache cache = test::cache_of(mesh, Precision::kDouble);
+    const double depth = 4 * walk_depth(mesh);
+    for (const Walk& walk : walks_on(mesh, depth)) {
+      ContactTracker tracker(cache, with_settle(5e-3));
+      bool was_settling = false;
+      for (const Vec3& hip : walk.hips) {
+        const bool settles = is_settling(tracker.tick(hip).flags);
+        if (settles && !was_settling) {
+          ContactTracker resting = tracker;
+          int ticks = 0;
+          Contact contact = resting.tick(hip);
+          for (; is_settling(contact.flags) && ticks < 20000; ++ticks) contact = resting.tick(hip);
+          // What is left of the way may take more iterations than a tick has.
+          for (int i = 0; i < 40; ++i) contact = resting.tick(hip);
+          const bool is_short = contact.push.norm() < (1 - 1e-6) * std::abs(contact.distance);
+          EXPECT_EQ(is_settling(contact.flags), is_short);
+          EXPECT_TRUE(contact.flags & kConverged);
+          EXPECT_LT((resting.tick(hip).push - contact.push).norm(), 1e-9 * depth);
+          short_ones += is_short;
+          ++slides;
+        }
+        was_settling = settles;
       }
-      was_settling = settles;
     }
   }
-  EXPECT_GT(slides, 10 * short_ones);
+  EXPECT_GE(slides, 10 * short_ones);
+  EXPECT_GT(slides, 0u);
 }
 
 TEST(Settle, fades_a_force_whose_contact_ends_and_keeps_the_budget_of_a_tick) {
@@ -206,7 +208,7 @@ TEST(Settle, fades_a_force_whose_contact_ends_and_keeps_the_budget_of_a_tick) {
     const Box box = cache.bounds();
     const Vec3 middle = 0.5 * (box.low + box.high);
     const double size = (box.high - box.low).norm();
-    ContactTracker tracker(cache, with_settle(5));
+    ContactTracker tracker(cache, with_settle(5e-3));
     Vec3 hip = middle, last = Vec3::Zero();
     std::size_t fading = 0;
     for (int i = 0; i < 3000; ++i) {
@@ -240,7 +242,7 @@ TEST(Settle, lets_go_of_a_hand_that_leaves_over_an_edge) {
     const Box box = cache.bounds();
     const double top = box.high.z() - kDepth;
     for (const Method method : {Method::kGregory, Method::kShaded, Method::kFlat}) {
-      for (const double settle : {5.0, 20.0}) {
+      for (const double settle : {5e-3, 20e-3}) {
         for (const double pace : {0.005, 0.05, 0.2}) {  // mm a tick
           ContactTracker tracker(cache, with_settle(settle, method));
           tracker.tick({kBegin, 1, top + 5});
@@ -261,7 +263,7 @@ TEST(Settle, lets_go_of_a_hand_that_leaves_over_an_edge) {
             }
             last = now;
           }
-          EXPECT_LE(outside, 5 * settle + 1) << method_name(method) << " " << pace;
+          EXPECT_LE(outside, 5e3 * settle + 1) << method_name(method) << " " << pace;
           EXPECT_FALSE(last.touching);
         }
       }
@@ -275,7 +277,7 @@ TEST(Settle, keeps_pushes_finite_wherever_a_hand_goes) {
   const PatchCache cache = test::cache_of(goldberg().mesh);
   oracle::Rng rng(1);
   for (const Method method : {Method::kGregory, Method::kShaded, Method::kFlat}) {
-    ContactTracker tracker(cache, with_settle(5, method));
+    ContactTracker tracker(cache, with_settle(5e-3, method));
     Vec3 hip(20, 0, 0);
     for (int i = 0; i < 100'000; ++i) {
       hip += oracle::uniform(rng, 0, 8) * oracle::random_unit(rng);
@@ -288,7 +290,7 @@ TEST(Settle, keeps_pushes_finite_wherever_a_hand_goes) {
 TEST(Settle, leaves_a_hip_without_number_alone) {
   const Mesh mesh = test::with_normals(prism(5).mesh);
   const PatchCache cache = test::cache_of(mesh, Precision::kDouble);
-  ContactTracker tracker(cache, with_settle(5));
+  ContactTracker tracker(cache, with_settle(5e-3));
   const Vec3 inside = 0.5 * (cache.bounds().low + cache.bounds().high);
   const Contact before = tracker.tick(inside);
   ASSERT_TRUE(before.touching);

@@ -46,11 +46,28 @@ TEST_F(Compare, rows_have_the_columns_that_were_promised) {
   for (const Json& row : json["rows"]) {
     for (const char* text : {"level", "precision", "solver", "backend"})
       EXPECT_TRUE(row[text].is_string()) << text;
-    for (const char* number :
-         {"bytes_per_patch", "build_per_s", "track_per_s", "max_distance", "p99_distance",
-          "max_normal_gap_deg", "p99_normal_gap_deg", "max_force_step", "p99_force_step",
-          "jumps_per_100k", "lost_per_100k", "unsound", "max_force_error", "p99_force_error",
-          "tick_us", "true_max_distance"})
+    for (const char* number : {"bytes_per_patch",
+                               "build_per_s",
+                               "track_per_s",
+                               "max_distance",
+                               "p99_distance",
+                               "max_normal_gap_deg",
+                               "p99_normal_gap_deg",
+                               "max_force_step",
+                               "p99_force_step",
+                               "jumps_per_100k",
+                               "lost_per_100k",
+                               "unsound",
+                               "max_force_error",
+                               "p99_force_error",
+                               "tick_us",
+                               "true_max_distance",
+                               "steps_beyond_2dx_per_100k",
+                               "max_step_beyond_2dx",
+                               "held_outside",
+                               "held_outside_of",
+                               "held_outside_longest",
+                               "held_outside_pulled"})
       EXPECT_TRUE(row[number].is_number()) << number;
     const bool patches = row["level"] != "shaded" && row["level"] != "flat";
     EXPECT_EQ(row["eval_per_s"].is_number(), patches);
@@ -111,9 +128,42 @@ TEST_F(Compare, walks_by_itself_over_the_mesh) {
   EXPECT_NEAR(percent["walks"]["depth_m"], 0.1149e-3, 2e-6);
   const Json none = walked({"--walks", "0"});
   EXPECT_TRUE(none["walks"].is_null());
+  EXPECT_TRUE(none["leaving"].is_null());
+  for (const char* key : {"steps_beyond_2dx_per_100k", "held_outside", "held_outside_of"})
+    EXPECT_TRUE(none["rows"][0][key].is_null()) << key;
   EXPECT_TRUE(none["rows"][0]["walk_max_force_step"].is_null());
   EXPECT_TRUE(none["rows"][0]["walk_p99_force_step"].is_null());
   EXPECT_TRUE(none["rows"][0]["jumps_per_100k"].is_number());
+}
+
+TEST_F(Compare, lets_hands_leave_and_tells_the_speed_of_its_walks) {
+  const std::vector<std::string> words = {"--dense-limit", "0",         "--precisions", "double",
+                                          "--levels",      "fair,flat", "--depth",      "0.5mm"};
+  const auto left = [&](std::vector<std::string> more) {
+    more.insert(more.end(), words.begin(), words.end());
+    return json_of(more);
+  };
+  const Json json = left({"--walks", "4", "--settle", "20ms"});
+  EXPECT_EQ(json["leaving"]["hands"], 20);
+  EXPECT_EQ(json["leaving"]["rest_ticks"], 302);
+  for (const Json& row : json["rows"]) {
+    EXPECT_GE(row["held_outside_of"], 20);
+    EXPECT_LE(row["held_outside"], row["held_outside_of"]);
+    EXPECT_GE(row["steps_beyond_2dx_per_100k"], 0);
+  }
+  EXPECT_LT(json["rows"][1]["max_step_beyond_2dx"], json["rows"][1]["walk_max_force_step"]);
+  const Json leaping = left({"--walks", "4", "--settle", "0"});
+  EXPECT_GE(leaping["rows"][1]["steps_beyond_2dx_per_100k"], leaping["rows"][1]["jumps_per_100k"]);
+  const Json hands = left({"--walks", "0", "--leaving", "15", "--threads", "3"});
+  EXPECT_TRUE(hands["walks"].is_null());
+  EXPECT_EQ(hands["leaving"]["hands"], 15);
+  EXPECT_GE(hands["rows"][0]["held_outside_of"], 15);
+  const Json again = left({"--walks", "0", "--leaving", "15"});
+  EXPECT_EQ(hands["rows"][0]["held_outside_of"], again["rows"][0]["held_outside_of"]);
+  const test::Outcome told = run({"--walks", "1", "--dense-limit", "0", "--levels", "flat",
+                                  "--settle", "5ms", "--walk-depth", "0.5mm"});
+  EXPECT_THAT(told.out, HasSubstr("0.5 mm deep, 0.005 mm a tick, which is 5 mm/s at 1 kHz"));
+  EXPECT_THAT(told.out, HasSubstr("held: contacts of 5 hands"));
 }
 
 // The length of n 4-byte numbers in base64.

@@ -14,6 +14,7 @@
 #include "gliss/files/cache_format.h"
 #include "gliss/generate/generate.h"
 #include "gliss/study/sweep_parts.h"
+#include "tests/support/allocations.h"
 #include "tests/support/bytes.h"
 #include "tests/support/part_files.h"
 #include "tests/support/scratch_folder.h"
@@ -30,6 +31,27 @@ using ::testing::HasSubstr;
 
 // Offsets in a part's file: a name, a checksum of all behind it, three numbers, statistics, blocks.
 constexpr std::size_t kStatisticsAt = 40;
+
+TEST(PartFolder, that_cannot_be_listed_lets_go_of_its_lock) {
+  if (!test::allocations_are_counted()) GTEST_SKIP() << "skipped: a sanitizer allocates";
+  const test::ScratchFolder folder;
+  const std::string parts = folder / "parts";
+  std::uint64_t failed = 0;
+  for (std::uint64_t k = 1, in_a_row = 0; in_a_row < 3; ++k) {
+    {
+      test::FailingAllocation failing(k, false);
+      try {
+        PartFolder(parts, 1);
+      } catch (const std::exception&) {
+      }
+      failing.end();
+      in_a_row = failing.has_failed() ? 0 : in_a_row + 1;
+      failed += failing.has_failed();
+    }
+    ASSERT_NO_THROW(PartFolder(parts, 1)) << "after failure of allocation " << k;
+  }
+  EXPECT_GT(failed, 2u);
+}
 
 class HostileParts : public ::testing::Test {
  protected:

@@ -60,7 +60,12 @@ void expect_no_leap(const std::string& name, const Mesh& raw, bool has_creases,
       const FeltWalks felt = feel_walks(surface.cache, settling, walks, depth);
       const std::string which = fmt::format("{}, {}, {} % deep", name, surface.name, 0.5 * deep);
       leaps += before.jumps();
-      EXPECT_EQ(felt.jumps(), 0u) << which;
+      // A contact that has ended is gone within 5 x settle, so that a push above 5 k d fades by
+      // more than a jump a tick.
+      const double most = std::max(ForceStatistics::kJump * depth,
+                                   0.04 * felt.largest_force + 2 * WalkOptions{}.step * depth);
+      EXPECT_LE(felt.largest_step, most) << which;
+      EXPECT_LE(felt.jumps(), before.jumps()) << which;
       EXPECT_EQ(felt.lost, 0u) << which;
       if (surface.method == Method::kGregory) {
         // If walks are few, one may lead along an edge, or begin deep within another part.

@@ -24,6 +24,7 @@ struct ComparingOptions : SurfaceOptions {
   std::string path, reference, output;
   int ticks = 4000;
   WalkOptions walk{.walkers = 8};
+  std::optional<std::size_t> leaving;  // hands; kHandsAWalk for each walk by default
   std::string walk_depth = "0.5%";
   CompareBudget budget;
   int dense_limit = 500000;
@@ -31,6 +32,7 @@ struct ComparingOptions : SurfaceOptions {
 };
 
 constexpr std::size_t kLoops = 40;  // closed ones
+constexpr std::size_t kHandsAWalk = 5;
 
 const std::vector<CompareCandidate> kEverything = {
     {Method::kGregory, {.construction = Construction::kFair}},
@@ -94,9 +96,16 @@ void add_walk_options(Command& command, ComparingOptions& options) {
         if (!(walk.step > 0 && walk.step <= 1))
           throw InputError(fmt::format("--walk-step: '{}' is not above 0 and at most 1", text));
       });
-  command.option({"--seed", "N", "of the walks; default 1"}, [&walk](const std::string& text) {
-    walk.seed = parse_number<std::uint64_t>("--seed", text);
-  });
+  command.option({"--leaving", "N",
+                  "hands that press in anywhere, slide, leave and rest outside, in which contacts "
+                  "that are held there are counted; 0: none; default: 5 a walk"},
+                 [&options, read = count("--leaving", 0)](const std::string& text) {
+                   options.leaving = read(text);
+                 });
+  command.option({"--seed", "N", "of walks and leaving hands; default 1"},
+                 [&walk](const std::string& text) {
+                   walk.seed = parse_number<std::uint64_t>("--seed", text);
+                 });
 }
 
 void describe(Command& command, ComparingOptions& options) {
@@ -191,14 +200,22 @@ double walk_depth_of(const ComparingOptions& options, const Mesh& mesh) {
   return depth;
 }
 
+// Hands that rest for twice as long as a contact may go on, and longer.
+LeavingOptions leaving_of(const ComparingOptions& options) {
+  const std::size_t hands = options.leaving.value_or(kHandsAWalk * options.walk.walkers);
+  return {hands, 100 + 2 * held_bound(options.compare.settle), options.walk.seed};
+}
+
 CompareWalks make_walks(const ComparingOptions& options, const Mesh& mesh, const Topology& topology,
                         const Engine& engine) {
   CompareWalks made;
+  const ParallelFor parallel = engine.build_backend().parallel;
+  made.leaving = leaving_paths(mesh, topology, leaving_of(options), parallel);
   if (options.walk.walkers == 0) return made;
   made.depth = walk_depth_of(options, mesh);
   WalkOptions walk = options.walk;
   walk.depth = made.depth / mesh.unit;
-  made.walks = walk_paths(mesh, topology, walk, engine.build_backend().parallel);
+  made.walks = walk_paths(mesh, topology, walk, parallel);
   made.loops = loop_paths(mesh, topology, walk.depth, kLoops, walk.seed);
   return made;
 }
@@ -331,7 +348,9 @@ void run(const ComparingOptions& options) {
   tell_tight_curvature(options, exact, *std::max_element(depths.begin(), depths.end()));
   CompareWalks walks = make_walks(options, compared.baseline(), compared.topology, *engine);
   std::string text = rows_heading();
-  const std::string walks_text = text_of(walks, options.walk);
+  const LeavingOptions leaving = leaving_of(options);
+  const std::string walks_text =
+      text_of(walks, options.walk) + text_of(leaving, options.compare.settle);
   Json json = {{"program", "gliss"},
                {"version", GLISS_VERSION},
                {"command_line", command_line()},
@@ -342,6 +361,7 @@ void run(const ComparingOptions& options) {
                {"depths_m", depths},
                {"stiffness_N_per_m", options.compare.stiffness},
                {"walks", json_of(walks, options.walk)},
+               {"leaving", json_of(leaving)},
                {"rows", Json::array()},
                {"dense", Json::array()},
                {"recommended", nullptr}};
@@ -383,7 +403,10 @@ void add_compare(Command& program) {
       "sides of edges. step: change of the force from tick to tick of its own path, walk: of "
       "random "
       "walks. jumps/, lost/: of walks, per 100,000 ticks in contact: steps above 20 % of stiffness "
-      "x depth, and contacts that end under more. loops: net over gross work of closed loops; "
+      "x depth, and contacts that end under more. beyond/: steps above twice the way of the hand, "
+      "as often. held: contacts that are felt for longer than 5 x --settle while the hand is out "
+      "of "
+      "the object, of how many. loops: net over gross work of closed loops; "
       "above "
       "0 the hand is given energy. error: largest difference of the force from the exact "
       "surface's, "

@@ -27,10 +27,10 @@ struct TracingOptions : TableOptions {
 
 void describe(Command& command, TracingOptions& options) {
   add_surface_options(command, options, "MESH_OR_CACHE");
-  add_input_option(
-      command, "--path", options.path,
-      "HIPs, one a tick: columns x,y,z in the unit of --unit, or x_mm,y_mm,z_mm; perhaps step",
-      false);
+  add_input_option(command, "--path", options.path,
+                   "HIPs, one a tick: columns x,y,z in the unit of --unit, or x_mm,y_mm,z_mm; "
+                   "perhaps step, time (s), and vx,vy,vz (m/s), the device's velocity",
+                   false);
   command.option({"--depth", "DEPTH",
                   "instead of --path: a path of its own so deep beneath the surface, 4000 ticks a "
                   "thousandth of the mesh's diagonal apart"},
@@ -140,11 +140,15 @@ PointTable path_of(const TracingOptions& options, const PatchCache& cache) {
     return own;
   }
   std::vector<std::string> further = options.keep;
-  further.push_back("step");
+  const auto add = [&](const std::string& name) {
+    if (std::find(further.begin(), further.end(), name) == further.end()) further.push_back(name);
+  };
+  add("step");
+  std::for_each(kMotionColumns.begin(), kMotionColumns.end(), add);
   return read_hips(options, options.path, further);
 }
 
-void run(const TracingOptions& options) {
+void run(TracingOptions options) {
   if (options.trace.friction.settle > 0 && !options.trace.friction.any())
     throw InputError("--friction-settle goes with --friction");
   if (options.path.empty() && !(options.depth > 0))
@@ -154,6 +158,8 @@ void run(const TracingOptions& options) {
   const PatchCache cache = open_surface(options, *engine);
   const PointTable path = path_of(options, cache);
   check_kept(options.keep, path.table, options.path);
+  options.trace.times = path.times;
+  options.trace.velocities = path.velocities;
   const LargeArray<double>* steps = path.table.find("step");
   const UnitChange across(path.unit, options.unit);
   tell_soft_spring(options, options.trace.stiffness, "--stiffness");

@@ -28,13 +28,13 @@ double parse_weld(const std::string& text) {
   return length;
 }
 
-// A time from 0 to 1 s in ticks of 1 ms, for an option of which `usual` is a sensible value.
-double ticks_of(const std::string& option, const std::string& text, const std::string& usual) {
+// A time from 0 to 1 s, for an option of which `usual` is a sensible value.
+double settle_of(const std::string& option, const std::string& text, const std::string& usual) {
   const double seconds = parse_time(text);
-  if (!(seconds >= 0 && seconds <= 1))
+  if (!(seconds >= 0 && seconds <= kMostSettleTime))
     throw InputError(
         fmt::format("{}: '{}' is not from 0 to 1 s; {} is usual", option, text, usual));
-  return seconds * 1e3;
+  return seconds;
 }
 
 std::vector<std::string>& kept_words() {  // quoted for a shell where they need it
@@ -199,9 +199,9 @@ void add_settle_option(Command& command, double& settle) {
   command.option(
       {"--settle", "TIME",
        fmt::format("where a contact would leap it slides, and the force takes so long to change by "
-                   "20 %, with a tick a millisecond; 0: it leaps; default {}",
-                   settle > 0 ? fmt::format("{:g}ms", settle) : "0")},
-      [&settle](const std::string& text) { settle = ticks_of("--settle", text, "5ms"); });
+                   "20 %; 0: it leaps; default {}",
+                   settle > 0 ? fmt::format("{:g}ms", 1e3 * settle) : "0")},
+      [&settle](const std::string& text) { settle = settle_of("--settle", text, "5ms"); });
 }
 
 void add_friction_options(Command& command, FrictionOptions& friction) {
@@ -223,10 +223,10 @@ void add_friction_options(Command& command, FrictionOptions& friction) {
       });
   command.option(
       {"--friction-settle", "TIME",
-       "the time in which the one goes to the other by 63 % once a contact slips, with a "
-       "tick a millisecond; default 0: at once"},
+       "the time in which the one goes to the other by 63 % once a contact slips; default 0: at "
+       "once"},
       [&friction](const std::string& text) {
-        friction.settle = ticks_of("--friction-settle", text, "2ms");
+        friction.settle = settle_of("--friction-settle", text, "2ms");
       });
 }
 

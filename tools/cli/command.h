@@ -77,9 +77,9 @@ void add_scene_option(Command& command, std::string& scene, const std::string& d
 void check_input(const std::string& name, const std::string& path);
 double positive_stiffness(const std::string& text);  // N/m, of --stiffness
 void add_stiffness_option(Command& command, double& stiffness);
-// --settle TIME; `settle`, whose value is the default, is in ticks of 1 ms.
+// --settle TIME; `settle` (s), whose value is the default.
 void add_settle_option(Command& command, double& settle);
-// --friction and --friction-settle, in ticks of 1 ms.
+// --friction and --friction-settle.
 void add_friction_options(Command& command, FrictionOptions& friction);
 // --damping, --viscosity, --magnet and --texture.
 void add_effect_options(Command& command, EffectOptions& effects);

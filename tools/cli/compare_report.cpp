@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "gliss/surface/names.h"
@@ -12,6 +13,8 @@ namespace gliss::tools {
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi, kMicroseconds = 1e6;
+
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
 
@@ -23,6 +26,11 @@ struct NumberColumn {
 template <double CompareRow::*kMember>
 double get(const CompareRow& row) {
   return row.*kMember;
+}
+// Unknown where no hand left, or none felt anything.
+template <auto HeldContacts::*kMember>
+double held(const CompareRow& row) {
+  return row.leaving.contacts == 0 ? kUnknown : static_cast<double>(row.leaving.*kMember);
 }
 constexpr NumberColumn kNumbers[] = {
     {"bytes_per_patch", "", get<&CompareRow::bytes_per_patch>},
@@ -46,12 +54,22 @@ constexpr NumberColumn kNumbers[] = {
     {"unsound", "", [](const CompareRow& r) { return static_cast<double>(r.unsound); }},
     {"max_force_error", "", get<&CompareRow::max_force_error>},
     {"p99_force_error", "", get<&CompareRow::p99_force_error>},
-    {"tick_us", "us", [](const CompareRow& r) { return r.tick * kMicroseconds; }}};
+    {"tick_us", "us", [](const CompareRow& r) { return r.tick * kMicroseconds; }},
+    {"steps_beyond_2dx_per_100k", "", get<&CompareRow::steps_beyond_2dx_per_100k>},
+    {"max_step_beyond_2dx", "N", get<&CompareRow::max_step_beyond_2dx>},
+    {"held_outside", "", held<&HeldContacts::held>},
+    {"held_outside_of", "", held<&HeldContacts::contacts>},
+    {"held_outside_longest", "s", held<&HeldContacts::longest>},
+    {"held_outside_pulled", "", held<&HeldContacts::pulled>}};
 
 // Null: flat and shaded have none.
 Json construction_of(const CompareRow& row) {
   if (row.candidate.method != Method::kGregory) return {};
   return name_of(kConstructionNames, row.candidate.level.construction);
+}
+
+std::string held_text(const HeldContacts& leaving) {
+  return leaving.contacts == 0 ? "-" : fmt::format("{} of {}", leaving.held, leaving.contacts);
 }
 
 std::string rate_text(double per_second) {
@@ -68,6 +86,11 @@ Json json_of(const CompareRow& row) {
                {"backend", row.backend}};
   for (const NumberColumn& column : kNumbers) json[column.name] = number(column.get(row));
   json["unsound"] = row.unsound;
+  if (row.leaving.contacts > 0) {
+    json["held_outside"] = row.leaving.held;
+    json["held_outside_of"] = row.leaving.contacts;
+    json["held_outside_pulled"] = row.leaving.pulled;
+  }
   json["bytes"] = row.bytes;
   json["pareto"] = row.pareto;
   return json;
@@ -95,11 +118,11 @@ Json json_of(const DenseRow& row, const CompareRow& target) {
           {"p99_force_step", row.p99_force_step},
           {"jumps_per_100k", row.jumps_per_100k},
           {"lost_per_100k", row.lost_per_100k},
-          {"tick_us", row.tick * 1e6},
+          {"tick_us", row.tick * kMicroseconds},
           {"target_level", row.target},
           {"target_force_step", row.target_step},
           {"target_bytes", target.bytes},
-          {"target_tick_us", target.tick * 1e6},
+          {"target_tick_us", target.tick * kMicroseconds},
           {"memory_ratio", row.memory_ratio},
           {"time_ratio", row.time_ratio},
           {"reached", row.reached},
@@ -112,30 +135,34 @@ Json json_of(const CompareWalks& walks, const WalkOptions& walk) {
           {"depth_m", walks.depth},  {"step", walk.step},           {"seed", walk.seed}};
 }
 
+Json json_of(const LeavingOptions& leaving) {
+  if (leaving.hands == 0) return {};
+  return {{"hands", leaving.hands}, {"rest_ticks", leaving.rest}, {"seed", leaving.seed}};
+}
+
 std::string rows_heading() {
   return fmt::format(
       "  {:<8} {:<6} {:<12} {:<6} {:>8} {:>9} {:>8} {:>8} {:>10} {:>10} {:>9} {:>9} {:>9} {:>9} "
-      "{:>9} {:>9} {:>8} {:>8} {:>8} {:>8} {:>8} {:>7}\n",
+      "{:>9} {:>9} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>10}\n",
       "level", "prec.", "solver", "on", "B/patch", "build/s", "eval/s", "track/s", "far, mm",
       "p99, mm", "gap, deg", "p99, deg", "step, N", "p99, N", "walk, N", "p99, N", "jumps/",
-      "lost/", "loops, %", "error, %", "p99, %", "tick, us");
+      "lost/", "loops, %", "error, %", "p99, %", "tick, us", "beyond/", "held");
 }
 
 std::string text_of(const CompareRow& row) {
   return fmt::format(
              "{} {:<8} {:<6} {:<12} {:<6} {:>8.0f} {:>9} {:>8} {:>8} {:>10.3g} {:>10.3g} {:>9.2g} "
              "{:>9.2g} {:>9.4g} {:>9.4g} {:>9.4g} {:>9.4g} {:>8.1f} {:>8.1f} {:>8.2g} {:>8.3g} "
-             "{:>8.3g} "
-             "{:>7.2f}\n",
+             "{:>8.3g} {:>8.2f} {:>8.1f} {:>10}\n",
              row.pareto ? '*' : ' ', row.candidate.name(), precision_name(row.precision),
              name_of(kSolverNames, row.solver), row.backend, row.bytes_per_patch,
              rate_text(row.build_per_s), rate_text(row.eval_per_s), rate_text(row.track_per_s),
-             row.max_distance * 1e3, row.p99_distance * 1e3,
-             row.max_normal_gap * 180 / std::numbers::pi,
-             row.p99_normal_gap * 180 / std::numbers::pi, row.max_force_step, row.p99_force_step,
+             row.max_distance * 1e3, row.p99_distance * 1e3, row.max_normal_gap * kDegrees,
+             row.p99_normal_gap * kDegrees, row.max_force_step, row.p99_force_step,
              row.walk_max_force_step, row.walk_p99_force_step, row.jumps_per_100k,
              row.lost_per_100k, 100 * row.loop_gain, 100 * row.max_force_error,
-             100 * row.p99_force_error, row.tick * 1e6) +
+             100 * row.p99_force_error, row.tick * kMicroseconds, row.steps_beyond_2dx_per_100k,
+             held_text(row.leaving)) +
          unsound_text(row.unsound, "steps");
 }
 
@@ -159,15 +186,26 @@ std::string text_of(const DenseRow& row) {
 std::string text_of(const CompareWalks& walks, const WalkOptions& walk) {
   const std::string jumps = "jumps/, lost/: per 100,000 ticks in contact, ";
   if (walks.walks.empty()) return jumps + "along the path\n";
+  const double way = walks.depth * walk.step;  // m, a tick
   return jumps +
          fmt::format(
-             "in {} random walks of {} ticks {:.3g} mm deep, {:.3g} mm a tick; walk, N: the "
-             "largest step there\n",
-             walk.walkers, walk.ticks, walks.depth * 1e3, walks.depth * walk.step * 1e3) +
+             "in {} random walks of {} ticks {:.3g} mm deep, {:.3g} mm a tick, which is {:.3g} "
+             "mm/s at 1 kHz; beyond/: the same of steps above twice that way; walk, N: the largest "
+             "step there\n",
+             walk.walkers, walk.ticks, walks.depth * 1e3, way * 1e3, way * 1e6) +
          fmt::format(
              "loops: of the work that they take, what {} closed loops a face wide give back "
              "at most beyond it\n",
              walks.loops.size());
+}
+
+std::string text_of(const LeavingOptions& leaving, double settle) {
+  if (leaving.hands == 0) return "";
+  return fmt::format(
+      "held: contacts of {} hands that press in, slide, leave at up to 2 % of the mesh's diagonal "
+      "a "
+      "tick, and rest outside: felt there for longer than {} ticks, 5 x settle and one\n",
+      leaving.hands, held_bound(settle));
 }
 
 void write_rows(ResultFile& file, const std::string& name, const std::vector<CompareRow>& rows) {

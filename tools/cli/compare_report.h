@@ -19,10 +19,15 @@ Json json_of(const DenseRow& row, const CompareRow& target);
 // Null where there are no walks.
 Json json_of(const CompareWalks& walks, const WalkOptions& walk);
 
+// Null where there are no hands.
+Json json_of(const LeavingOptions& leaving);
+
 std::string rows_heading();
 std::string text_of(const CompareRow& row);
 std::string text_of(const DenseRow& row);
 std::string text_of(const CompareWalks& walks, const WalkOptions& walk);
+// `settle`: as in CompareOptions. "" where there are no hands.
+std::string text_of(const LeavingOptions& leaving, double settle);
 
 // Writes the rows as a table of that name.
 void write_rows(ResultFile& file, const std::string& name, const std::vector<CompareRow>& rows);

@@ -20,10 +20,13 @@ std::unique_ptr<HapticDevice> open_sim(const Scene& scene) {
 std::unique_ptr<HapticDevice> open_replay(const std::string& file,
                                           const std::function<void()>& poll) {
   try {
-    PointTable path = read_points(file, 1, kTurnColumns, poll);
+    std::vector<std::string> columns = kTurnColumns;
+    columns.insert(columns.end(), kMotionColumns.begin(), kMotionColumns.end());
+    PointTable path = read_points(file, 1, columns, poll);
     std::vector<Turn> turns = std::move(path.turns);
+    std::vector<Vec3> velocities = std::move(path.velocities);
     return std::make_unique<ReplayDevice>(points_in_metres(std::move(path)), "replay:" + file,
-                                          std::move(turns));
+                                          std::move(turns), std::move(velocities));
   } catch (const std::runtime_error& error) {  // also where there is no such file
     throw InputError(error.what());
   }
