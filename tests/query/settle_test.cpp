@@ -271,6 +271,34 @@ TEST(Settle, lets_go_of_a_hand_that_leaves_over_an_edge) {
   }
 }
 
+// A hand that is pushed through a ball, centrally or not, and rests behind it, is free at once
+// without settle, and 5 x settle after it has come out with it.
+TEST(Settle, lets_go_of_a_hand_that_goes_through_a_ball) {
+  const PatchCache cache = fair_cache_of(test::with_normals(goldberg(4, 10).mesh));
+  for (const double settle : {0.0, 5e-3, 20e-3}) {
+    const int bound = static_cast<int>(std::lround(5e3 * settle)) + 1;
+    for (const double friction : {0.0, 0.5}) {
+      for (const double aside : {0.0, 0.2, 3.0}) {
+        for (const double pace : {0.05, 0.5, 4.0}) {  // mm a tick
+          QueryOptions options = with_settle(settle);
+          options.friction = {friction, 0.6 * friction};
+          ContactTracker tracker(cache, options);
+          int outside = 0;
+          Contact contact;
+          for (double x = 15; outside <= bound; x = std::max(-60.0, x - pace)) {
+            const Vec3 hip(x, aside, 0);
+            contact = tracker.tick(hip);
+            outside += x < 0 && hip.norm() > 10.05;
+          }
+          EXPECT_FALSE(contact.touching)
+              << settle << " s, friction " << friction << ", " << aside << ", " << pace;
+          EXPECT_EQ(contact.push, Vec3::Zero());
+        }
+      }
+    }
+  }
+}
+
 // A hand that goes to and fro through a ball and the open, up to half of its size a tick: a contact
 // that fades asks for nothing, and may have no energy left.
 TEST(Settle, keeps_pushes_finite_wherever_a_hand_goes) {
