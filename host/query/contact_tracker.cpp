@@ -14,6 +14,12 @@
 #include "gliss/query/tick_way.h"
 
 namespace gliss {
+namespace {
+
+// True if its push is the way to the nearest point, whose size tells its energy.
+bool has_energy(Method method) { return method != Method::kShaded; }
+
+}  // namespace
 
 // One tick, in the cache's own precision. First the contact follows its HIP, dragged by friction,
 // or is looked for along the way of a free one. Then what is felt of it settles.
@@ -96,12 +102,12 @@ class ContactTracker::Tick {
     return found;
   }
 
-  // What is felt of the contact.
+  // Turns the contact to what is felt of it.
   Contact feel(Contact now, bool was_touching) {
     // The lag changes by the slack at most, and the push of the slider by twice its way.
     if (t_.friction_.is_on() && was_touching)
       t_.felt_.allow(3 * t_.friction_.slack(t_.felt_.way()));
-    t_.felt_.feel(now, t_.options_.method != Method::kShaded);
+    t_.felt_.feel(now, has_energy(t_.options_.method));
     return now;
   }
 
@@ -200,7 +206,7 @@ Contact ContactTracker::track(const Vec3& hip, const DomainPoint& start, const S
     } else {
       felt_ = *felt;
       felt_.move(hip, 0, dt);
-      felt_.feel(contact, options_.method != Method::kShaded);
+      felt_.feel(contact, has_energy(options_.method));
     }
     return contact;
   });
@@ -233,7 +239,7 @@ ContactFoot ContactTracker::foot_on(const Surface<Real>& s, const Vec3& hip) con
   const auto contact = [&](int i) { return contact_of(*cache_, s, feet[i]); };
   const Contact own = contact(kFeet - 1);
   ContactFoot foot{own.scp, own.push, own.push.norm()};
-  if (options_.method != Method::kShaded)
+  if (has_energy(options_.method))
     foot.depth = std::sqrt(std::max(0.0, own.push.dot(own.scp - hip)));
   for (int axis = 0; axis < 3; ++axis)
     foot.moves.col(axis) = (contact(2 * axis).scp - contact(2 * axis + 1).scp) / (2 * step);

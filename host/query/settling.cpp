@@ -100,7 +100,7 @@ void Settling::feel(Contact& now, bool has_energy) noexcept {
     fade(now);
   }
   felt_ = now.push;
-  // What a straight way saves is lost; all is kept until a search has ended.
+  // The energy that a straight way saves is lost; all is kept until a search has ended.
   energy_ = std::min(most, is_guess(now) ? kUnbounded : energy_of(now));
 }
 

@@ -1,5 +1,5 @@
-// What one tick of a ContactTracker asks of its surface, in the cache's own precision, and what it
-// has spent on that.
+// The questions of one tick of a ContactTracker to its surface, in the cache's own precision, and
+// the account of what they spend.
 #pragma once
 
 #include <algorithm>
@@ -41,19 +41,9 @@ class TickKernel {
     return spend(from);
   }
   // The local nearest point to x that a place of the surface leads to.
-  Raw track(Raw from, const Vec3& x) {
-    const RawHip<Real> there = raw_hip<Real>(cache_, x);
-    kernels<Real>().track(s_, method_, within(left()), &there, 1, &from);
-    return spend(from);
-  }
+  Raw track(const Raw& from, const Vec3& x) { return track(from, x, options_.max_iterations); }
   // The same place, as it is seen from x.
-  Raw look_from(const Vec3& x, Raw place) {
-    TrackOptions<Real> options = within(left());
-    options.max_iterations = 0;
-    const RawHip<Real> there = raw_hip<Real>(cache_, x);
-    kernels<Real>().track(s_, method_, options, &there, 1, &place);
-    return spend(place);
-  }
+  Raw look_from(const Vec3& x, const Raw& place) { return track(place, x, 0); }
   Raw at(const DomainPoint& point) const {
     Raw raw{};
     place_at(place_of(cache_, s_, point), raw);
@@ -86,14 +76,15 @@ class TickKernel {
   bool is_closed_at(const Raw& raw) const { return cache_.is_closed_at(raw.uints[kContactPatch]); }
 
   // No point of the surface is nearer than that to where a search was made.
-  double clear_of(const Raw& raw) const {
-    const Contact found = contact(raw);
+  double clear_of(const Raw& raw) const { return clear_of(contact(raw)); }
+  static double clear_of(const Contact& found) {
     return found.flags & kUnfinished ? found.clear : std::abs(found.distance);
   }
   // True if the search ended, or nothing is nearer by more than a hundredth of the way: in the
   // middle of a ball no search ends within a tick, nor does it matter.
   bool is_sure(const Raw& found) const {
-    return !is_unfinished(found) || clear_of(found) >= 0.99 * std::abs(contact(found).distance);
+    const Contact c = contact(found);
+    return !is_unfinished(found) || clear_of(c) >= 0.99 * std::abs(c.distance);
   }
 
   Method method() const { return method_; }
@@ -117,6 +108,13 @@ class TickKernel {
     TrackOptions<Real> options = options_;
     options.budget = std::max(1, std::min(budget, left()));
     return options;
+  }
+  Raw track(Raw from, const Vec3& x, int iterations) {
+    TrackOptions<Real> options = within(left());
+    options.max_iterations = iterations;
+    const RawHip<Real> there = raw_hip<Real>(cache_, x);
+    kernels<Real>().track(s_, method_, options, &there, 1, &from);
+    return spend(from);
   }
   const Raw& spend(const Raw& raw) {
     spent_ += std::max(1, raw.evaluations);

@@ -43,9 +43,12 @@ class TickWay {
     while (at_ < until) {
       const Vec3 x = place(at_);
       const Raw there = kernel_.nearest(x, kSearch);
-      if (const std::optional<Raw> met = look(x, there)) return {*met};
-      const double step = step_from(x, there);
-      if (!kernel_.may_search()) return pause(end, glided_ ? place(at_ + step) : x, there);
+      const Contact found = kernel_.contact(there);
+      const double clear = kernel_.clear_of(found);
+      if (const std::optional<Raw> met = look(x, there, clear)) return {*met};
+      const double step = step_from(x, found, clear);
+      if (!kernel_.may_search())
+        return free(end, false, glided_ ? place(at_ + step) : x, glided_ ? 0 : clear);
       at_ += step;
     }
     if (!kernel_.is_sure(end)) return free(end, false, to_, kernel_.clear_of(end));
@@ -71,8 +74,8 @@ class TickWay {
     return length_ - kernel_.clear_of(end) + (crosses ? 1 : -1) * kernel_.on_surface();
   }
   // The contact that begins at x, if the way enters there, taken along to the end.
-  std::optional<Raw> look(const Vec3& x, const Raw& there) {
-    const bool meets = kernel_.clear_of(there) <= kernel_.on_surface(),
+  std::optional<Raw> look(const Vec3& x, const Raw& there, double clear) {
+    const bool meets = clear <= kernel_.on_surface(),
                is_in = kernel_.is_touching(there) && !kernel_.is_unfinished(there),
                is_closed = kernel_.is_closed_at(there);
     if (!behind_ && (meets || (is_in && (glided_ || is_closed)))) {
@@ -94,18 +97,14 @@ class TickWay {
     return contact;
   }
   // Close to a surface it glides, towards it no farther than to its tangent plane.
-  double step_from(const Vec3& x, const Raw& there) {
-    const double clear = kernel_.clear_of(there);
+  double step_from(const Vec3& x, const Contact& found, double clear) {
     const bool meets = clear <= kernel_.on_surface();
-    const double towards = (kernel_.contact(there).scp - x).dot(way_) / length_;
+    const double towards = (found.scp - x).dot(way_) / length_;
     double step = std::min(glide_, length_);
     if (!meets && towards > 0) step = std::min(step, clear * clear / towards);
     glided_ = step > clear;
     was_near_ = was_near_ || glided_ || meets;
     return std::max(step, clear);
-  }
-  WayEnd<Real> pause(const Raw& end, const Vec3& x, const Raw& there) const {
-    return free(end, false, x, glided_ ? 0 : kernel_.clear_of(there));
   }
   WayEnd<Real> free(Raw end, bool is_reached, const Vec3& x, double clear) const {
     end.uints[kContactState] = 0;

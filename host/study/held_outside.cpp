@@ -75,8 +75,9 @@ bool HeldOutsideCounter::is_justified(const Vec3& hip, const Contact& felt) {
              is_nearest_around(hip, felt) && (is_rim || leads_through_inside(hip, felt.scp));
 }
 
-// With friction the contact without it, from the same place, is judged. A seam is not known by a
-// place on one part: there friction goes unjudged.
+// True if the contact is a nearest point, or lies in a valley. With friction the contact without
+// it, from the same place, is judged. A seam is not known by a place on one part: there friction
+// goes unjudged.
 bool HeldOutsideCounter::is_nearest_around(const Vec3& hip, const Contact& felt) const {
   if (!options_.friction.any()) return is_local_minimum(hip, felt) || is_in_valley(hip, felt);
   if ((felt.flags & kOnCrease) != 0) return true;
