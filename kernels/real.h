@@ -9,7 +9,8 @@
 
 typedef GLISS_SCALAR scalar;
 
-// What a build of the tests counts and checks (tests/counting): nothing in all others.
+// EVALUATES and PROMISE are for a build of the tests that counts and checks (tests/counting), and
+// nothing in all others.
 #ifndef EVALUATES
 #define EVALUATES
 #define PROMISE(holds)

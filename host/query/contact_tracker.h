@@ -99,7 +99,7 @@ class GLISS_EXPORT ContactTracker {
   template <class Real>
   ContactFoot foot_on(const Surface<Real>& surface, const Vec3& hip) const;
 
-  // What the last tick leaves besides its contact, mesh's unit.
+  // The state that the last tick leaves besides its contact, mesh's unit.
   struct Past {
     Vec3 hip = Vec3::Zero();  // its HIP, or how far along its way a sweep has come
     double clear = -1;        // no surface is nearer to it than this; negative: there was no tick

@@ -83,7 +83,7 @@ class GLISS_EXPORT Effects {
   EffectOptions options_;
   Texture texture_;
   double stiffness_, unit_;
-  // Where the HIP was, less the way that the device's own velocity has led it. Mesh's unit, s.
+  // A place of the HIP, less the way that the device's own velocity has led it. Mesh's unit, s.
   struct Place {
     Vec3 at = Vec3::Zero();
     double time = 0;

@@ -17,7 +17,7 @@ inline double tick_time(double dt) noexcept {
 // ... of a tick at `now` after one at `last`, both since any start.
 inline double tick_time(std::chrono::nanoseconds last, std::chrono::nanoseconds now) noexcept {
   if (!(last < now)) return ContactTracker::kTick;
-  // As unsigned it does not overflow.
+  // The difference of unsigned numbers does not overflow.
   const std::uint64_t passed =
       static_cast<std::uint64_t>(now.count()) - static_cast<std::uint64_t>(last.count());
   return static_cast<double>(passed) / 1e9;

@@ -70,7 +70,7 @@ class GLISS_EXPORT HeldOutsideCounter {
   bool is_felt_ = false;
   bool is_counted_ = false;    // this contact is among the held ones
   std::uint64_t outside_ = 0;  // ticks in a row, outside and unjustified
-  // Where the HIP was looked for last: no surface is nearer to it than `clear_`.
+  // The HIP that was looked for last: no surface is nearer to it than `clear_`.
   Vec3 looked_ = Vec3::Zero();
   double clear_ = 0;
   bool was_outside_ = false;

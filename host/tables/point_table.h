@@ -22,7 +22,7 @@ struct PointTable {
   InputTable table;          // the other columns that were asked for; of a recording: none
   double unit = 1;           // m
   std::vector<Vec3> points;  // in `unit`
-  // Of kTurnColumns and kMotionColumns, where they were asked for and are there; of ticks.
+  // They hold kTurnColumns and kMotionColumns, where they were asked for and are there; of ticks.
   std::vector<Turn> turns;
   std::vector<std::chrono::nanoseconds> times;
   std::vector<Vec3> velocities;  // m/s

@@ -68,7 +68,7 @@ std::vector<Vec3> hips_of(const Reals& path, double unit) {
   return hips;
 }
 
-// Of a column of s; none of none.
+// Returns the times of a column in s; none if there is no column.
 std::vector<std::chrono::nanoseconds> times_of(const std::optional<Reals>& time, std::size_t rows) {
   std::vector<std::chrono::nanoseconds> times;
   if (!time) return times;
