@@ -76,7 +76,9 @@ Ticks follow(const PatchCache& cache, const QueryOptions& options, bool tells_al
     }
     counts = {};
     ticks.add(tracker.tick(hip));
-    if (tells_all) EXPECT_EQ(counts.told, counts.evaluations);
+    if (tells_all) {
+      EXPECT_EQ(counts.told, counts.evaluations);
+    }
   }
   return ticks;
 }
@@ -123,7 +125,9 @@ TEST_P(Counting, finds_no_contact_of_a_spent_search_that_says_nothing) {
   EXPECT_EQ(untold, 0);
   EXPECT_EQ(counting::broken, 0);
   EXPECT_GT(finished, 0);
-  if (GetParam() > 1) EXPECT_GT(unfinished, 0);
+  if (GetParam() > 1) {
+    EXPECT_GT(unfinished, 0);
+  }
   test::record("tracked", "{} finished, {} not, {} others than without a bound untold", finished,
                unfinished, untold);
 }
