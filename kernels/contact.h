@@ -208,7 +208,7 @@ FN_ONCE contact unite_nearest(surface_view view, hip_point h, contact c, track_o
 FN_LARGE contact unite_tracked(surface_view view, hip_point h, contact last, contact c,
                                track_options options);
 
-FN_LARGE contact nearest_contact_from(surface_view view, hip_point h, foot first,
+FN_LARGE contact nearest_contact_from(surface_view view, hip_point h, const foot* first,
                                       const near_patches* near, track_options options) {
   const foot f = nearest_foot(view, h, first, near, options);
   contact c = within_reach(h, contact_of_foot(view, f, options.spent));
@@ -229,14 +229,14 @@ FN_LARGE contact nearest_contact(surface_view view, hip_point h, base_point base
                                  track_options options) {
   if (method != METHOD_GREGORY) return nearest_contact_of_base(view, h, base, blend, method);
   const foot first = begin_foot(view, h, start_at(base.patch, blend), options);
-  return nearest_contact_from(view, h, first, near, options);
+  return nearest_contact_from(view, h, &first, near, options);
 }
 
-FN_LARGE contact track_contact_from(surface_view view, hip_point h, contact last, foot first,
+FN_LARGE contact track_contact_from(surface_view view, hip_point h, contact last, foot* f,
                                     track_options options) {
   const known_minimum none = {NONE, K(0)};
-  const foot f = end_foot(view, h, first, options, none);
-  contact c = within_reach(h, contact_of_foot(view, f, options.spent));
+  end_foot(view, h, f, options, none);
+  contact c = within_reach(h, contact_of_foot(view, *f, options.spent));
   if (HAS_UNION(view) && options.max_iterations > 0) c = unite_tracked(view, h, last, c, options);
   return c;
 }
@@ -251,7 +251,8 @@ FN_LARGE contact track_contact(surface_view view, hip_point h, contact last,
     return within_reach(h, contact_of_base(view, h, base, blend, last.method));
   }
   const domain_point at = {last.patch, last.xi, last.eta};
-  return track_contact_from(view, h, last, begin_foot(view, h, at, options), options);
+  foot f = begin_foot(view, h, at, options);
+  return track_contact_from(view, h, last, &f, options);
 }
 
 // Where the contact would be had it gone on as in the last tick; where it was, if that is outside.
@@ -275,7 +276,7 @@ FN_LARGE contact follow_contact(surface_view view, hip_point h, contact last,
   brief.max_iterations = options.max_iterations < 8 ? options.max_iterations : 8;
   foot f = start_foot(view, h, ahead_of(view, last), options.spent);
   f.d.bend = last.bend;
-  f = track_foot(view, h, f, brief, none);
+  track_foot(view, h, &f, brief, none);
   if (may_be_top(view, &f)) leave_top(view, h, &f, brief, none);
   if (!f.d.converged)  // the hand did something else
     return track_contact(view, h, last, options);

@@ -194,19 +194,20 @@ FN_LARGE void leave_top(surface_view view, hip_point h, foot* f, track_options o
     aside.d.converged = 0;
     aside.d.last2 = aside.d.before2 = -K(1);
     aside.d.bend = start_bend(view, aside, options);
-    *f = track_foot(view, h, aside, options, known);
+    *f = aside;
+    track_foot(view, h, f, options, known);
     return;
   }
 }
 
-FN foot end_foot(surface_view view, hip_point h, foot f, track_options options,
+FN void end_foot(surface_view view, hip_point h, foot* f, track_options options,
                  known_minimum known) {
-  if (is_descending(f, options))
-    f = options.solver == SOLVER_PAPER ? track_as_printed(view, h, f, options)
-                                       : track_foot(view, h, f, options, known);
-  if (options.solver != SOLVER_PAPER && may_be_top(view, &f))
-    leave_top(view, h, &f, options, known);
-  return f;
+  if (options.solver == SOLVER_PAPER) {
+    *f = track_as_printed(view, h, *f, options);
+    return;
+  }
+  if (is_descending(f, options)) track_foot(view, h, f, options, known);
+  if (may_be_top(view, f)) leave_top(view, h, f, options, known);
 }
 
 // Where the nearest point of a base polygon lies in the domain (4.1).
@@ -320,8 +321,7 @@ FN int joins(surface_view view, uint patch, uint other) {
   const uint first = view.side_begin[patch], end = view.side_begin[patch + 1];
   for (uint side = first; side < end; ++side) {
     const uint twin = view.side_twin[side];
-    if (twin != NONE && view.side_patch[twin] == other && is_smooth_side(view, patch, side - first))
-      return 1;
+    if (twin != NONE && view.side_patch[twin] == other && is_smooth_side(view, side)) return 1;
   }
   return 0;
 }
@@ -405,7 +405,7 @@ FN_LARGE foot descend_from_tile(surface_view view, hip_point h, foot f, track_op
     some.max_iterations =
         (int)f.d.evaluations + (f.d.distance2 < best.d.distance2 ? STEPS_NEARER : steps);
     if (some.max_iterations > options.max_iterations) some = options;
-    f = end_foot(view, h, f, some, known);
+    end_foot(view, h, &f, some, known);
     if (f.d.converged || f.d.evaluations == from.d.evaluations) break;
     const sym2 first = first_form(f.d.at);
     const newton_model model = model_of(first, f.d.bend);
@@ -536,12 +536,13 @@ FN_LARGE foot search_beyond(surface_view view, hip_point h, uint first, const ne
 // Nearest point of the whole surface: from `first`, on the nearest base polygon of all, then from
 // every patch whose box is nearer, the nearest boxes first. The same whatever list of near patches
 // is there.
-FN_LARGE foot nearest_foot(surface_view view, hip_point h, foot first, const near_patches* near,
-                           track_options options) {
+FN_LARGE foot nearest_foot(surface_view view, hip_point h, const foot* first,
+                           const near_patches* near, track_options options) {
   const known_minimum none = {NONE, K(0)};
-  foot best = end_foot(view, h, first, options, none);
+  foot best = *first;
+  end_foot(view, h, &best, options, none);
   best.clear2 = K(INFINITY);
-  best = search_patch(view, h, first.patch, options, best);
+  best = search_patch(view, h, first->patch, options, best);
   const real rounding = K(64) * EPSILON * best.d.distance2;
   near_patches all;
   if (!(best.d.distance2 + rounding <= near->complete2)) {
@@ -549,7 +550,7 @@ FN_LARGE foot nearest_foot(surface_view view, hip_point h, foot first, const nea
     near = &all;
   }
   for (int i = 0; i < near->count && near->box2[i] < best.d.distance2; ++i) {
-    if (near->patch[i] == first.patch) continue;
+    if (near->patch[i] == first->patch) continue;
     if (is_enough(i, options.spent)) {
       best.clear2 = smaller(near->box2[i], best.clear2);
     } else {
@@ -557,6 +558,6 @@ FN_LARGE foot nearest_foot(surface_view view, hip_point h, foot first, const nea
     }
   }
   if (near->complete2 < best.d.distance2)
-    best = search_beyond(view, h, first.patch, near, options, best);
+    best = search_beyond(view, h, first->patch, near, options, best);
   return finish_search(best);
 }

@@ -13,6 +13,14 @@
 // Where P_ijk stands.
 FN int sextic_point(int j, int k) { return k * (15 - k) / 2 + j; }
 
+// Bezier point i of 0 to 6 of a side.
+FN real3 sextic_boundary(control_data control, int side, int i) {
+  const int at = side == 0   ? sextic_point(i, 0)
+                 : side == 1 ? sextic_point(6 - i, i)
+                             : sextic_point(0, 6 - i);
+  return load3(control, at);
+}
+
 // 1, x, x^2 ... x^5.
 typedef struct {
   real x[6];

@@ -35,16 +35,6 @@ FN patch_tiles tiles_of(surface_view view, hip_point h, uint patch) {
   return t;
 }
 
-// True if a patch has its neighbour's normals along a side: else any may lead from a tile there to
-// a HIP.
-FN int is_smooth_side(surface_view view, uint patch, uint k) {
-  const uint first = view.tile_begin[patch], count = view.tile_begin[patch + 1] - first,
-             of_side = count / (uint)valence_of(view, patch);
-  const uint last =
-      view.tile[TILE_UINTS * (ulong)first + TILE_AXIS * count + (k + 1) * of_side - 1];
-  return (last >> 24 & TILE_ANY_TURN) != TILE_ANY_TURN;
-}
-
 // True if the squared distance to the HIP is convex over the tile's points that are nearer than
 // `distance` (local): then a minimum is the only one. The curvature towards the HIP decides, with a
 // quarter to spare for what lies between samples.

@@ -115,21 +115,30 @@ typedef struct {
 FN corner_tangents tangents_at(surface_view view, uint side, effort* spent) {
   const uint patch = view.side_patch[side], form = view.form[patch];
   const int n = valence_of(view, patch), k = (int)(side - view.side_begin[patch]);
+  GLOBAL scalar* control = control_of(view, patch);
   corner_tangents r;
   r.are_slopes = !(IS_FORM(form, FORM_PAPER) || IS_FORM(form, FORM_RIBBON));
   if (!r.are_slopes) {
-    GLOBAL scalar* control = control_of(view, patch) + k * side_reals(form);
-    r.p = load3(control, SIDE_C + 1);
-    r.q = load3(control, SIDE_T_0);
-    return r;
+    GLOBAL scalar* own = control + k * side_reals(form);
+    r.p = load3(own, SIDE_C + 1);
+    r.q = load3(own, SIDE_T_0);
+  } else if (IS_FORM(form, FORM_CURVED)) {
+    GLOBAL scalar* own = control + k * CURVED_REALS;
+    GLOBAL scalar* before = control + wrap(k - 1, n) * CURVED_REALS;
+    r.p = sub3(load3(own, CURVED_C + 1), load3(own, CURVED_C));
+    r.q = sub3(load3(before, CURVED_C + 2), load3(before, CURVED_C + 3));
+  } else if (IS_FORM(form, FORM_SEXTIC)) {
+    r.p = sub3(sextic_boundary(control, k, 1), sextic_boundary(control, k, 0));
+    r.q = sub3(sextic_boundary(control, wrap(k - 1, 3), 5), sextic_boundary(control, k, 0));
+  } else {
+    GLOBAL scalar* domain = domain_of(view, n);
+    const domain_vector at = domain_corner(domain, k), a = domain_corner(domain, wrap(k + 1, n)),
+                        b = domain_corner(domain, wrap(k - 1, n));
+    const domain_point corner = {patch, at.xi, at.eta};
+    const patch_point g = evaluate_aside(view, corner, spent);
+    r.p = fma3(a.xi - at.xi, g.g_xi, mul3(a.eta - at.eta, g.g_eta));
+    r.q = fma3(b.xi - at.xi, g.g_xi, mul3(b.eta - at.eta, g.g_eta));
   }
-  GLOBAL scalar* domain = domain_of(view, n);
-  const domain_vector at = domain_corner(domain, k), a = domain_corner(domain, wrap(k + 1, n)),
-                      b = domain_corner(domain, wrap(k - 1, n));
-  const domain_point corner = {patch, at.xi, at.eta};
-  const patch_point g = evaluate_aside(view, corner, spent);
-  r.p = fma3(a.xi - at.xi, g.g_xi, mul3(a.eta - at.eta, g.g_eta));
-  r.q = fma3(b.xi - at.xi, g.g_xi, mul3(b.eta - at.eta, g.g_eta));
   return r;
 }
 
@@ -191,26 +200,9 @@ FN_LARGE fan_place find_in_fan(surface_view view, uint side, real3 w, effort* sp
   return r;
 }
 
-// True if the corners where two sides start have normals more than 0.01 rad apart.
-FN int are_apart(surface_view view, uint a, uint b) {
-  const real3 d = sub3(load3(view.corner + 6 * (ulong)a, 1), load3(view.corner + 6 * (ulong)b, 1));
-  return dot3(d, d) > K(1e-4f);
-}
-
-// True if the edge where `side` starts is a crease there: the patches on both sides have normals of
-// their own and one tangent. Where normals differ and no crease was asked for, so do tangents.
-FN int is_crease_at(surface_view view, uint side, effort* spent) {
-  const uint twin = view.side_twin[side];
-  if (twin == NONE) return 0;
-  const uint beyond = next_in_patch(view, twin);
-  if (!are_apart(view, side, beyond)) return 0;
-  const real3 p = tangents_at(view, side, spent).p, q = tangents_at(view, beyond, spent).q;
-  return norm3(cross3(p, q)) <= K(1e-5f) * norm3(p) * norm3(q);
-}
-
-// The side, of those that start at the same vertex, whose patch has the crease or border there that
-// goes most along a direction: from a corner a way may point into no patch and yet lead along an
-// edge that is none of the two of `side`'s patch. NONE where one of these leads there, or none.
+// The side, of those that start at the same vertex, whose patch has the border or sharp edge there
+// that goes most along a direction: from a corner a way may point into no patch and yet lead along
+// an edge that is none of the two of `side`'s patch. NONE where one of these leads there, or none.
 FN_LARGE uint edge_in_fan(surface_view view, uint side, real3 w, effort* spent) {
   uint best = NONE;
   real most = K(16) * EPSILON * norm3(w);
@@ -219,7 +211,7 @@ FN_LARGE uint edge_in_fan(surface_view view, uint side, real3 w, effort* spent) 
     const corner_tangents t = tangents_at(view, at, spent);
     const real forth = dot3(t.p, w) / larger(norm3(t.p), TINY),
                back = dot3(t.q, w) / larger(norm3(t.q), TINY);
-    if (forth > most && (view.side_twin[at] == NONE || is_crease_at(view, at, spent))) {
+    if (forth > most && !is_smooth_side(view, at)) {
       most = forth;
       best = at;
     }
@@ -364,8 +356,8 @@ FN int descend_foot(surface_view view, hip_point h, foot* f, track_options optio
 }
 
 // True if a descent goes on.
-FN int is_descending(foot f, track_options options) {
-  return !f.d.converged && f.d.evaluations < (real)options.max_iterations;
+FN int is_descending(const foot* f, track_options options) {
+  return !f->d.converged && f->d.evaluations < (real)options.max_iterations;
 }
 
 // How a step of a descent ends: the descent with it, in the same patch, or in another, over an edge
@@ -520,7 +512,7 @@ FN int take_step(surface_view view, foot* f, foot_step s, trial t, track_options
   const foot from = *f;
   f->d.evaluations = t.to.d.evaluations;
   // At the rounding of the distance, unless the iterations ran out.
-  if (!t.fell) return is_descending(*f, options) ? converge(f) : STEP_ENDS;
+  if (!t.fell) return is_descending(f, options) ? converge(f) : STEP_ENDS;
   const int follows = s.along.a >= 0;
   *f = t.to;
   f->crossings += t.crossed;
@@ -562,14 +554,13 @@ FN int step_foot(surface_view view, hip_point h, foot* f, int last, track_option
 // Tracks the local nearest point from a start with its bend. An edge is crossed where the distance
 // falls on its other side; having crossed, not again before it has fallen. Gives up on entering the
 // patch of `known`, a minimum found before, at no less than its distance (patch NONE: never).
-FN_LARGE foot track_foot(surface_view view, hip_point h, foot f, track_options options,
+FN_LARGE void track_foot(surface_view view, hip_point h, foot* f, track_options options,
                          known_minimum known) {
   int step = STEP_STAYS;
   while (step != STEP_ENDS && is_descending(f, options)) {
-    if (descend_foot(view, h, &f, options) > 0) step = STEP_STAYS;
-    if (is_descending(f, options)) step = step_foot(view, h, &f, step, options, known);
+    if (descend_foot(view, h, f, options) > 0) step = STEP_STAYS;
+    if (is_descending(f, options)) step = step_foot(view, h, f, step, options, known);
   }
-  return f;
 }
 
 // Section 4.2 as printed, to be compared with: secants of length lambda = 0.1 towards the

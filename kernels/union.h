@@ -76,8 +76,8 @@ FN foot try_patch_of_part(surface_view view, hip_point h, uint patch, foot best,
   const base_point b = base_point_on(view, h, patch);
   if (!may_hold_nearer(view, b, best.d.distance2)) return best;
   const known_minimum known = {best.patch, best.d.distance2};
-  const foot f =
-      end_foot(view, h, begin_foot(view, h, start_on_base(view, b), options), options, known);
+  foot f = begin_foot(view, h, start_on_base(view, b), options);
+  end_foot(view, h, &f, options, known);
   return is_nearer(f, best) ? f : best;
 }
 
@@ -92,8 +92,8 @@ FN_LARGE foot nearest_on_part(surface_view view, hip_point h, uint part, uint* b
   const base_point base = nearest_base_of(view, h, guess, part, 1, &near);
   *beside = base.patch;
   const known_minimum none = {NONE, K(0)};
-  foot best =
-      end_foot(view, h, begin_foot(view, h, start_on_base(view, base), options), options, none);
+  foot best = begin_foot(view, h, start_on_base(view, base), options);
+  end_foot(view, h, &best, options, none);
   if (best.d.distance2 <= near.complete2) {
     for (int i = 0; i < near.count && near.box2[i] < best.d.distance2; ++i) {
       if (near.patch[i] != base.patch && !is_cut(options.spent))
@@ -301,8 +301,8 @@ FN int move_rests(surface_view view, hip_point h, union_search* u, track_options
   int are_there = 1;
   for (int i = 0; i < u->count; ++i) {
     const real weight = u->rest[i].weight;
-    const foot f =
-        end_foot(view, x, foot_seen_from(view, x, u->rest[i].at, options), options, none);
+    foot f = foot_seen_from(view, x, u->rest[i].at, options);
+    end_foot(view, x, &f, options, none);
     are_there = are_there && f.d.converged;
     u->rest[i] = rest_of(view, f, u->push, options);
     u->rest[i].weight = weight;
@@ -328,7 +328,8 @@ FN int is_seam_buried(surface_view view, hip_point h, union_search* u, track_opt
 FN int settle_on_one(surface_view view, hip_point h, union_search* u, track_options options) {
   const known_minimum none = {NONE, K(0)};
   keep_pressed(u);
-  u->only = end_foot(view, h, foot_seen_from(view, h, u->rest[0].at, options), options, none);
+  u->only = foot_seen_from(view, h, u->rest[0].at, options);
+  end_foot(view, h, &u->only, options, none);
   if (u->only.d.distance2 > u->known2) return 1;  // nor is anything nearer that it leads to
   u->rest[0] = rest_of(view, u->only, make3(K(0), K(0), K(0)), options);
   u->push = u->rest[0].out;
@@ -495,7 +496,8 @@ FN_LARGE void seek_on_patch(surface_view view, hip_point h, base_point base, uni
   u->state = UNION_LOST;
   if (is_exposed(view, base.patch)) {
     const known_minimum none = {NONE, K(0)};
-    u->only = end_foot(view, h, first, options, none);
+    u->only = first;
+    end_foot(view, h, &u->only, options, none);
     u->only = search_patch(view, h, base.patch, options, u->only);
     u->rest[0] = rest_of(view, u->only, make3(K(0), K(0), K(0)), options);
     u->push = u->rest[0].out;

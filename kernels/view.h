@@ -52,6 +52,18 @@ FN GLOBAL scalar* numbers_of(surface_view view, uint patch) {
   return view.patch + (ulong)patch * PATCH_REALS;
 }
 
+// True if a patch has its neighbour's normals along a side, as its build has found: else any may
+// lead from a tile there to a HIP, which the tile at the side's end says
+// (host/build/patch_tiles.h).
+FN int is_smooth_side(surface_view view, uint side) {
+  const uint patch = view.side_patch[side], k = side - view.side_begin[patch];
+  const uint first = view.tile_begin[patch], count = view.tile_begin[patch + 1] - first,
+             of_side = count / (uint)valence_of(view, patch);
+  const uint last =
+      view.tile[TILE_UINTS * (ulong)first + TILE_AXIS * count + (k + 1) * of_side - 1];
+  return (last >> 24 & TILE_ANY_TURN) != TILE_ANY_TURN;
+}
+
 FN real3 local_hip(surface_view view, hip_point h, uint patch) {
   return hip_in_frame(numbers_of(view, patch), h);
 }

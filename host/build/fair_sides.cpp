@@ -1,5 +1,6 @@
 #include "gliss/build/fair_sides.h"
 
+#include "gliss/mesh/sectors.h"
 #include "gliss/surface/layout.h"
 
 #include <algorithm>
@@ -56,10 +57,8 @@ std::uint32_t FairSides::joined_valence(std::uint32_t side) const {
   const std::uint32_t n = mesh_.valence(topology_.side_face[side]),
                       twin = topology_.side_twin[side];
   if (twin == kNone) return n == 3 ? 3 : 0;
-  const auto normal = [&](std::uint32_t s) { return mesh_.normals[mesh_.corner_normal[s]]; };
   const bool is_joined = n <= 4 && mesh_.valence(topology_.side_face[twin]) == n &&
-                         normal(side) == normal(next_side(mesh_, topology_, twin)) &&
-                         normal(next_side(mesh_, topology_, side)) == normal(twin);
+                         shares_normals(mesh_, topology_, side);
   return is_joined ? n : 0;
 }
 

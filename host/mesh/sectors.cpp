@@ -170,6 +170,16 @@ bool normals_differ(const Mesh& mesh, std::uint32_t corner, std::uint32_t other)
   return a != b && angle_between(mesh.normals[a], mesh.normals[b]) > kSameNormal;
 }
 
+bool shares_normals(const Mesh& mesh, const Topology& topology, std::uint32_t side) {
+  const auto alike = [&](std::uint32_t corner, std::uint32_t other) {
+    const std::uint32_t a = mesh.corner_normal[corner], b = mesh.corner_normal[other];
+    return a == b || mesh.normals[a] == mesh.normals[b];
+  };
+  const std::uint32_t twin = topology.side_twin[side];
+  return alike(side, next_side(mesh, topology, twin)) &&
+         alike(twin, next_side(mesh, topology, side));
+}
+
 Sectors cut_sectors(const Mesh& mesh, const Topology& topology, std::span<const std::uint8_t> cuts,
                     NormalWeights weights, const ParallelFor& parallel) {
   return Cutter(mesh, topology, cuts).find(weights, parallel);

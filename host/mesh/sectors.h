@@ -32,6 +32,10 @@ LargeArray<Vec3> normals_beside(const Mesh& mesh, const Topology& topology);
 // True if the mesh's own normals at two corners are not the same.
 bool normals_differ(const Mesh& mesh, std::uint32_t corner, std::uint32_t other);
 
+// True if both faces at an inner side have the very same normals at its ends: patches of theirs
+// meet smoothly there.
+bool shares_normals(const Mesh& mesh, const Topology& topology, std::uint32_t side);
+
 // Corners of one vertex, anticlockwise: sides that start there. Unit tangents of the cuts on both
 // sides, which leave the vertex; (0, 0, 0) where a border bounds the sector.
 struct Sector {

@@ -200,7 +200,8 @@ template <class Real>
 class ContactColumns : public ContactRows<Real> {
  public:
   using Rows = ContactRows<Real>;
-  using Rows::Rows;
+  ContactColumns(const PatchCache& cache, const Surface<Real>& s, const RawContact<Real>& raw)
+      : Rows(cache, s, raw), normal_(Rows::normal()), offset_(Rows::offset()) {}
 
   bool touching() const { return this->state() != 0; }
   std::uint32_t face() { return at().face; }
@@ -210,10 +211,10 @@ class ContactColumns : public ContactRows<Real> {
     const Vec3 push = Rows::push();
     return touching() || push.hasNaN() ? push : Vec3(Vec3::Zero());
   }
-  double distance() const { return (touching() ? -1 : 1) * this->offset().norm(); }
+  const Vec3& normal() const { return normal_; }
+  double distance() const { return (touching() ? -1 : 1) * offset_.norm(); }
   double residual_angle() const {
-    const Vec3 offset = this->offset(), normal = this->normal();
-    return std::atan2(offset.cross(normal).norm(), std::abs(offset.dot(normal)));
+    return std::atan2(offset_.cross(normal_).norm(), std::abs(offset_.dot(normal_)));
   }
 
  private:
@@ -221,6 +222,7 @@ class ContactColumns : public ContactRows<Real> {
     if (!at_) at_ = face_point(this->cache_, this->s_, this->patch(), Rows::xi(), Rows::eta());
     return *at_;
   }
+  const Vec3 normal_, offset_;
   std::optional<DomainPoint> at_;
 };
 

@@ -6,25 +6,11 @@
 #include <limits>
 #include <random>
 
+#include "gliss/mesh/sectors.h"
 #include "gliss/query/contact_tracker.h"
 
 namespace gliss {
 namespace {
-
-double angle_between(const Vec3& a, const Vec3& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
-}
-
-// True if both faces at the edge of an inner side have the same normals at its ends.
-bool shares_normals(const Mesh& mesh, const Topology& topology, std::uint32_t side) {
-  const auto alike = [&](std::uint32_t corner, std::uint32_t other) {
-    const std::uint32_t a = mesh.corner_normal[corner], b = mesh.corner_normal[other];
-    return a == b || mesh.normals[a] == mesh.normals[b];
-  };
-  const std::uint32_t twin = topology.side_twin[side];
-  return alike(side, next_side(mesh, topology, twin)) &&
-         alike(twin, next_side(mesh, topology, side));
-}
 
 bool is_bent(const PatchCache& cache, std::uint32_t face) {
   return cache.kind[cache.face_patch[face]] == PatchKind::kBent;
