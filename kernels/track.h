@@ -460,11 +460,27 @@ FN int go_on_in_patch(surface_view view, foot from, foot* f, track_options optio
   return STEP_CROSSES;
 }
 
-FN int enter_patch(surface_view view, hip_point h, domain_point at, foot* f, track_options options,
-                   known_minimum known) {
+// True if a foot has come over a slit, between patches whose boundary curves are two, to where it
+// is farther away.
+FN int is_over_slit(surface_view view, foot from, foot to, held_sides held) {
+  if (held.b >= 0 || is_smooth_side(view, view.side_begin[from.patch] + (uint)held.a)) return 0;
+  const real rounding = K(256) * EPSILON * numbers_of(view, to.patch)[PATCH_UNSCALE];
+  return sqrt(to.d.distance2) > sqrt(from.d.distance2) + rounding;
+}
+
+// Enters a patch over the sides that hold a foot; back from a slit it goes on along these.
+FN int enter_patch(surface_view view, hip_point h, domain_point at, held_sides held, foot* f,
+                   track_options options, known_minimum known) {
   const foot from = *f;
   *f = move_foot(view, h, from, at, options.spent);
   f->d.evaluations += K(1);
+  if (is_over_slit(view, from, *f, held)) {
+    const real evaluations = f->d.evaluations;
+    *f = from;
+    f->d.evaluations = evaluations;
+    f->flags |= FOOT_CREASE;
+    return STEP_STAYS;
+  }
   ++f->crossings;
   const int step = go_on_in_patch(view, from, f, options, known);
   if (step == STEP_CROSSES) f->d.last2 = -K(1);
@@ -538,8 +554,8 @@ FN int step_foot(surface_view view, hip_point h, foot* f, int last, track_option
     if (s.held.b >= 0 && walked > FAN_STEPS_A_DESCENT) return STEP_ENDS;
     const domain_point to = leave_patch(view, f, s.held, last, options.spent);
     if (to.patch != NONE) {
-      const int step = enter_patch(view, h, to, f, options, known);
-      return step == STEP_CROSSES && s.held.b >= 0 ? STEP_ROUNDS : step;
+      const int step = enter_patch(view, h, to, s.held, f, options, known);
+      if (step != STEP_STAYS) return step == STEP_CROSSES && s.held.b >= 0 ? STEP_ROUNDS : step;
     }
     const int n = valence_of(view, f->patch);
     s.along = s.held;

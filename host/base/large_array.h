@@ -50,4 +50,28 @@ struct HugePages {
 template <class T>
 using LargeArray = std::vector<T, HugePages<T>>;
 
+// A large array whose copies share its memory until one of them is written.
+template <class T>
+class SharedArray {
+ public:
+  const LargeArray<T>& read() const {
+    static const LargeArray<T> none;
+    return array_ ? *array_ : none;
+  }
+  // The array, to be written: copies keep theirs. Not while another thread copies this one.
+  LargeArray<T>& write() {
+    if (!array_ || array_.use_count() > 1) array_ = std::make_shared<LargeArray<T>>(read());
+    return *array_;
+  }
+  bool empty() const { return read().empty(); }
+  std::size_t size() const { return read().size(); }
+  const T& operator[](std::size_t i) const { return read()[i]; }
+  auto begin() const { return read().begin(); }
+  auto end() const { return read().end(); }
+  bool operator==(const SharedArray& other) const { return read() == other.read(); }
+
+ private:
+  std::shared_ptr<LargeArray<T>> array_;
+};
+
 }  // namespace gliss

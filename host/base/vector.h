@@ -17,6 +17,10 @@ inline Vec3 across(const Vec3& axis, const Vec3& v) { return v - axis * axis.dot
 // Axis-aligned box.
 struct Box {
   Vec3 low, high;
+
+  bool contains(const Vec3& x) const {
+    return (low.array() <= x.array()).all() && (x.array() <= high.array()).all();
+  }
 };
 
 inline constexpr std::uint32_t kNone = 0xFFFFFFFFu;

@@ -106,7 +106,6 @@ class CacheBuilder {
       if (options_.level.construction == Construction::kFair)
         fair_.emplace(mesh_frame(), topology_, faces_, backend_.parallel);
     }
-    layout_ = empty_layout(mesh_, cache_);
     if (options_.precision == Precision::kFloat) {
       cache_.surface.emplace<0>();
       fill(std::get<0>(cache_.surface));
@@ -115,7 +114,10 @@ class CacheBuilder {
       fill(std::get<1>(cache_.surface));
     }
     if (report != nullptr) *report = std::move(report_);
-    if (options_.like == nullptr) find_open_parts(cache_);
+    if (options_.like == nullptr) {
+      find_open_parts(cache_);
+      find_folds(cache_);
+    }
     return std::move(cache_);
   }
 
@@ -150,8 +152,10 @@ class CacheBuilder {
     cache_.mesh_hash = hash_of(mesh_);
     cache_.crease_count =
         static_cast<std::uint32_t>(std::count(mesh_.sharp.begin(), mesh_.sharp.end(), 1) / 2);
-    cache_.face_valence.resize(mesh_.face_count());
-    for (std::size_t f = 0; f < mesh_.face_count(); ++f) cache_.face_valence[f] = mesh_.valence(f);
+    cache_.face_patch.assign(mesh_.face_count(), kNone);
+    LargeArray<std::uint32_t>& valence = cache_.face_valence.write();
+    valence.resize(mesh_.face_count());
+    for (std::size_t f = 0; f < mesh_.face_count(); ++f) valence[f] = mesh_.valence(f);
   }
 
   MeshFrame mesh_frame() const { return {mesh_, cache_.origin, cache_.scale}; }
@@ -441,9 +445,16 @@ class CacheBuilder {
     array.resize(size);
   }
 
+  std::uint32_t most_sides() const {
+    if (options_.like == nullptr)
+      return *std::max_element(cache_.face_valence.begin(), cache_.face_valence.end());
+    const auto most = [](const auto& s) { return s.domain_begin.size() - 1; };
+    return static_cast<std::uint32_t>(std::visit(most, options_.like->surface));
+  }
+
   template <class Real>
   void fill_domain(Surface<Real>& s) {
-    const auto most = *std::max_element(cache_.face_valence.begin(), cache_.face_valence.end());
+    const std::uint32_t most = most_sides();
     s.domain_begin.assign(most + 1, 0);
     s.domain_begin[0] = cache_.crease_count > 0;
     std::vector<char> used(most + 1, 0);

@@ -88,8 +88,9 @@ class MeshMaker {
 Mesh mesh_of(const PatchCache& cache) {
   if (cache.crease_count > 0)
     throw std::invalid_argument("a cache with creases does not keep all of its mesh");
-  for (const std::uint32_t patch : cache.face_patch) {
-    if (patch == kNone) throw std::invalid_argument("faces of the cache are not built");
+  for (std::uint32_t face = 0; face < cache.mesh_face_count; ++face) {
+    if (cache.first_patch(face) == kNone)
+      throw std::invalid_argument("faces of the cache are not built");
   }
   return std::visit([&](const auto& surface) { return MeshMaker(cache, surface).make(); },
                     cache.surface);

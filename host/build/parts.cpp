@@ -3,10 +3,10 @@
 #include <xxhash.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <unordered_set>
 #include <utility>
 
@@ -15,12 +15,13 @@
 #include "gliss/build/hierarchy.h"
 #include "gliss/build/overlaps.h"
 #include "gliss/mesh/solid_angle.h"
+#include "gliss/surface/base_triangles.h"
 #include "gliss/surface/layout.h"
 
 namespace gliss {
 namespace {
 
-using Triangle = std::array<Vec3, 3>;
+using Triangle = BaseTriangle;
 
 // Pairs of parts, in either order: bits where there are few parts, and any two may meet.
 class PairSet {
@@ -60,8 +61,9 @@ class PartFinder {
   void run() {
     number_parts();
     if (count_ < 2) return;
-    find_copies();
     describe_parts();
+    if (join_cavities()) describe_parts();
+    find_copies();
     if (std::find(solid_.begin(), solid_.end(), 1) == solid_.end()) return;
     find_mixed();
     find_buried();
@@ -96,12 +98,13 @@ class PartFinder {
         part_[s_.side_patch[twin]] = count_;
         return true;
       });
-      solid_.push_back(closed);
+      closed_.push_back(closed);
       begin_.push_back(static_cast<std::uint32_t>(patches_.size()));
       patches_.insert(patches_.end(), front.begin(), front.end());
       ++count_;
     }
     begin_.push_back(static_cast<std::uint32_t>(patches_.size()));
+    solid_ = closed_;
   }
 
   // Parts that are the same numbers at the same place as one before: a union holds them once.
@@ -130,22 +133,14 @@ class PartFinder {
     }
   }
 
-  // Calls visit(triangle) for the base polygon in the mesh frame, seen from x.
   template <class Visit>
   void for_triangles(std::uint32_t patch, const Vec3& x, Visit visit) const {
-    const Real* numbers = &s_.patch[patch * kPatchReals];
-    const Vec3 origin(numbers[kPatchOrigin], numbers[kPatchOrigin + 1], numbers[kPatchOrigin + 2]);
-    const double unscale = static_cast<double>(numbers[kPatchUnscale]);
-    const std::uint32_t first = s_.side_begin[patch];
-    const std::uint32_t* corners = &s_.triangle[3 * (first - 2 * std::size_t{patch})];
-    for (std::uint32_t t = 0; t + 2 < s_.valence(patch); ++t) {
-      Triangle triangle;
-      for (std::size_t k = 0; k < 3; ++k) {
-        const Real* c = &s_.corner[6 * (first + std::size_t{corners[3 * t + k]})];
-        triangle[k] = origin + unscale * Vec3(c[0], c[1], c[2]) - x;
-      }
-      visit(triangle);
-    }
+    for_base_triangles(s_, patch, x, visit);
+  }
+  Vec3 corner_of(std::uint32_t patch) const {
+    Vec3 x;
+    for_triangles(patch, Vec3::Zero(), [&](const Triangle& t) { x = t[0]; });
+    return x;
   }
   template <class Visit>
   void for_patches(std::uint32_t part, Visit visit) const {
@@ -155,6 +150,8 @@ class PartFinder {
   // Boxes; solid are the closed parts that enclose something.
   void describe_parts() {
     constexpr double kRounding = 1e-9, kSlack = 8 * std::numeric_limits<Real>::epsilon();
+    part_box_.clear();
+    volume_.clear();
     for (std::uint32_t part = 0; part < count_; ++part) {
       Box box = boxes_[patches_[begin_[part]]];
       double volume = 0, size = 0;
@@ -169,8 +166,43 @@ class PartFinder {
         });
       });
       part_box_.push_back({box.low - Vec3::Constant(kSlack), box.high + Vec3::Constant(kSlack)});
-      if (!(volume > kRounding * size)) solid_[part] = 0;
+      volume_.push_back(std::abs(volume) > kRounding * size ? volume : 0);
+      if (!(volume_[part] > 0)) solid_[part] = 0;
     }
+  }
+
+  // Makes the shells of a solid one part: a closed one that is wound inward is a cavity of the
+  // smallest solid that it lies in. False if there is none.
+  bool join_cavities() {
+    std::vector<std::uint32_t> number, of_solid;
+    std::vector<char> solid;
+    for (std::uint32_t part = 0; part < count_; ++part) {
+      of_solid.push_back(volume_[part] < 0 && closed_[part] ? solid_around(part) : kNone);
+      number.push_back(static_cast<std::uint32_t>(solid.size()));
+      if (of_solid[part] == kNone) solid.push_back(solid_[part]);
+    }
+    if (solid.size() == count_) return false;
+    for (std::uint32_t& part : part_)
+      part = number[of_solid[part] == kNone ? part : of_solid[part]];
+    solid_ = std::move(solid);
+    count_ = static_cast<std::uint32_t>(solid_.size());
+    std::stable_sort(patches_.begin(), patches_.end(),
+                     [&](std::uint32_t a, std::uint32_t b) { return part_[a] < part_[b]; });
+    begin_.assign(count_ + 1, 0);
+    for (const std::uint32_t part : part_) ++begin_[part + 1];
+    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+    return true;
+  }
+  std::uint32_t solid_around(std::uint32_t shell) {
+    const Vec3 x = corner_of(patches_[begin_[shell]]);
+    std::uint32_t around = kNone;
+    for (std::uint32_t part = 0; part < count_; ++part) {
+      if (!solid_[part] || !part_box_[part].contains(x) ||
+          (around != kNone && volume_[part] >= volume_[around]))
+        continue;
+      if (winds_round(part, x)) around = part;
+    }
+    return around;
   }
 
   struct OrientedBox {
@@ -258,8 +290,7 @@ class PartFinder {
       flood(group, [&](std::uint32_t twin) {
         return twin != kNone && !std::exchange(seen[s_.side_patch[twin]], 1);
       });
-      Vec3 x;
-      for_triangles(first, Vec3::Zero(), [&](const Triangle& t) { x = t[0]; });
+      const Vec3 x = corner_of(first);
       bool within = false;
       part_boxes.for_each_at(x, [&](std::uint32_t part) {
         poll_();
@@ -305,7 +336,9 @@ class PartFinder {
   std::vector<std::uint32_t> begin_;    // [part + 1], where its patches begin
   std::vector<std::uint32_t> patches_;  // those of the first part, of the second, ...
   std::vector<std::uint32_t> alike_;    // [part], the first that it is a copy of: itself, mostly
+  std::vector<char> closed_;            // [part], of those before cavities join
   std::vector<char> solid_;             // [part]
+  std::vector<double> volume_;          // [part], six times; below 0: it is wound inward
   std::vector<Box> part_box_;           // [part]
   std::vector<char> mixed_, buried_;    // [patch]
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs_;  // of a part and one it lies in

@@ -32,7 +32,7 @@ std::uint32_t patch_side(const Mesh& mesh, const Topology& topology, const Patch
                          const PatchLayout& l, std::uint32_t mesh_side) {
   const std::uint32_t face = topology.side_face[mesh_side], n = mesh.valence(face),
                       k = mesh_side - mesh.face_begin[face];
-  for (std::uint32_t p = cache.face_patch[face];
+  for (std::uint32_t p = cache.first_patch(face);
        p < cache.patch_count() && cache.patch_face[p] == face; ++p) {
     const std::uint32_t begin = l.side_begin[p], end = l.side_begin[p + 1];
     const auto is_it = [&](std::uint32_t s) {
@@ -49,17 +49,12 @@ std::uint32_t patch_side(const Mesh& mesh, const Topology& topology, const Patch
 
 }  // namespace
 
-PatchLayout empty_layout(const Mesh& mesh, PatchCache& cache) {
-  cache.face_patch.assign(mesh.face_count(), kNone);
-  return {};
-}
-
 void number_patches(const Mesh& mesh, std::span<const std::uint32_t> faces,
                     std::span<const DraftedFace> drafted, PatchCache& cache, PatchLayout& l) {
   for (std::size_t i = 0; i < faces.size(); ++i) {
     const std::uint32_t face = faces[i], n = mesh.valence(face);
     const DraftedFace& d = drafted[i];
-    cache.face_patch[face] = static_cast<std::uint32_t>(cache.patch_face.size());
+    if (!cache.face_patch.empty()) cache.face_patch[face] = cache.patch_count();
     for (std::size_t t = 0; t < std::max<std::size_t>(d.tamer.size(), 1); ++t) {
       const PatchDraft* draft = d.tamer.empty() ? nullptr : &d.tamer[t];
       const std::size_t valence = draft == nullptr ? n : draft->face_corner.size();

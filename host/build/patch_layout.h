@@ -24,9 +24,6 @@ struct PatchLayout {
   LargeArray<std::uint32_t> side_twin;      // [side]
 };
 
-// No patch yet.
-PatchLayout empty_layout(const Mesh& mesh, PatchCache& cache);
-
 // Numbers the patches of `faces`, which are `drafted` in the same order, after those before, and
 // adds what the cache knows of each besides its shape.
 void number_patches(const Mesh& mesh, std::span<const std::uint32_t> faces,

@@ -116,6 +116,7 @@ class OpenClSurface final : public ResidentSurface {
                      const QueryOptions& options, std::span<const ContactArrays<T>> out) const {
     require_room(kMethods, methods.size());
     require_room(out.size(), methods.size());
+    if (cache_.winding != nullptr) return host_->nearest(hips, methods, options, out);
     cl_uint packed = 0;
     for (std::size_t m = 0; m < methods.size(); ++m)
       packed |= static_cast<cl_uint>(methods[m]) << 4 * m;

@@ -84,6 +84,7 @@ class Reader {
     if (position_ != file_bytes_) fail("header", "more than its sections");
     check_cache(cache, path_);
     find_open_parts(cache);
+    find_folds(cache);
     return cache;
   }
 
@@ -201,6 +202,12 @@ void save_cache(const PatchCache& cache, const std::string& path,
     if (poll) poll();
   };
   require_patches(cache);
+  if (cache.face_patch.empty()) {
+    PatchCache listed = cache;
+    for (std::uint32_t face = 0; face < cache.mesh_face_count; ++face)
+      listed.face_patch.push_back(cache.first_patch(face));
+    return save_cache(listed, path, poll);
+  }
   AtomicFile file(path);
   std::array<Section, kSections> table;
   std::size_t next = 0;

@@ -59,6 +59,15 @@ static_assert(sizeof(Section) == 48, "no padding");
 inline constexpr std::size_t kSections = 26;
 inline constexpr std::size_t kHeaderBytes = sizeof(Header) + kSections * sizeof(Section);
 
+template <class T>
+const LargeArray<T>& array_of(const SharedArray<T>& shared) {
+  return shared.read();
+}
+template <class T>
+LargeArray<T>& array_of(SharedArray<T>& shared) {
+  return shared.write();
+}
+
 // Calls f(name, vector) for each section, in the order of the file.
 template <class Cache, class F>
 void for_each_section(Cache& cache, const F& f) {
@@ -91,7 +100,7 @@ void for_each_section(Cache& cache, const F& f) {
   f("folded", cache.folded);
   f("rho_min", cache.rho_min);
   f("corner_of_face", cache.corner_of_face);
-  f("face_valence", cache.face_valence);
+  f("face_valence", array_of(cache.face_valence));
 }
 
 template <class T>

@@ -41,6 +41,9 @@ GLISS_EXPORT std::vector<Vec3> path_beneath(const Generated& knot, int along, in
 GLISS_EXPORT Generated torus(int along = 24, int around = 12, double R = 30, double r = 10);
 // Dual of an icosphere: 12 pentagons and 10 (frequency^2 - 1) hexagons, vertices on the sphere.
 GLISS_EXPORT Generated goldberg(int frequency = 4, double radius = 10);
+// Balls as of goldberg() round one centre, without normals. One whose radius is below 0 is wound
+// inward: in a ball of more it is a cavity, alone a room.
+GLISS_EXPORT Generated nested_balls(const std::vector<double>& radii, int frequency = 4);
 // goldberg(), stretched to an ellipsoid of this length, width and height (in x, y, z).
 GLISS_EXPORT Generated ellipsoid(int frequency = 4, double length = 40, double width = 24,
                                  double height = 16);

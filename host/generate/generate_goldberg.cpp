@@ -2,6 +2,7 @@
 // are cut into frequency^2 triangles.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
 #include <numbers>
 
@@ -98,6 +99,23 @@ Generated goldberg(int frequency, double radius) {
   }
   share_normals(mesh);
   return {std::move(mesh), std::make_shared<Sphere>(radius)};
+}
+
+Generated nested_balls(const std::vector<double>& radii, int frequency) {
+  Mesh mesh = make_mesh("nested_balls");
+  for (const double radius : radii) {
+    const Mesh ball = goldberg(frequency, std::abs(radius)).mesh;
+    const auto before = static_cast<std::uint32_t>(mesh.positions.size());
+    mesh.positions.insert(mesh.positions.end(), ball.positions.begin(), ball.positions.end());
+    for (std::size_t face = 0; face < ball.face_count(); ++face) {
+      std::vector<std::uint32_t> corners(ball.corner_vertex.begin() + ball.face_begin[face],
+                                         ball.corner_vertex.begin() + ball.face_begin[face + 1]);
+      if (radius < 0) std::reverse(corners.begin(), corners.end());
+      for (const std::uint32_t vertex : corners) mesh.corner_vertex.push_back(before + vertex);
+      add_face(mesh, {});
+    }
+  }
+  return {std::move(mesh), nullptr};
 }
 
 Generated ellipsoid(int frequency, double length, double width, double height) {

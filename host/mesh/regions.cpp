@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <unordered_set>
 
 namespace gliss {
 
@@ -29,10 +30,9 @@ std::vector<std::uint32_t> faces_around(const Mesh& mesh, const Topology& topolo
 std::vector<std::uint32_t> faces_around(const Mesh& mesh, const Topology& topology,
                                         std::span<const std::uint32_t> faces, int rings) {
   std::vector<std::uint32_t> found, front;
-  std::vector<char> seen(mesh.face_count(), 0);
+  std::unordered_set<std::uint32_t> seen;  // no walk through all faces of the mesh
   for (const std::uint32_t f : faces) {
-    if (!seen[f]) front.push_back(f);
-    seen[f] = 1;
+    if (seen.insert(f).second) front.push_back(f);
   }
   found = front;
   for (int r = 0; r < rings; ++r) {
@@ -40,9 +40,8 @@ std::vector<std::uint32_t> faces_around(const Mesh& mesh, const Topology& topolo
     for (const std::uint32_t f : front) {
       for (std::uint32_t s = mesh.face_begin[f]; s < mesh.face_begin[f + 1]; ++s) {
         const std::uint32_t twin = topology.side_twin[s];
-        if (twin == kNone || seen[topology.side_face[twin]]) continue;
-        seen[topology.side_face[twin]] = 1;
-        next.push_back(topology.side_face[twin]);
+        if (twin != kNone && seen.insert(topology.side_face[twin]).second)
+          next.push_back(topology.side_face[twin]);
       }
     }
     found.insert(found.end(), next.begin(), next.end());

@@ -267,9 +267,9 @@ void ContactTracker::move_to(const PatchCache& cache) noexcept {
       [&](auto& state) {
         std::uint32_t& patch = state.uints[kContactPatch];
         state.held_count = 0;
-        const std::uint32_t face = cache_->patch_face[patch], first = cache.face_patch[face];
+        const std::uint32_t face = cache_->patch_face[patch], first = cache.first_patch(face);
         // Free, the patch is only remembered.
-        patch = first == kNone ? 0 : first + (patch - cache_->face_patch[face]);
+        patch = first == kNone ? 0 : first + (patch - cache_->first_patch(face));
       },
       state_);
   cache_ = &cache;

@@ -113,7 +113,7 @@ void evaluate_grid_points(const PatchCache& cache, std::span<const std::uint32_t
     const std::vector<Real> xis(xi.begin(), xi.end()), etas(eta.begin(), eta.end());
     Piece<Real>& piece = own_piece<Real>();
     for (std::size_t i = 0; i < faces.size(); ++i) {
-      const std::uint32_t patch = cache.face_patch[faces[i]];
+      const std::uint32_t patch = cache.first_patch(faces[i]);
       const SurfaceArrays<T> there = out.from(i * xi.size());
       if (is_part(cache, patch)) {
         PointArrays<T> points{xi.size(), {&faces[i], 0}, {xi.data()}, {eta.data()}};

@@ -5,11 +5,13 @@
 #include <limits>
 #include <optional>
 
+#include "gliss/surface/winding.h"
+
 namespace gliss {
 
 bool is_part(const PatchCache& cache, std::uint32_t patch) {
   const std::uint32_t face = cache.patch_face[patch], next = patch + 1;
-  return cache.face_patch[face] != patch ||
+  return cache.first_patch(face) != patch ||
          (next < cache.patch_count() && cache.patch_face[next] == face);
 }
 
@@ -71,7 +73,7 @@ Vec3 vec(const Real* v) {
 template <class Real>
 PatchPlace place_of(const PatchCache& cache, const Surface<Real>& s, const DomainPoint& point) {
   PatchPlace place;
-  place.patch = cache.face_patch[point.face];
+  place.patch = cache.first_patch(point.face);
   place.xi = point.xi;
   place.eta = point.eta;
   if (!is_part(cache, place.patch)) return place;
@@ -137,6 +139,22 @@ RawHip<Real> raw_hip(const PatchCache& cache, const Vec3& hip) {
     raw.parts[i + 3] = static_cast<Real>(x - static_cast<double>(raw.parts[i]));
   }
   return raw;
+}
+
+template <class Real>
+void correct_state(const PatchCache& cache, const RawHip<Real>& hip, RawContact<Real>& raw) {
+  if (cache.winding == nullptr) return;
+  using Triple = Eigen::Map<Eigen::Matrix<Real, 3, 1>>;
+  const Triple offset(&raw.reals[kContactOffset]);
+  const double distance = offset.template cast<double>().norm();
+  if (!(distance > cache.winding->departure())) return;  // NaN too
+  const auto part = [&](int i) { return double{hip.parts[i]} + double{hip.parts[i + 3]}; };
+  const bool is_inside = cache.winding->is_inside({part(0), part(1), part(2)});
+  if (is_inside == (raw.uints[kContactState] != 0)) return;
+  raw.uints[kContactState] = is_inside;
+  if (!is_inside) return;
+  Triple(&raw.reals[kContactPush]) = offset;
+  Triple(&raw.reals[kContactNormal]) = offset / static_cast<Real>(distance);
 }
 
 template <class Real>
@@ -252,6 +270,7 @@ void store_contact(const PatchCache& cache, const Surface<Real>& s, const RawCon
   template Eigen::Vector2d domain_corner(const Surface<REAL>&, std::uint32_t, std::uint32_t);    \
   template PatchPlace place_of(const PatchCache&, const Surface<REAL>&, const DomainPoint&);     \
   template RawHip<REAL> raw_hip(const PatchCache&, const Vec3&);                                 \
+  template void correct_state(const PatchCache&, const RawHip<REAL>&, RawContact<REAL>&);        \
   template TrackOptions<REAL> track_options(const QueryOptions&);                                \
   template Contact contact_of(const PatchCache&, const Surface<REAL>&, const RawContact<REAL>&); \
   GLISS_FRAMES_OUT(REAL, float)                                                                  \

@@ -24,8 +24,8 @@ struct LazyRegion {
   PatchCache cache;
   std::vector<char> used;  // [patch]
 
-  bool has(std::uint32_t face) const { return cache.face_patch[face] != kNone; }
-  bool covers(std::uint32_t face) const { return has(face) && used[cache.face_patch[face]] != 0; }
+  bool has(std::uint32_t face) const { return cache.first_patch(face) != kNone; }
+  bool covers(std::uint32_t face) const { return has(face) && used[cache.first_patch(face)] != 0; }
 };
 
 class GLISS_EXPORT LazyMesh {

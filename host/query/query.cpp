@@ -50,8 +50,11 @@ void find_nearest(const PatchCache& cache, const HipArrays<T>& hips,
       kernels<Real>().nearest(s, methods.data(), methods.size(), track_options<Real>(options),
                               piece.hips.data(), count, piece.contacts.data());
       for (std::size_t i = 0; i < count; ++i) {
-        for (std::size_t m = 0; m < methods.size(); ++m)
-          store_contact(cache, s, piece.contacts[i * methods.size() + m], out[m], begin + i);
+        for (std::size_t m = 0; m < methods.size(); ++m) {
+          RawContact<Real>& raw = piece.contacts[i * methods.size() + m];
+          correct_state(cache, piece.hips[i], raw);
+          store_contact(cache, s, raw, out[m], begin + i);
+        }
       }
     }
   });
@@ -95,7 +98,7 @@ DomainPoint on_side(std::uint32_t face, std::uint32_t n, std::uint32_t k, double
 }
 
 bool in_domain(const PatchCache& cache, const DomainPoint& point) {
-  if (point.face >= cache.face_patch.size() || cache.face_patch[point.face] == kNone) return false;
+  if (point.face >= cache.mesh_face_count || cache.first_patch(point.face) == kNone) return false;
   return with_surface(cache, [&](const auto& s) {
     const std::uint32_t n = cache.face_valence[point.face];
     const auto* domain = &s.domain[s.domain_begin[n]];
@@ -127,7 +130,10 @@ void nearest(const PatchCache& cache, const Vec3& hip, std::span<const Method> m
     const RawHip<Real> there = raw_hip<Real>(cache, hip);
     kernels<Real>().nearest(s, methods.data(), methods.size(), track_options<Real>(options), &there,
                             1, raw.data());
-    for (std::size_t i = 0; i < methods.size(); ++i) out[i] = contact_of(cache, s, raw[i]);
+    for (std::size_t i = 0; i < methods.size(); ++i) {
+      correct_state(cache, there, raw[i]);
+      out[i] = contact_of(cache, s, raw[i]);
+    }
   });
 }
 

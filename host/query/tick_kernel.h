@@ -31,6 +31,7 @@ class TickKernel {
     Raw found;
     const RawHip<Real> there = raw_hip<Real>(cache_, x);
     kernels<Real>().nearest(s_, &method_, 1, within(budget), &there, 1, &found);
+    correct_state(cache_, there, found);
     ++searches_;
     return spend(found);
   }

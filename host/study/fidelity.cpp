@@ -13,7 +13,7 @@ namespace gliss {
 namespace {
 
 bool is_bent(const PatchCache& cache, std::uint32_t face) {
-  return cache.kind[cache.face_patch[face]] == PatchKind::kBent;
+  return cache.kind[cache.first_patch(face)] == PatchKind::kBent;
 }
 
 }  // namespace
@@ -68,7 +68,7 @@ std::vector<Vec3> path_over(const Mesh& mesh, const Topology& topology, const Pa
 std::vector<DomainPoint> spread_points(const PatchCache& cache, std::size_t count) {
   std::vector<std::uint32_t> faces;
   for (std::uint32_t f = 0; f < cache.mesh_face_count; ++f) {
-    if (cache.face_patch[f] != kNone) faces.push_back(f);
+    if (cache.first_patch(f) != kNone) faces.push_back(f);
   }
   const std::size_t each = std::max<std::size_t>(1, count / faces.size());
   std::mt19937 random(2);

@@ -21,7 +21,7 @@ std::uint64_t grid_size(std::uint32_t n, std::uint64_t r) { return n * r * (r + 
 std::uint64_t sample_count(const PatchCache& cache, std::uint32_t rings) {
   std::uint64_t count = 0;
   for (std::uint32_t f = 0; f < cache.mesh_face_count; ++f) {
-    if (cache.face_patch[f] != kNone) count += grid_size(cache.face_valence[f], rings);
+    if (cache.first_patch(f) != kNone) count += grid_size(cache.face_valence[f], rings);
   }
   return count;
 }
@@ -35,7 +35,7 @@ std::uint32_t rings_for(const PatchCache& cache, std::uint64_t samples) {
 SweepGrid::SweepGrid(const PatchCache& cache, std::uint32_t rings) : cache_(cache), rings_(rings) {
   require_patches(cache);
   for (std::uint32_t f = 0; f < cache.mesh_face_count; ++f) {
-    if (cache.face_patch[f] != kNone) faces_.push_back(f);
+    if (cache.first_patch(f) != kNone) faces_.push_back(f);
   }
   group_faces();
   find_twins();

@@ -79,7 +79,7 @@ bool is_in_range(const SweepBlock& block, const PatchCache& cache) {
     return std::all_of(column.begin(), column.end(), [](double x) { return std::isfinite(x); });
   };
   const bool faces = std::all_of(block.face.begin(), block.face.end(), [&](std::uint32_t face) {
-    return face < cache.mesh_face_count && cache.face_patch[face] != kNone;
+    return face < cache.mesh_face_count && cache.first_patch(face) != kNone;
   });
   return faces && finite(block.xi) && finite(block.eta);
 }

@@ -8,6 +8,7 @@
 #include "gliss/mesh/mesh_edges.h"
 #include "gliss/surface/instances.h"
 #include "gliss/surface/layout.h"
+#include "gliss/surface/winding.h"
 
 namespace gliss {
 
@@ -61,7 +62,8 @@ std::size_t PatchCache::bytes() const {
 }
 
 void find_open_parts(PatchCache& cache) {
-  cache.open.clear();
+  LargeArray<std::uint8_t>& of_face = cache.open.write();
+  of_face.clear();
   std::visit(
       [&](const auto& s) {
         if (std::find(s.side_twin.begin(), s.side_twin.end(), kNone) == s.side_twin.end()) return;
@@ -74,9 +76,44 @@ void find_open_parts(PatchCache& cache) {
         for (std::size_t side = 0; side < s.side_twin.size(); ++side) {
           if (s.side_twin[side] == kNone) open[parts.find(s.side_patch[side])] = 1;
         }
-        cache.open.resize(cache.mesh_face_count);
+        of_face.resize(cache.mesh_face_count);
         for (std::uint32_t p = 0; p < s.patch_count(); ++p)
-          cache.open[cache.patch_face[p]] = open[parts.find(p)];
+          of_face[cache.patch_face[p]] = open[parts.find(p)];
+      },
+      cache.surface);
+}
+
+namespace {
+
+template <class Real>
+bool has_folds(const Surface<Real>& s) {
+  constexpr double kMostTurn = -0.8660254037844386;  // cosine of 150 degrees
+  const auto normal_of = [&](std::uint32_t patch) {
+    const Real* n = &s.patch[patch * kPatchReals + 3 * kPatchNormal];
+    return Vec3(n[0], n[1], n[2]);
+  };
+  for (std::uint32_t side = 0; side < s.side_twin.size(); ++side) {
+    const std::uint32_t twin = s.side_twin[side];
+    if (twin == kNone || twin < side) continue;
+    const std::uint32_t patch = s.side_patch[side];
+    const Vec3 own = normal_of(patch), other = normal_of(s.side_patch[twin]);
+    if (own.dot(other) > kMostTurn) continue;
+    const std::uint32_t next = side + 1 == s.side_begin[patch + 1] ? s.side_begin[patch] : side + 1;
+    const Real *a = &s.corner[6 * std::size_t{side}], *b = &s.corner[6 * std::size_t{next}];
+    const Vec3 along(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
+    if (!(own.cross(other).dot(along) > 1e-6 * along.norm())) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+void find_folds(PatchCache& cache) {
+  cache.winding = nullptr;
+  if (!cache.open.empty()) return;
+  std::visit(
+      [&](const auto& s) {
+        if (has_folds(s)) cache.winding = std::make_shared<const WindingTree>(s);
       },
       cache.surface);
 }

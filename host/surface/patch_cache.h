@@ -2,7 +2,9 @@
 // Everything that evaluates, projects, sweeps or runs the device loop reads one of these.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <memory>
 #include <variant>
 #include <vector>
 
@@ -11,6 +13,8 @@
 #include "gliss/surface/surface.h"
 
 namespace gliss {
+
+class WindingTree;
 
 enum class Precision { kFloat, kDouble };
 
@@ -64,21 +68,32 @@ struct GLISS_EXPORT PatchCache {
   std::uint64_t mesh_hash = 0;     // XXH3 of the mesh's arrays and unit
   std::variant<Surface<float>, Surface<double>> surface;
   LargeArray<std::uint32_t> patch_face;  // [patch]
-  LargeArray<std::uint32_t> face_patch;  // [face], its first patch; kNone: not built
-  LargeArray<PatchKind> kind;            // [patch]
-  LargeArray<std::uint8_t> folded;       // [patch], 1: the exact patch folds or degenerates
-  LargeArray<double> rho_min;            // [patch], least radius of curvature, mesh's unit
+  // [face], its first patch; kNone: not built. Empty in a cache of some faces of many
+  // (BuildOptions::like). first_patch reads it.
+  LargeArray<std::uint32_t> face_patch;
+  LargeArray<PatchKind> kind;       // [patch]
+  LargeArray<std::uint8_t> folded;  // [patch], 1: the exact patch folds or degenerates
+  LargeArray<double> rho_min;       // [patch], least radius of curvature, mesh's unit
   // [side], which corner of its face it starts at; valence: the centre.
   LargeArray<std::uint32_t> corner_of_face;
-  LargeArray<std::uint32_t> face_valence;  // [face]
+  SharedArray<std::uint32_t> face_valence;  // [face]
   // [face], 1: its part, the faces that edges join to it, has an open border; empty: no part has
   // one. Not in files: find_open_parts makes it.
-  LargeArray<std::uint8_t> open;
+  SharedArray<std::uint8_t> open;
+  // Null where no face folds over its neighbours. Not in files: find_folds makes it.
+  std::shared_ptr<const WindingTree> winding;
 
   Precision precision() const {
     return surface.index() == 0 ? Precision::kFloat : Precision::kDouble;
   }
   std::uint32_t patch_count() const { return static_cast<std::uint32_t>(patch_face.size()); }
+  // The first patch of a face; kNone: not built.
+  std::uint32_t first_patch(std::uint32_t face) const {
+    if (!face_patch.empty()) return face_patch[face];
+    const auto at = std::lower_bound(patch_face.begin(), patch_face.end(), face);
+    const bool is_built = at != patch_face.end() && *at == face;
+    return is_built ? static_cast<std::uint32_t>(at - patch_face.begin()) : kNone;
+  }
   // True if the patch's part has no open border: where it is nearest, its normal says what is
   // inside.
   bool is_closed_at(std::uint32_t patch) const { return open.empty() || !open[patch_face[patch]]; }
@@ -90,6 +105,10 @@ struct GLISS_EXPORT PatchCache {
 
 // Fills `open` of a cache whose other arrays are there.
 GLISS_EXPORT void find_open_parts(PatchCache& cache);
+
+// Makes `winding` of a cache whose other arrays are there, where a concave edge turns by more than
+// 150 degrees and no part is open.
+GLISS_EXPORT void find_folds(PatchCache& cache);
 
 // Throws std::invalid_argument unless the cache has patches.
 GLISS_EXPORT void require_patches(const PatchCache& cache);

@@ -2,6 +2,7 @@
 // host/validate.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -24,6 +25,15 @@ inline Polygon polygon_of(const Mesh& mesh, std::uint32_t face) {
   for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c)
     polygon.push_back(corner_of(mesh, c));
   return polygon;
+}
+
+// Turns a face the other way round; its first corner stays the first.
+inline void turn_over(Mesh& mesh, std::uint32_t face) {
+  for (std::vector<std::uint32_t>* corners : {&mesh.corner_vertex, &mesh.corner_normal}) {
+    if (!corners->empty())
+      std::reverse(corners->begin() + mesh.face_begin[face] + 1,
+                   corners->begin() + mesh.face_begin[face + 1]);
+  }
 }
 
 // Puts other faces in the place of some: none, one or several for each. All others stay, in order.

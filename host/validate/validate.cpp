@@ -27,9 +27,13 @@
 //   zero-length-side      a side whose ends are at one place; they become one vertex
 //   zero-area-face        a face that is a line or a point; removed, and of a triangle the corner
 //                         within its longest side joins the face beyond
+//   inside-out-part       a closed part of negative volume that is no cavity; turned outward, and
+//                         what lies in it with it; not with Orient::kFile
 //   repaired; an error with LoadOptions::strict and keep_non_manifold
 //   non-manifold-edge     an edge of three or more faces; cut open
 //   non-manifold-vertex   a vertex where faces meet that share no edge there (a bow-tie); cut open
+//   doubled-face          another face turned over, on or within a mesh that is closed without it;
+//                         removed, or both are
 //   repaired; not with LoadOptions::strict
 //   welded-vertices       vertices at the place of another one, where two borders run (seams); they
 //                         become one
@@ -38,11 +42,11 @@
 //   repeated-corner       a face that names a vertex twice in a row; once is kept
 //   duplicate-face        the same cycle of vertices again; the first is kept
 //   flipped-face          a face turned against most of its part; turned back
-//   inside-out-part       a closed part of negative volume; turned outward
 //   zero-normal           a normal of no length; computed from the faces around
 //   missing-normal        a face without normals among others with; computed likewise
 //   non-unit-normal       a length off 1 by more than 1e-5; made 1
 //   warning
+//   soup                  a tenth of the edges or more have three faces or more: no surface
 //   unknown-statement     an OBJ statement that is not known; skipped
 //   ignored-weight        an OBJ vertex with w other than 1
 //   extra-columns         further numbers after a vertex, or one after a face; skipped
@@ -54,9 +58,15 @@
 //                         the pairs, up to a million. Contact takes closed parts as a union of
 //                         solids
 //   part-inside-part      parts that lie within closed ones; the count is that of the parts
+//   cavity                closed parts within a closed one that is wound the other way: holes in
+//                         its solid
+//   room                  closed parts that are inside out and stay so, with Orient::kFile
+//   faces-inward          open parts most of which faces their own middle
 //   no-volume             closed parts that enclose nothing, such as a face and its reverse
 //   open-border           sides without a face beyond
 //   concave               faces with a reflex corner, or that cross themselves
+//   fold                  concave edges at which a face turns back over its neighbour, by more than
+//                         150 degrees: the winding number says there what is inside
 //   non-planar            faces off their plane by more than 5 % of the root of their area
 //   sharp-normals         vertices whose faces have different normals there, with no crease between
 //   normals-against-face  corners whose normal is more than 90 degrees off their face's
@@ -66,6 +76,7 @@
 #include <cmath>
 
 #include "gliss/base/plain_arithmetic.h"
+#include "gliss/validate/validate_parts.h"
 #include "gliss/validate/validate_steps.h"
 
 namespace gliss {
@@ -178,9 +189,14 @@ void validate(Mesh& mesh, const LoadOptions& options, Report& report) {
   warn_of_vertices(mesh, joined, report);  // before copies of split vertices coincide as well
   refuse_faces(mesh, report);
   check_sizes(mesh, report);
-  repair_manifold(mesh, !options.strict && !options.keep_non_manifold, report);
+  const bool splits = !options.strict && !options.keep_non_manifold;
+  if (splits) remove_doubled(mesh, report);
+  repair_manifold(mesh, splits, report);
   report.stop_on_error();
-  const std::size_t parts = repair_orientation(mesh, report);
+  MeshParts parts = repair_orientation(mesh, report);
+  report.stop_on_error();
+  PartPairs pairs(mesh, parts, report);
+  pairs.turn(options);
   report.stop_on_error();
   mesh.lost_faces = lost_faces(faces, report);
   const bool keeps =
@@ -188,7 +204,7 @@ void validate(Mesh& mesh, const LoadOptions& options, Report& report) {
   repair_normals(mesh, keeps ? NormalSource::kFile : options.normals, report);
   if (!options.creases.any()) warn_of_sharp_normals(mesh, mesh.corner_vertex, report);
   warn_of_shapes(mesh, report);
-  if (parts > 1) warn_of_parts(mesh, report);
+  pairs.warn();
 }
 
 void validate(Mesh& mesh, const LoadOptions& options, std::vector<Finding>* findings) {

@@ -38,6 +38,14 @@ enum class NormalSource {
 inline constexpr Named<NormalSource> kNormalNames[] = {
     {"auto", NormalSource::kAuto}, {"file", NormalSource::kFile}, {"made", NormalSource::kMade}};
 
+// Which way round closed parts are.
+enum class Orient {
+  kOutward,  // outward; a part wound against the closed part around it is its cavity
+  kFile,     // as the file has most of their faces: one that is inside out is a room
+};
+inline constexpr Named<Orient> kOrientNames[] = {{"outward", Orient::kOutward},
+                                                 {"file", Orient::kFile}};
+
 struct LoadOptions {
   double unit = 1.0;  // metres per unit of the file
   // Refuses faces without extent and places that are not manifold, and welds nothing, instead of
@@ -48,6 +56,8 @@ struct LoadOptions {
   // closes the borders; below 0: none.
   double weld = 0;
   NormalSource normals = NormalSource::kAuto;
+  Orient orient = Orient::kOutward;
+  bool flip = false;      // turns open parts over
   CreaseRules creases{};  // of load_mesh only: which edges of the file are creases
   // Asked many times a second, on the thread that reads and checks; what it throws ends that.
   std::function<void()> poll = nullptr;

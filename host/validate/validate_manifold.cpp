@@ -10,6 +10,8 @@
 namespace gliss {
 namespace {
 
+constexpr std::size_t kFewEdges = 100;  // of which a tenth says nothing
+
 struct Fans {
   DisjointSets corners;  // corners of one vertex, joined where their faces share an edge there
   std::vector<std::vector<std::uint32_t>> bad_edges;  // sides of each edge that has too many
@@ -44,6 +46,12 @@ void repair_manifold(Mesh& mesh, bool split, Report& report) {
   const std::vector<std::uint32_t> side_face = side_faces(mesh);
   Fans fans = find_fans(mesh, side_face, report);
 
+  const std::size_t edges = side_face.size() / 2;  // or nearly
+  if (10 * fans.bad_edges.size() > edges && edges > kFewEdges)
+    report.add(Severity::kWarning, "soup", {.face = side_face[fans.bad_edges[0][0]]},
+               "{} of about {} edges have three faces or more: this is a soup of polygons, or the "
+               "cells of a volume mesh. Save the outer surface alone",
+               fans.bad_edges.size(), edges);
   std::vector<bool> on_bad_edge(mesh.positions.size(), false);
   for (const std::vector<std::uint32_t>& sides : fans.bad_edges) {
     const std::uint32_t from = mesh.corner_vertex[sides[0]];

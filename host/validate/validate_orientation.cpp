@@ -1,35 +1,13 @@
-// Turns faces one way round: neighbours agree, most faces win, and closed parts enclose a positive
-// volume.
+// Turns faces one way round: neighbours agree, and most faces win.
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "gliss/mesh/mesh_edges.h"
+#include "gliss/validate/face_edit.h"
 #include "gliss/validate/validate_steps.h"
 
 namespace gliss {
 namespace {
-
-// Six times the volume of the cone from `apex` over a face, and its size without sign.
-struct Volume {
-  double value = 0;
-  double size = 0;
-};
-
-Volume cone_volume(const Mesh& mesh, std::uint32_t face, const Vec3& apex) {
-  const auto from_apex = [&](std::uint32_t corner) -> Vec3 {
-    return mesh.positions[mesh.corner_vertex[corner]] - apex;
-  };
-  Volume volume;
-  const std::uint32_t begin = mesh.face_begin[face];
-  const Vec3 first = from_apex(begin);
-  for (std::uint32_t c = begin + 1; c + 1 < mesh.face_begin[face + 1]; ++c) {
-    const double part = first.dot(from_apex(c).cross(from_apex(c + 1)));
-    volume.value += part;
-    volume.size += std::abs(part);
-  }
-  return volume;
-}
 
 class Orientation {
  public:
@@ -41,23 +19,25 @@ class Orientation {
         turn_(mesh.face_count(), Turn::kUnknown),
         flipped_(mesh.face_count(), false) {}
 
-  // Returns the number of parts.
-  std::size_t repair() {
+  MeshParts repair() {
     report_borders();
-    std::size_t parts = 0;
-    std::uint32_t second = kNone;
+    parts_.of_face.resize(mesh_.face_count());
     for (std::uint32_t face = 0; face < mesh_.face_count(); ++face) {
       if (turn_[face] != Turn::kUnknown) continue;
-      settle_part(gather_part(face));
-      if (++parts == 2) second = face;
+      const bool closed = gather_part(face);
+      settle_part();
+      for (const std::uint32_t of_part : part_)
+        parts_.of_face[of_part] = static_cast<std::uint32_t>(parts_.count());
+      parts_.first_face.push_back(face);
+      parts_.closed.push_back(closed);
     }
     report_flipped();
-    if (parts < 2) return parts;
-    report_
-        .add(Severity::kWarning, "several-parts", {.face = second},
-             "shares no edge with the part of the first face ({} parts)", parts)
-        .count = parts;
-    return parts;
+    if (parts_.count() > 1)
+      report_
+          .add(Severity::kWarning, "several-parts", {.face = parts_.first_face[1]},
+               "shares no edge with the part of the first face ({} parts)", parts_.count())
+          .count = parts_.count();
+    return std::move(parts_);
   }
 
  private:
@@ -102,15 +82,14 @@ class Orientation {
     }
   }
 
-  void settle_part(bool closed) {
+  void settle_part() {
     if (!orientable_) return;
     const auto is_flipped = [&](std::uint32_t face) { return turn_[face] == Turn::kFlip; };
     const auto flipped = std::count_if(part_.begin(), part_.end(), is_flipped);
     if (2 * static_cast<std::size_t>(flipped) > part_.size()) turn_part();
-    for (const std::uint32_t face : part_) flipped_[face] = is_flipped(face);
-    if (closed) settle_inside();
     for (const std::uint32_t face : part_) {
-      if (is_flipped(face)) flip(face);
+      flipped_[face] = is_flipped(face);
+      if (flipped_[face]) turn_over(mesh_, face);
     }
   }
 
@@ -136,35 +115,6 @@ class Orientation {
     for (const std::uint32_t face : part_) turn_[face] = opposite(turn_[face]);
   }
 
-  void settle_inside() {
-    constexpr double kRounding = 1e-12;
-    const Vec3 apex = mesh_.positions[mesh_.corner_vertex[mesh_.face_begin[part_.front()]]];
-    Volume sum;
-    for (const std::uint32_t face : part_) {
-      const Volume volume = cone_volume(mesh_, face, apex);
-      sum.value += turn_[face] == Turn::kFlip ? -volume.value : volume.value;
-      sum.size += volume.size;
-    }
-    if (!(std::abs(sum.value) > kRounding * sum.size)) {
-      report_.add(Severity::kWarning, "no-volume", {.face = part_.front()},
-                  "belongs to a closed part that encloses nothing ({} faces)", part_.size());
-    } else if (sum.value < 0) {
-      report_.add(Severity::kRepaired, "inside-out-part", {.face = part_.front()},
-                  "belongs to a part that is inside out ({} faces); turned outward", part_.size());
-      turn_part();
-    }
-  }
-
-  void flip(std::uint32_t face) {
-    const auto reverse = [&](std::vector<std::uint32_t>& corners) {  // the first corner stays
-      if (corners.empty()) return;
-      std::reverse(corners.begin() + mesh_.face_begin[face] + 1,
-                   corners.begin() + mesh_.face_begin[face + 1]);
-    };
-    reverse(mesh_.corner_vertex);
-    reverse(mesh_.corner_normal);
-  }
-
   std::uint32_t end_vertex(std::uint32_t side) const {
     return mesh_.corner_vertex[next_corner(mesh_, side_face_[side], side)];
   }
@@ -177,11 +127,12 @@ class Orientation {
   std::vector<bool> flipped_;         // [face], against most of its part
   std::vector<std::uint32_t> part_;   // faces of the part in hand
   bool orientable_ = true;            // that part, so far
+  MeshParts parts_;
 };
 
 }  // namespace
 
-std::size_t repair_orientation(Mesh& mesh, Report& report) {
+MeshParts repair_orientation(Mesh& mesh, Report& report) {
   return Orientation(mesh, report).repair();
 }
 

@@ -1,17 +1,16 @@
-// Parts that intersect or touch, and parts within others: contact takes closed ones as a union.
+#include "gliss/validate/validate_parts.h"
+
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
-#include <unordered_set>
+#include <utility>
 
 #include "gliss/build/hierarchy.h"
 #include "gliss/build/overlaps.h"
-#include "gliss/mesh/mesh_edges.h"
 #include "gliss/mesh/solid_angle.h"
 #include "gliss/mesh/topology.h"
 #include "gliss/mesh/triangulate.h"
-#include "gliss/validate/validate_steps.h"
+#include "gliss/validate/face_edit.h"
 
 namespace gliss {
 namespace {
@@ -48,166 +47,266 @@ bool meet(const Triangle& a, const Triangle& b) {
   return false;
 }
 
-class PartPairs {
- public:
-  PartPairs(const Mesh& mesh, Report& report) : mesh_(mesh), report_(report) {}
-
-  void warn() {
-    if (!number_parts()) return;
-    find_boxes();
-    warn_of_intersections();
-    if (met_.size() < kMostPairs) warn_of_insides();
-  }
-
- private:
-  // False where there is nothing to compare.
-  bool number_parts() {
-    const std::vector<std::uint32_t> side_face = side_faces(mesh_),
-                                     other = pair_sides(mesh_, side_face);
-    DisjointSets sets(mesh_.face_count());
-    for (std::uint32_t side = 0; side < other.size(); ++side) {
-      if (other[side] != kNone) sets.unite(side_face[side], side_face[other[side]]);
-    }
-    part_.resize(mesh_.face_count());
-    for (std::uint32_t face = 0; face < part_.size(); ++face) {
-      const std::uint32_t first = sets.find(face);
-      if (first == face) {
-        part_[face] = static_cast<std::uint32_t>(first_face_.size());
-        first_face_.push_back(face);
-      } else {
-        part_[face] = part_[first];
-      }
-    }
-    closed_.assign(first_face_.size(), 1);
-    for (std::uint32_t side = 0; side < other.size(); ++side) {
-      if (other[side] == kNone) closed_[part_[side_face[side]]] = 0;
-    }
-    return first_face_.size() > 1 && std::find(closed_.begin(), closed_.end(), 1) != closed_.end();
-  }
-
-  void find_boxes() {
-    for (std::uint32_t face = 0; face < part_.size(); ++face) {
-      report_.poll();
-      Box box{corner(mesh_.face_begin[face]), corner(mesh_.face_begin[face])};
-      for (std::uint32_t c = mesh_.face_begin[face]; c < mesh_.face_begin[face + 1]; ++c) {
-        box.low = box.low.cwiseMin(corner(c));
-        box.high = box.high.cwiseMax(corner(c));
-      }
-      boxes_.push_back(box);
-    }
-    for (const std::uint32_t face : first_face_) part_boxes_.push_back(boxes_[face]);
-    for (std::uint32_t face = 0; face < part_.size(); ++face) {
-      Box& box = part_boxes_[part_[face]];
-      box.low = box.low.cwiseMin(boxes_[face].low);
-      box.high = box.high.cwiseMax(boxes_[face].high);
-    }
-  }
-  const Vec3& corner(std::uint32_t c) const { return mesh_.positions[mesh_.corner_vertex[c]]; }
-
-  template <class Visit>
-  void for_triangles(std::uint32_t face, Visit visit) const {
-    std::vector<Vec3> corners;
-    for (std::uint32_t c = mesh_.face_begin[face]; c < mesh_.face_begin[face + 1]; ++c)
-      corners.push_back(corner(c));
-    std::vector<std::uint32_t> triangles;
-    triangulate(corners, newell_normal(mesh_, face), triangles);
-    for (std::size_t t = 0; t < triangles.size(); t += 3)
-      visit(Triangle{corners[triangles[t]], corners[triangles[t + 1]], corners[triangles[t + 2]]});
-  }
-
-  static std::uint64_t key(std::uint32_t a, std::uint32_t b) {
-    return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
-  }
-
-  void warn_of_intersections() {
-    LargeArray<double> node;
-    LargeArray<std::uint32_t> child;
-    build_hierarchy(boxes_, node, child, serial_for);
-    std::uint32_t face = kNone, other = kNone;  // of the pair that is named
-    Overlaps<double>(node, child, part_)
-        .for_each(
-            [&](std::uint32_t a, std::uint32_t b) {
-              report_.poll();
-              return (!closed_[a] && !closed_[b]) || met_.contains(key(a, b));
-            },
-            [&](std::uint32_t a, std::uint32_t b) {
-              report_.poll();
-              if (!faces_meet(a, b)) return true;
-              met_.insert(key(part_[a], part_[b]));
-              if (std::min(a, b) < face) {
-                face = std::min(a, b);
-                other = std::max(a, b);
-              }
-              return met_.size() < kMostPairs;
-            });
-    if (met_.empty()) return;
-    report_
-        .add(Severity::kWarning, "parts-intersect", {.face = face},
-             "meets face {} of another part ({} pairs of parts{})", report_.number_of(other),
-             met_.size(), met_.size() < kMostPairs ? "" : " or more; no others are looked for")
-        .count = met_.size();
-  }
-  bool faces_meet(std::uint32_t a, std::uint32_t b) const {
-    bool found = false;
-    for_triangles(a, [&](const Triangle& s) {
-      for_triangles(b, [&](const Triangle& t) { found = found || meet(s, t); });
-    });
-    return found;
-  }
-
-  void warn_of_insides() {
-    std::vector<std::vector<std::uint32_t>> faces(first_face_.size());
-    for (std::uint32_t face = 0; face < part_.size(); ++face) faces[part_[face]].push_back(face);
-    LargeArray<double> node;
-    LargeArray<std::uint32_t> child;
-    build_hierarchy(part_boxes_, node, child, serial_for);
-    const std::vector<std::uint32_t> all_alike(part_boxes_.size(), 0);
-    const Overlaps<double> around(node, child, all_alike);
-    std::size_t inside = 0;
-    std::uint32_t first = kNone, outer = kNone;
-    for (std::uint32_t part = 0; part < first_face_.size(); ++part) {
-      const Vec3& x = corner(mesh_.face_begin[first_face_[part]]);
-      bool is_inside = false;
-      around.for_each_at(x, [&](std::uint32_t other) {
-        if (is_inside || other == part || !closed_[other] || met_.contains(key(part, other)))
-          return;
-        if (!winds_round(faces[other], x)) return;
-        is_inside = true;
-        if (inside++ > 0) return;
-        first = first_face_[part];
-        outer = first_face_[other];
-      });
-    }
-    if (inside == 0) return;
-    report_
-        .add(Severity::kWarning, "part-inside-part", {.face = first},
-             "belongs to a part that lies within that of face {} ({} parts)",
-             report_.number_of(outer), inside)
-        .count = inside;
-  }
-  bool winds_round(const std::vector<std::uint32_t>& faces, const Vec3& x) const {
-    double angle = 0;
-    for (const std::uint32_t face : faces) {
-      report_.poll();
-      for_triangles(face,
-                    [&](const Triangle& t) { angle += solid_angle(t[0] - x, t[1] - x, t[2] - x); });
-    }
-    return std::abs(angle) > 2 * std::numbers::pi;
-  }
-
-  static constexpr std::size_t kMostPairs = 100'000;  // that are looked for
-
-  const Mesh& mesh_;
-  Report& report_;
-  std::vector<std::uint32_t> part_;        // [face]
-  std::vector<std::uint32_t> first_face_;  // [part]
-  std::vector<char> closed_;               // [part]
-  std::vector<Box> boxes_, part_boxes_;    // [face], [part]
-  std::unordered_set<std::uint64_t> met_;  // pairs of parts
+// Six times the volume of the cone from `apex` over a face, and its size without sign.
+struct Volume {
+  double value = 0;
+  double size = 0;
 };
+
+Volume cone_volume(const Mesh& mesh, std::uint32_t face, const Vec3& apex) {
+  const auto from_apex = [&](std::uint32_t corner) -> Vec3 {
+    return mesh.positions[mesh.corner_vertex[corner]] - apex;
+  };
+  Volume volume;
+  const std::uint32_t begin = mesh.face_begin[face];
+  const Vec3 first = from_apex(begin);
+  for (std::uint32_t c = begin + 1; c + 1 < mesh.face_begin[face + 1]; ++c) {
+    const double part = first.dot(from_apex(c).cross(from_apex(c + 1)));
+    volume.value += part;
+    volume.size += std::abs(part);
+  }
+  return volume;
+}
 
 }  // namespace
 
-void warn_of_parts(const Mesh& mesh, Report& report) { PartPairs(mesh, report).warn(); }
+PartPairs::PartPairs(Mesh& mesh, MeshParts& parts, Report& report)
+    : mesh_(mesh), parts_(parts), report_(report), faces_(parts.count()) {
+  for (std::uint32_t face = 0; face < parts.of_face.size(); ++face)
+    faces_[parts.of_face[face]].push_back(face);
+  find_volumes();
+}
+
+void PartPairs::find_volumes() {
+  constexpr double kRounding = 1e-12;
+  for (std::uint32_t part = 0; part < parts_.count(); ++part) {
+    const Vec3 apex = corner(mesh_.face_begin[parts_.first_face[part]]);
+    Volume sum;
+    for (const std::uint32_t face : faces_[part]) {
+      const Volume volume = cone_volume(mesh_, face, apex);
+      sum.value += volume.value;
+      sum.size += volume.size;
+    }
+    parts_.volume.push_back(std::abs(sum.value) > kRounding * sum.size ? sum.value : 0);
+    if (parts_.closed[part] && parts_.volume[part] == 0)
+      report_.add(Severity::kWarning, "no-volume", {.face = parts_.first_face[part]},
+                  "belongs to a closed part that encloses nothing ({} faces)", faces_[part].size());
+  }
+}
+
+void PartPairs::turn(const LoadOptions& options) {
+  std::vector<std::uint32_t> closed;
+  bool is_any_inside_out = false;
+  for (std::uint32_t part = 0; part < parts_.count(); ++part) {
+    if (encloses(part)) {
+      closed.push_back(part);
+      is_any_inside_out = is_any_inside_out || parts_.volume[part] < 0;
+    } else if (!parts_.closed[part] && options.flip) {
+      turn_part(part);
+    }
+  }
+  if (!is_any_inside_out || options.orient == Orient::kFile) return;
+  find_containers();
+  // What holds others comes before these.
+  std::stable_sort(closed.begin(), closed.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return std::abs(parts_.volume[a]) > std::abs(parts_.volume[b]);
+  });
+  std::vector<char> turned(parts_.count(), 0);
+  for (const std::uint32_t part : closed) {
+    // With the part around it, all within is turned.
+    const std::uint32_t around = (*container_)[part];
+    bool turns = around != kNone && turned[around] != 0;
+    const bool is_inward = turns != (parts_.volume[part] < 0);
+    if (is_inward && !lies_in_solid(part)) {
+      turns = !turns;
+      if (turns)
+        report_.add(report_.mended, "inside-out-part", {.face = parts_.first_face[part]},
+                    "belongs to a part that is inside out ({} faces); turned outward: a room keeps "
+                    "its inside with --orient file",
+                    faces_[part].size());
+    }
+    if (turns) turn_part(part);
+    turned[part] = turns;
+  }
+}
+
+void PartPairs::turn_part(std::uint32_t part) {
+  for (const std::uint32_t face : faces_[part]) turn_over(mesh_, face);
+  parts_.volume[part] = -parts_.volume[part];
+}
+
+void PartPairs::warn() {
+  const auto is_closed = [](char closed) { return closed != 0; };
+  if (parts_.count() > 1 && std::any_of(parts_.closed.begin(), parts_.closed.end(), is_closed)) {
+    find_meeting();
+    if (!met_.empty())
+      report_
+          .add(Severity::kWarning, "parts-intersect", {.face = meets_},
+               "meets face {} of another part ({} pairs of parts{})", report_.number_of(other_),
+               met_.size(), met_.size() < kMostPairs ? "" : " or more; no others are looked for")
+          .count = met_.size();
+    if (met_.size() < kMostPairs) find_containers();
+  }
+  for (std::uint32_t part = 0; part < parts_.count(); ++part) warn_of_place(part);
+  for (std::uint32_t part = 0; part < parts_.count(); ++part) {
+    if (!parts_.closed[part]) warn_of_inward(part);
+  }
+}
+
+// Says that a part lies within another, or has the space around it for its solid.
+void PartPairs::warn_of_place(std::uint32_t part) {
+  const Report::Place place{.face = parts_.first_face[part]};
+  const bool is_cavity = encloses(part) && parts_.volume[part] < 0;
+  if (lies_in_solid(part)) {
+    const std::uint32_t around = report_.number_of(parts_.first_face[(*container_)[part]]);
+    if (is_cavity) {
+      report_.add(Severity::kWarning, "cavity", place,
+                  "belongs to a cavity of the part of face {} ({} faces)", around,
+                  faces_[part].size());
+    } else {
+      report_.add(Severity::kWarning, "part-inside-part", place,
+                  "belongs to a part that lies within that of face {}", around);
+    }
+  } else if (is_cavity) {
+    report_.add(Severity::kWarning, "room", place,
+                "belongs to a closed part that is a room ({} faces): its inside is free, and what "
+                "is around it is solid",
+                faces_[part].size());
+  }
+}
+
+// Says that most of an open part faces its own middle. A flat one has none.
+void PartPairs::warn_of_inward(std::uint32_t part) {
+  constexpr double kMost = 0.5, kFlat = 1e-3;
+  const std::vector<std::uint32_t>& faces = faces_[part];
+  Vec3 middle = Vec3::Zero();
+  std::size_t corners = 0;
+  for (const std::uint32_t face : faces) {
+    for (std::uint32_t c = mesh_.face_begin[face]; c < mesh_.face_begin[face + 1]; ++c) {
+      middle += corner(c);
+      ++corners;
+    }
+  }
+  middle /= static_cast<double>(corners);
+  Volume sum;
+  double reach2 = 0;
+  for (const std::uint32_t face : faces) {
+    const Volume volume = cone_volume(mesh_, face, middle);
+    sum.value += volume.value;
+    sum.size += volume.size;
+    reach2 = std::max(reach2, (corner(mesh_.face_begin[face]) - middle).squaredNorm());
+  }
+  if (!(sum.value < -kMost * sum.size) || !(sum.size > kFlat * reach2 * std::sqrt(reach2))) return;
+  report_.add(Severity::kWarning, "faces-inward", {.face = parts_.first_face[part]},
+              "belongs to an open part most of which faces its own middle ({} faces): where that "
+              "is its outside, --flip turns it over",
+              faces.size());
+}
+
+// True if the closed part next around it is solid there, and not a cavity or a room.
+bool PartPairs::lies_in_solid(std::uint32_t part) const {
+  if (!container_) return false;
+  const std::uint32_t around = (*container_)[part];
+  return around != kNone && parts_.volume[around] > 0;
+}
+
+void PartPairs::find_boxes() {
+  if (!boxes_.empty()) return;
+  for (std::uint32_t face = 0; face < mesh_.face_count(); ++face) {
+    report_.poll();
+    Box box{corner(mesh_.face_begin[face]), corner(mesh_.face_begin[face])};
+    for (std::uint32_t c = mesh_.face_begin[face]; c < mesh_.face_begin[face + 1]; ++c) {
+      box.low = box.low.cwiseMin(corner(c));
+      box.high = box.high.cwiseMax(corner(c));
+    }
+    boxes_.push_back(box);
+  }
+  for (const std::vector<std::uint32_t>& faces : faces_) {
+    Box all = boxes_[faces.front()];
+    for (const std::uint32_t face : faces) {
+      all.low = all.low.cwiseMin(boxes_[face].low);
+      all.high = all.high.cwiseMax(boxes_[face].high);
+    }
+    part_boxes_.push_back(all);
+  }
+}
+
+template <class Visit>
+void PartPairs::for_triangles(std::uint32_t face, Visit visit) const {
+  std::vector<Vec3> corners;
+  for (std::uint32_t c = mesh_.face_begin[face]; c < mesh_.face_begin[face + 1]; ++c)
+    corners.push_back(corner(c));
+  std::vector<std::uint32_t> triangles;
+  triangulate(corners, newell_normal(mesh_, face), triangles);
+  for (std::size_t t = 0; t < triangles.size(); t += 3)
+    visit(Triangle{corners[triangles[t]], corners[triangles[t + 1]], corners[triangles[t + 2]]});
+}
+
+// Fills met_ with the pairs of parts that meet, one of them closed.
+void PartPairs::find_meeting() {
+  if (std::exchange(has_met_, true)) return;
+  find_boxes();
+  LargeArray<double> node;
+  LargeArray<std::uint32_t> child;
+  build_hierarchy(boxes_, node, child, serial_for);
+  const std::vector<std::uint32_t>& part = parts_.of_face;
+  Overlaps<double>(node, child, part)
+      .for_each(
+          [&](std::uint32_t a, std::uint32_t b) {
+            report_.poll();
+            return (!parts_.closed[a] && !parts_.closed[b]) || met_.contains(key(a, b));
+          },
+          [&](std::uint32_t a, std::uint32_t b) {
+            report_.poll();
+            if (!faces_meet(a, b)) return true;
+            met_.insert(key(part[a], part[b]));
+            if (std::min(a, b) < meets_) {
+              meets_ = std::min(a, b);
+              other_ = std::max(a, b);
+            }
+            return met_.size() < kMostPairs;
+          });
+}
+
+bool PartPairs::faces_meet(std::uint32_t a, std::uint32_t b) const {
+  bool found = false;
+  for_triangles(a, [&](const Triangle& s) {
+    for_triangles(b, [&](const Triangle& t) { found = found || meet(s, t); });
+  });
+  return found;
+}
+
+// Of the closed parts that a part lies in and does not meet, the smallest.
+void PartPairs::find_containers() {
+  if (container_) return;
+  container_.emplace(parts_.count(), kNone);
+  if (parts_.count() < 2) return;
+  find_meeting();
+  LargeArray<double> node;
+  LargeArray<std::uint32_t> child;
+  build_hierarchy(part_boxes_, node, child, serial_for);
+  const std::vector<std::uint32_t> all_alike(parts_.count(), 0);
+  const Overlaps<double> around(node, child, all_alike);
+  const auto size = [&](std::uint32_t part) { return std::abs(parts_.volume[part]); };
+  for (std::uint32_t part = 0; part < parts_.count(); ++part) {
+    const Vec3& x = corner(mesh_.face_begin[parts_.first_face[part]]);
+    std::uint32_t& found = (*container_)[part];
+    around.for_each_at(x, [&](std::uint32_t other) {
+      if (other == part || !encloses(other) || met_.contains(key(part, other))) return;
+      if (found != kNone && size(other) >= size(found)) return;
+      if (winds_round(other, x)) found = other;
+    });
+  }
+}
+
+bool PartPairs::winds_round(std::uint32_t part, const Vec3& x) const {
+  double angle = 0;
+  for (const std::uint32_t face : faces_[part]) {
+    report_.poll();
+    for_triangles(face,
+                  [&](const Triangle& t) { angle += solid_angle(t[0] - x, t[1] - x, t[2] - x); });
+  }
+  return std::abs(angle) > 2 * std::numbers::pi;
+}
 
 }  // namespace gliss

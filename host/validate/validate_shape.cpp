@@ -46,6 +46,28 @@ double deviation(const Mesh& mesh, std::uint32_t face, const Vec3& unit_normal) 
   return std::max(high - mean, mean - low);
 }
 
+// Concave edges that turn back: a face lies over its neighbour, or there is a slit between them.
+void warn_of_folds(const Mesh& mesh, const std::vector<Vec3>& unit_normal, Report& report) {
+  constexpr double kMostTurn = 5 * std::numbers::pi / 6;
+  const std::vector<std::uint32_t> side_face = side_faces(mesh),
+                                   other = pair_sides(mesh, side_face);
+  for (std::uint32_t side = 0; side < other.size(); ++side) {
+    report.poll();
+    if (other[side] == kNone || other[side] < side) continue;
+    const std::uint32_t face = side_face[side], beyond = side_face[other[side]];
+    const Vec3 &own = unit_normal[face], &far = unit_normal[beyond];
+    if (own.dot(far) > std::cos(kMostTurn)) continue;
+    const std::uint32_t from = mesh.corner_vertex[side],
+                        to = mesh.corner_vertex[next_corner(mesh, face, side)];
+    const Vec3 along = (mesh.positions[to] - mesh.positions[from]).normalized();
+    if (own.cross(far).dot(along) > kReflex) continue;
+    report.add(Severity::kWarning, "fold", {.face = face, .vertex = from},
+               "folds over face {} at edge {}-{}: they turn by {:.0f} degrees",
+               report.number_of(beyond), from, to,
+               std::acos(std::max(own.dot(far), -1.0)) * 180 / std::numbers::pi);
+  }
+}
+
 }  // namespace
 
 void warn_of_vertices(const Mesh& mesh, const std::vector<bool>& joined, Report& report) {
@@ -70,11 +92,13 @@ void warn_of_vertices(const Mesh& mesh, const std::vector<bool>& joined, Report&
 }
 
 void warn_of_shapes(const Mesh& mesh, Report& report) {
+  std::vector<Vec3> normals;
   for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
     report.poll();
     const Vec3 normal = newell_normal(mesh, face);
     const double size = normal.norm();
     const Vec3 unit_normal = normal / size;
+    normals.push_back(unit_normal);
     if (const char* why = concavity(mesh, face, unit_normal)) {
       report.add(Severity::kWarning, "concave", {.face = face}, "{}", why);
     }
@@ -84,6 +108,7 @@ void warn_of_shapes(const Mesh& mesh, Report& report) {
                  "is off its plane by {:.1f} % of the root of its area", 100 * ratio);
     }
   }
+  warn_of_folds(mesh, normals, report);
 }
 
 }  // namespace gliss

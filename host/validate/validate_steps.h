@@ -39,12 +39,27 @@ double side_length(const Mesh& mesh, std::uint32_t face, std::uint32_t side);
 // True if nothing but rounding is left of a face's area.
 bool has_no_area(const Mesh& mesh, std::uint32_t face);
 
+// Removes faces that are another one turned over where the mesh is closed without them: the second
+// one of each pair, or both, between two solids.
+void remove_doubled(Mesh& mesh, Report& report);
+
 // Edges of three and more faces, and vertices where fans of faces touch: refused or split.
 void repair_manifold(Mesh& mesh, bool split, Report& report);
 
-// Turns the faces of each part one way, closed parts outward; reports borders and parts. Returns
-// the number of parts.
-std::size_t repair_orientation(Mesh& mesh, Report& report);
+// The parts of a mesh: faces that edges join, in the order of their first faces.
+struct MeshParts {
+  std::vector<std::uint32_t> of_face;     // [face], its part
+  std::vector<std::uint32_t> first_face;  // [part]
+  std::vector<char> closed;               // [part], 1: every side has a face beyond
+  // [part], six times the volume that it encloses; below 0: it is inside out. 0: nothing but
+  // rounding. Of an open part: as seen from the middle of its box.
+  std::vector<double> volume;
+
+  std::size_t count() const { return first_face.size(); }
+};
+
+// Turns the faces of each part the way of most of them; reports borders and parts.
+MeshParts repair_orientation(Mesh& mesh, Report& report);
 
 // Leaves unit normals at every corner, or none at all: as of a file that has each face's own.
 void repair_normals(Mesh& mesh, NormalSource source, Report& report);
@@ -57,8 +72,5 @@ void warn_of_sharp_normals(const Mesh& mesh, std::span<const std::uint32_t> grou
 // are `joined` to another one.
 void warn_of_vertices(const Mesh& mesh, const std::vector<bool>& joined, Report& report);
 void warn_of_shapes(const Mesh& mesh, Report& report);
-
-// Closed parts that meet other parts or hold them.
-void warn_of_parts(const Mesh& mesh, Report& report);
 
 }  // namespace gliss

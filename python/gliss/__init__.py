@@ -34,10 +34,10 @@ def _text(quantity):
 
 def _words(options):
     """The options of the program that read and build the same."""
-    words = []
+    words, usual = [], (("normals", "auto"), ("orient", "outward"))
     for name, value in options.items():
         option = "--" + name.replace("_", "-")
-        if name in ("threads", "backend", "opencl_device") or value is None or (name, value) == ("normals", "auto"):
+        if name in ("threads", "backend", "opencl_device") or value is None or (name, value) in usual:
             continue
         if name == "weld" and isinstance(value, bool):
             words += [] if value else [option, "none"]
@@ -189,9 +189,10 @@ def _faces(faces):
 
 
 def _options(unit=None, *, level=None, construction=None, precision=None, crease=None, crease_radius=None, weld=None,
-             normals="auto", strict=False, keep_non_manifold=False, threads=0, backend="tbb", opencl_device=""):
+             normals="auto", orient="outward", flip=False, strict=False, keep_non_manifold=False, threads=0, backend="tbb",
+             opencl_device=""):
     return dict(unit=unit, level=level, construction=construction, precision=precision, crease=crease,
-                crease_radius=crease_radius, weld=weld, normals=normals, strict=strict,
+                crease_radius=crease_radius, weld=weld, normals=normals, orient=orient, flip=flip, strict=strict,
                 keep_non_manifold=keep_non_manifold, threads=threads, backend=backend, opencl_device=opencl_device)
 
 
@@ -411,7 +412,8 @@ def load(path, unit=None, **options):
     crease: edges to keep sharp, such as "40deg", "auto", "normals", "groups", "edges:FILE"; crease_radius: m, or text,
     rounds them instead.
     weld: a length within which borders are welded; None: at the very same places; False: never.
-    normals: "auto", "file" or "made". strict, keep_non_manifold: refuse instead of mending.
+    normals: "auto", "file" or "made". orient: of closed parts, "outward" or "file", which keeps a room that is wound
+    inside out; flip: turn open parts over. strict, keep_non_manifold: refuse instead of mending.
     threads: 0 is as many as the machine has. backend: "tbb", "serial", "opencl", "auto" (a GPU if there is one);
     opencl_device: part of its name, or its number.
 

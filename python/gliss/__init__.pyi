@@ -122,7 +122,8 @@ class Surface:
         level: str | None = None, construction: Literal["fair", "paper"] | None = None,
         precision: Literal["float", "double"] | None = None, crease: str | None = None,
         crease_radius: _Quantity | None = None, weld: _Quantity | Literal[False] | None = None,
-        normals: Literal["auto", "file", "made"] = "auto", strict: bool = False, keep_non_manifold: bool = False,
+        normals: Literal["auto", "file", "made"] = "auto", orient: Literal["outward", "file"] = "outward",
+        flip: bool = False, strict: bool = False, keep_non_manifold: bool = False,
         threads: int = 0, backend: _Backend = "tbb", opencl_device: str = "",
     ) -> None: ...
     @property
@@ -175,7 +176,8 @@ def load(
     level: str | None = None, construction: Literal["fair", "paper"] | None = None,
     precision: Literal["float", "double"] | None = None, crease: str | None = None,
     crease_radius: _Quantity | None = None, weld: _Quantity | Literal[False] | None = None,
-    normals: Literal["auto", "file", "made"] = "auto", strict: bool = False, keep_non_manifold: bool = False,
+    normals: Literal["auto", "file", "made"] = "auto", orient: Literal["outward", "file"] = "outward",
+        flip: bool = False, strict: bool = False, keep_non_manifold: bool = False,
     threads: int = 0, backend: _Backend = "tbb", opencl_device: str = "",
 ) -> Surface: ...
 

@@ -64,6 +64,8 @@ Opening opening_of(const py::dict& options) {
   opening.load.keep_non_manifold = yes_or_no(options, "keep_non_manifold");
   opening.load.weld = weld_of(options["weld"], opening.load.unit);
   opening.load.normals = choice("normals", text(options, "normals"), kNormalNames);
+  opening.load.orient = choice("orient", text(options, "orient"), kOrientNames);
+  opening.load.flip = yes_or_no(options, "flip");
   if (!options["crease"].is_none()) opening.load.creases = parse_creases(text(options, "crease"));
   if (!options["crease_radius"].is_none()) {
     opening.crease_radius = length(options["crease_radius"], "crease_radius");

@@ -272,7 +272,7 @@ double gliss_surface_unit(const gliss_surface* surface) {
 }
 
 std::size_t gliss_surface_faces(const gliss_surface* surface) {
-  return surface == nullptr ? 0 : surface->cache->face_patch.size();
+  return surface == nullptr ? 0 : surface->cache->mesh_face_count;
 }
 
 std::int32_t gliss_surface_bounds(const gliss_surface* surface, double low[3], double high[3]) {

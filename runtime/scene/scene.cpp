@@ -135,6 +135,11 @@ ObjectDescription read_object(TomlTable table, std::size_t number, std::vector<s
   if (!level.empty() && !(object.level = find_level(level))) table.fail("level", no_level(level));
   if (table.has("construction"))
     table.get("construction", object.construction.emplace(), kConstructionNames);
+  if (mesh.empty() && (table.has("orient") || table.has("flip")))
+    table.fail(table.has("orient") ? "orient" : "flip",
+               "a cache is the way round that it was baked with");
+  table.get("orient", object.orient, kOrientNames);
+  table.get("flip", object.flip);
   if (get_parsed(table, "crease", object.creases, parse_creases) && mesh.empty())
     table.fail("crease", "a cache has the creases that it was baked with");
   if (std::string& edges = object.creases.edges; !edges.empty()) edges = beside(scene, edges);

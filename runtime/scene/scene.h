@@ -18,6 +18,7 @@
 #include "gliss/query/effects.h"
 #include "gliss/query/query.h"
 #include "gliss/surface/patch_cache.h"
+#include "gliss/validate/validate.h"
 
 namespace gliss {
 
@@ -41,6 +42,8 @@ struct ObjectDescription : SolverOptions {
   std::optional<Precision> precision;        // as the cache has it, or double
   std::optional<Level> level;                // as the cache has it, or exact
   std::optional<Construction> construction;  // as the cache has it, or fair
+  Orient orient = Orient::kOutward;          // of a mesh, like the next three
+  bool flip = false;                         // open parts
   CreaseRules creases{};                     // of a mesh; paths from the scene's folder
   double crease_radius = 0;                  // m, that they are rounded by; 0: they stay sharp
   double stiffness = 500;                    // N/m

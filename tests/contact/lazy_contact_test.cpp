@@ -95,7 +95,7 @@ TEST(LazyMesh, builds_the_bytes_of_the_whole_cache) {
       EXPECT_TRUE(region.covers(face));
       for (std::uint32_t p = 0; p < s.patch_count(); ++p) {
         const std::uint32_t f = region.cache.patch_face[p],
-                            q = whole.face_patch[f] + p - region.cache.face_patch[f];
+                            q = whole.first_patch(f) + p - region.cache.first_patch(f);
         ASSERT_EQ(s.valence(p), all.valence(q));
         const auto same = [&](const auto& a, const auto& b, std::size_t at, std::size_t in_all,
                               std::size_t count) {

@@ -125,7 +125,7 @@ Questions questions_of(const PatchCache& cache, std::size_t count, bool near = f
   Questions q;
   std::vector<std::uint32_t> faces;
   for (std::uint32_t face = 0; face < cache.mesh_face_count; ++face)
-    if (cache.face_patch[face] != kNone) faces.push_back(face);
+    if (cache.first_patch(face) != kNone) faces.push_back(face);
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint32_t face = faces[i < faces.size() ? i : rng() % faces.size()];
     const int n = static_cast<int>(cache.face_valence[face]), k = static_cast<int>(rng() % 97) % n;

@@ -18,7 +18,7 @@ constexpr int kThreads = 4;
 class Parallel : public ::testing::Test {
  protected:
   Parallel() {
-    for (std::uint32_t face = 0; face < cache_.face_patch.size(); ++face) {
+    for (std::uint32_t face = 0; face < cache_.mesh_face_count; ++face) {
       for (int i = 0; i < 20; ++i) points_.push_back({face, 0.05 * i - 0.5, 0.1});
     }
     for (std::size_t i = 0; i < points_.size(); i += 10) {

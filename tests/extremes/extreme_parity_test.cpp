@@ -290,7 +290,7 @@ TEST_P(ExtremeParity, contacts_are_finite_and_no_farther_than_a_vertex) {
     normal.add(std::abs(c.normal.norm() - 1), where);
     double least = std::numeric_limits<double>::infinity();
     for (const Vec3& p : mesh_.positions) least = std::min(least, (p - hip).norm());
-    const bool is_flagged = cache_.folded[cache_.face_patch[c.at.face]] != 0;
+    const bool is_flagged = cache_.folded[cache_.first_patch(c.at.face)] != 0;
     (is_flagged ? farther_by_flagged : farther)
         .add(std::max(0.0, std::abs(c.distance) - least), where);
   }

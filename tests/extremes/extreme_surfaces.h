@@ -61,7 +61,7 @@ struct Extreme {
   // Least radius of curvature of a face.
   double rho_of(std::uint32_t face) const {
     double least = std::numeric_limits<double>::infinity();
-    for (std::uint32_t patch = cache.face_patch[face];
+    for (std::uint32_t patch = cache.first_patch(face);
          patch < cache.patch_count() && cache.patch_face[patch] == face; ++patch)
       least = std::min(least, cache.rho_min[patch]);
     return least;

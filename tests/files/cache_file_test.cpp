@@ -112,6 +112,19 @@ void expect_same_answers(const PatchCache& a, const PatchCache& b) {
   }
 }
 
+TEST(CacheFile, of_a_region_of_a_mesh_lists_all_faces) {
+  const Mesh mesh = torus().mesh;
+  const PatchCache whole = build_cache(mesh);
+  BuildOptions options;
+  options.faces = {5, 6, 7, 100, 287};
+  options.like = &whole;
+  const PatchCache region = build_cache(mesh, options), loaded = saved_and_loaded(region);
+  ASSERT_EQ(loaded.face_patch.size(), mesh.face_count());
+  for (std::uint32_t face = 0; face < mesh.face_count(); ++face)
+    EXPECT_EQ(loaded.face_patch[face], region.first_patch(face));
+  expect_same_answers(region, loaded);
+}
+
 class CacheFileOfPrecision : public ::testing::TestWithParam<Precision> {};
 INSTANTIATE_TEST_SUITE_P(CacheFile, CacheFileOfPrecision,
                          ::testing::Values(Precision::kFloat, Precision::kDouble));

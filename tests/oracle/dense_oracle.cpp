@@ -5,7 +5,7 @@ namespace gliss::test {
 DenseOracle::DenseOracle(const PatchCache& cache, int resolution)
     : cache_(&cache), resolution_(resolution) {
   for (std::uint32_t face = 0; face < cache.mesh_face_count; ++face)
-    if (cache.face_patch[face] != kNone) add_face(face);
+    if (cache.first_patch(face) != kNone) add_face(face);
 }
 
 Foot DenseOracle::nearest_sample(const Vec3& hip) const {

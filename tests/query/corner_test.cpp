@@ -65,7 +65,7 @@ TEST(Corner, leads_round_it_from_very_near) {
     const auto k = static_cast<int>(side - mesh.face_begin[face]);
     const oracle::Vec2<double> corner = oracle::domain_corner(3, k);
     const SurfacePoint foot = test::at(cache, face, 0.99 * corner);
-    const Vec3 hip = foot.position - 0.2 * cache.rho_min[cache.face_patch[face]] * foot.normal;
+    const Vec3 hip = foot.position - 0.2 * cache.rho_min[cache.first_patch(face)] * foot.normal;
     for (std::uint32_t from = next_around(mesh, topology, side); from != side;
          from = next_around(mesh, topology, from)) {
       const std::uint32_t start = topology.side_face[from];

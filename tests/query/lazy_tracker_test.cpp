@@ -43,5 +43,16 @@ TEST(LazyTracker, builds_only_what_is_near) {
   EXPECT_LT(lazy.built(), 60u);
 }
 
+TEST(LazyMesh, shares_with_its_regions_what_is_known_of_the_whole_mesh) {
+  const LazyMesh lazy(torus_knot().mesh);
+  const std::uint32_t face = 600;
+  const LazyRegion region = lazy.build({&face, 1});
+  EXPECT_EQ(region.cache.face_valence.read().data(), lazy.base().face_valence.read().data());
+  EXPECT_TRUE(region.cache.face_patch.empty());
+  for (std::uint32_t p = 0; p < region.cache.patch_count(); ++p)
+    EXPECT_EQ(region.cache.first_patch(region.cache.patch_face[p]), p);
+  EXPECT_EQ(region.cache.first_patch(0), kNone);
+}
+
 }  // namespace
 }  // namespace gliss

@@ -59,8 +59,8 @@ TEST(CreaseScene, lazy_patches_beside_creases_are_those_of_the_whole) {
         const auto& part = std::get<1>(region.cache.surface);
         for (std::uint32_t p = 0; p < region.cache.patch_count(); ++p) {
           if (!region.used[p]) continue;
-          const std::uint32_t q = all.face_patch[region.cache.patch_face[p]] + p -
-                                  region.cache.face_patch[region.cache.patch_face[p]];
+          const std::uint32_t q = all.first_patch(region.cache.patch_face[p]) + p -
+                                  region.cache.first_patch(region.cache.patch_face[p]);
           const std::size_t reals =
               kernels<double>().control_reals(whole.form[q], whole.valence(q));
           ASSERT_EQ(part.form[p], whole.form[q]);

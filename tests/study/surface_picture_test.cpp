@@ -28,7 +28,7 @@ TEST(SurfacePicture, points_lie_on_the_surface_and_know_the_curvature_of_their_f
     EXPECT_LE(std::abs(nearest(cache, vector_at(picture.position, i)).distance), 1e-5);
     EXPECT_GT(vector_at(picture.normal, i).dot(vector_at(picture.position, i)), 9.9);
     EXPECT_FLOAT_EQ(picture.curvature[i],
-                    static_cast<float>(1 / cache.rho_min[cache.face_patch[picture.face[i]]]));
+                    static_cast<float>(1 / cache.rho_min[cache.first_patch(picture.face[i])]));
   }
   EXPECT_TRUE(std::is_sorted(picture.face.begin(), picture.face.end()));
   EXPECT_NEAR(picture.p50, 0.1, 0.003);  // 1 / radius

@@ -41,7 +41,7 @@ std::vector<SurfacePoint> along_side(const PatchCache& cache, const Mesh& mesh,
 }
 
 PatchKind kind_of(const PatchCache& cache, std::uint32_t face) {
-  return cache.kind[cache.face_patch[face]];
+  return cache.kind[cache.first_patch(face)];
 }
 
 Mesh with_normals(Mesh mesh) {
@@ -77,7 +77,7 @@ SurfacePoint at(const PatchCache& cache, std::uint32_t face, const Vec2& X) {
 
 void break_patch(PatchCache& cache, std::uint32_t face) {
   auto& surface = std::get<Surface<double>>(cache.surface);
-  const std::size_t begin = 3 * std::size_t{surface.control_begin[cache.face_patch[face]]};
+  const std::size_t begin = 3 * std::size_t{surface.control_begin[cache.first_patch(face)]};
   surface.control[begin] = std::numeric_limits<double>::quiet_NaN();
 }
 

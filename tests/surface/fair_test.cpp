@@ -96,7 +96,7 @@ TEST_P(FairTest, triangles_agree_with_the_oracle) {
     for (std::uint32_t f = 0; f < c.mesh.face_count(); ++f) {
       if (c.mesh.valence(f) != 3) continue;
       ++triangles;
-      if (cache.folded[cache.face_patch[f]] != 0) {
+      if (cache.folded[cache.first_patch(f)] != 0) {
         ++folded;
         continue;
       }
@@ -406,8 +406,8 @@ Curvatures curvatures_of(const Mesh& mesh, const PatchCache& cache, TrueCurvatur
     double there = 0;
     for (const Vec2& X : points_of_triangle(rng))
       there = std::max(there, true_curvature(at(cache, f, X).position));
-    for (std::uint32_t p = cache.face_patch[f]; p < cache.patch_count() && cache.patch_face[p] == f;
-         ++p)
+    for (std::uint32_t p = cache.first_patch(f);
+         p < cache.patch_count() && cache.patch_face[p] == f; ++p)
       ratio.push_back(1 / (cache.rho_min[p] * there));
   }
   std::sort(ratio.begin(), ratio.end());
@@ -593,7 +593,7 @@ TEST_P(FairTest, a_region_has_the_bytes_of_the_whole) {
     const PatchCache region = build_cache(mesh, options);
     for (const std::uint32_t f : options.faces) {
       EXPECT_EQ(test::kind_of(region, f), test::kind_of(whole, f));
-      EXPECT_EQ(region.rho_min[region.face_patch[f]], whole.rho_min[whole.face_patch[f]]);
+      EXPECT_EQ(region.rho_min[region.first_patch(f)], whole.rho_min[whole.first_patch(f)]);
       for (int i = 0; i < 8; ++i) {
         const Vec2 X = oracle::random_inside<double>(rng, static_cast<int>(mesh.valence(f)));
         const SurfacePoint a = at(whole, f, X), b = at(region, f, X);

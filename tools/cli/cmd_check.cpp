@@ -41,7 +41,7 @@ CheckedSurface build_surface(const SurfaceOptions& options, const Mesh& mesh) {
   const PatchCache cache = build(mesh, options, *make_engine(options), {}, &surface.report);
   tell_tight_curvature(options, cache, usual_depth(cache), "0.5 % of the diagonal");
   for (const std::uint32_t face : surface.report.flagged_faces)
-    surface.kinds.push_back(name_of(kPatchKindNames, cache.kind[cache.face_patch[face]]));
+    surface.kinds.push_back(name_of(kPatchKindNames, cache.kind[cache.first_patch(face)]));
   Mesh with_normals = mesh;
   add_vertex_normals(with_normals, normal_weights(cache.level.construction));
   surface.rough_edges = rough_edges(with_normals, build_topology(with_normals), cache);

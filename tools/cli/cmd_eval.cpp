@@ -43,7 +43,7 @@ InputTable read_domain_points(const EvalOptions& options, const PatchCache& cach
       refuse(i, fmt::format("no patch {}; they are 0 to {}", patch[i], cache.mesh_face_count - 1));
     }
     const DomainPoint point{static_cast<std::uint32_t>(patch[i]), xi[i], eta[i]};
-    if (cache.face_patch[point.face] == kNone) {
+    if (cache.first_patch(point.face) == kNone) {
       refuse(i, fmt::format("patch {} is not in this cache of a region", patch[i]));
     }
     if (!in_domain(cache, point)) {

@@ -19,7 +19,7 @@ struct GenerateOptions : CommonOptions {
   double major = 0, minor = 0, tube = 0;  // mm, as all below
   std::optional<std::uint64_t> irregular;
   bool without_normals = false;
-  double radius = 0, height = 0, width = 0, thickness = 0, base = 0, length = 0;
+  double radius = 0, cavity = 0, height = 0, width = 0, thickness = 0, base = 0, length = 0;
 };
 
 struct Shape {
@@ -65,6 +65,15 @@ const Shape kShapes[] = {
        add(c, "--radius", o.radius, 10.0, "radius of the sphere");
      },
      [](const GenerateOptions& o) { return goldberg(o.frequency, o.radius); }, true},
+    {"hollow", "Ball with a cavity.", "--radius 20 --cavity 10",
+     [](Command& c, GenerateOptions& o) {
+       add(c, "--frequency", o.frequency, 4, "10 (N^2 - 1) hexagons, of each wall");
+       add(c, "--radius", o.radius, 20.0, "radius of the ball");
+       add(c, "--cavity", o.cavity, 10.0, "radius of the cavity");
+     },
+     [](const GenerateOptions& o) {
+       return nested_balls({o.radius, -o.cavity}, o.frequency);
+     }},
     {"ellipsoid", "Ellipsoid of 12 pentagons and hexagons.", "--length 40 --width 24 --height 16",
      [](Command& c, GenerateOptions& o) {
        add(c, "--frequency", o.frequency, 4, "10 (N^2 - 1) hexagons");

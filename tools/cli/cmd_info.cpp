@@ -40,7 +40,7 @@ Shape shape_of(const PatchCache& cache) {
           shape.vertices -= corners.unite(side, next(twin));
         }
         for (std::uint32_t face = 0; face < cache.mesh_face_count; ++face) {
-          const std::uint32_t patch = cache.face_patch[face];
+          const std::uint32_t patch = cache.first_patch(face);
           if (patch == kNone) continue;
           ++shape.valences[cache.face_valence[face]];
           const auto begin = cache.corner_of_face.begin() + s.side_begin[patch];
@@ -97,7 +97,8 @@ void run(const SurfaceOptions& options) {
   const double rho_min = length(cache.smallest_rho());
   const double rho_median = length(median({cache.rho_min.begin(), cache.rho_min.end()}));
   std::uint32_t faces = 0, folded = 0;
-  for (const std::uint32_t patch : cache.face_patch) {
+  for (std::uint32_t face = 0; face < cache.mesh_face_count; ++face) {
+    const std::uint32_t patch = cache.first_patch(face);
     faces += patch != kNone;
     folded += patch != kNone && cache.folded[patch];
   }

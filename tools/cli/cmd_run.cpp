@@ -73,6 +73,8 @@ std::vector<SceneObject> open_objects(const Scene& scene, const RunOptions& opti
     surface.unit = described.unit;
     surface.has_unit = described.has_unit;
     surface.in_scene = true;
+    surface.orient = described.orient;
+    surface.flip = described.flip;
     surface.creases = described.creases;
     surface.crease_radius = described.crease_radius;
     return read_mesh(surface);

@@ -97,6 +97,13 @@ void add_mesh_options(Command& command, SurfaceOptions& options, const std::stri
                  [&options](const std::string& text) {
                    options.normals = parse_name("--normals", text, kNormalNames);
                  });
+  command.option({"--orient", "NAME",
+                  "of closed parts: outward (default; one wound against the part around it is its "
+                  "cavity), or file: one that is inside out is a room"},
+                 [&options](const std::string& text) {
+                   options.orient = parse_name("--orient", text, kOrientNames);
+                 });
+  command.flag("--flip", options.flip, "turn the faces of open parts over");
   command.option(
       {"--crease", "LIST",
        "edges to keep sharp, any of: an angle such as 40deg that faces turn by, auto (one "

@@ -54,6 +54,8 @@ struct SurfaceOptions : CommonOptions {
   bool split_non_manifold = false;  // of 0.1; what happens without it now
   double weld = 0;                  // m; below 0: nothing is welded
   NormalSource normals = NormalSource::kAuto;
+  Orient orient = Orient::kOutward;
+  bool flip = false;
   CreaseRules creases{};
   double crease_radius = 0;  // m, that they are rounded by; 0: they stay sharp
 };

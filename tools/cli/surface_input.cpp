@@ -92,6 +92,8 @@ Mesh load_mesh(const SurfaceOptions& options, std::vector<Finding>& findings) {
                            .keep_non_manifold = options.keep_non_manifold,
                            .weld = options.weld / options.unit,
                            .normals = options.normals,
+                           .orient = options.orient,
+                           .flip = options.flip,
                            .creases = options.creases,
                            .poll = stop_if_interrupted},
                           &findings);

@@ -52,7 +52,7 @@ void SweepPicture::write_mesh(const std::string& path) const {
   std::vector<std::uint32_t> face_begin{0}, faces, folded;
   std::vector<double> rho_min;
   for (std::uint32_t face = 0; face < cache_.mesh_face_count; ++face) {
-    if (cache_.face_patch[face] == kNone) continue;
+    if (cache_.first_patch(face) == kNone) continue;
     const std::uint32_t n = cache_.face_valence[face];
     for (std::uint32_t k = 0; k < n; ++k) {
       const double angle = 2 * std::numbers::pi * k / n;
@@ -61,8 +61,8 @@ void SweepPicture::write_mesh(const std::string& path) const {
     }
     face_begin.push_back(static_cast<std::uint32_t>(positions.size()));
     faces.push_back(face);
-    folded.push_back(cache_.folded[cache_.face_patch[face]]);
-    rho_min.push_back(length_(cache_.rho_min[cache_.face_patch[face]]));
+    folded.push_back(cache_.folded[cache_.first_patch(face)]);
+    rho_min.push_back(length_(cache_.rho_min[cache_.first_patch(face)]));
   }
   std::vector<std::uint32_t> corners(positions.size());
   std::iota(corners.begin(), corners.end(), 0u);

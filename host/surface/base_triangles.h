@@ -1,0 +1,32 @@
+// The triangles of the base polygons.
+#pragma once
+
+#include <array>
+
+#include "gliss/base/vector.h"
+#include "gliss/surface/layout.h"
+#include "gliss/surface/surface.h"
+
+namespace gliss {
+
+using BaseTriangle = std::array<Vec3, 3>;
+
+// Calls visit(triangle) for each of a patch's base polygon, mesh frame, seen from x.
+template <class Real, class Visit>
+void for_base_triangles(const Surface<Real>& s, std::uint32_t patch, const Vec3& x, Visit visit) {
+  const Real* numbers = &s.patch[patch * kPatchReals];
+  const Vec3 origin(numbers[kPatchOrigin], numbers[kPatchOrigin + 1], numbers[kPatchOrigin + 2]);
+  const double unscale = static_cast<double>(numbers[kPatchUnscale]);
+  const std::uint32_t first = s.side_begin[patch];
+  const std::uint32_t* corners = &s.triangle[3 * (first - 2 * std::size_t{patch})];
+  for (std::uint32_t t = 0; t + 2 < s.valence(patch); ++t) {
+    BaseTriangle triangle;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Real* c = &s.corner[6 * (first + std::size_t{corners[3 * t + k]})];
+      triangle[k] = origin + unscale * Vec3(c[0], c[1], c[2]) - x;
+    }
+    visit(triangle);
+  }
+}
+
+}  // namespace gliss

@@ -1,0 +1,81 @@
+#include "gliss/surface/winding.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "gliss/mesh/solid_angle.h"
+
+namespace gliss {
+
+template <class Real>
+WindingTree::WindingTree(const Surface<Real>& s) {
+  const std::uint32_t patches = s.patch_count(), nodes = patches - 1;
+  children_.resize(2 * std::size_t{nodes} + 1);
+  gather(s, nodes == 0 ? kNodeLeaf : 0, children_.size() - 1);
+  double volume = 0;
+  for (const BaseTriangle& t : triangles_) volume += t[0].dot(t[1].cross(t[2]));
+  is_room_ = volume < 0;
+  for (std::uint32_t p = 0; p < patches; ++p) {
+    const Real* numbers = &s.patch[p * kPatchReals];
+    departure_ =
+        std::max(departure_, static_cast<double>(numbers[kPatchSag] * numbers[kPatchUnscale]));
+  }
+}
+
+// `named`: a node, or with kNodeLeaf a patch. The tree is no deeper than its hierarchy.
+template <class Real>
+void WindingTree::gather(const Surface<Real>& s, std::uint32_t named, std::size_t child) {
+  Child c;
+  c.begin = static_cast<std::uint32_t>(triangles_.size());
+  c.is_leaf = (named & kNodeLeaf) != 0;
+  if (c.is_leaf) {
+    for_base_triangles(s, named & ~kNodeLeaf, Vec3::Zero(),
+                       [&](const BaseTriangle& t) { triangles_.push_back(t); });
+  } else {
+    c.node = named;
+    for (std::size_t k = 0; k < 2; ++k)
+      gather(s, s.child[2 * std::size_t{named} + k], 2 * std::size_t{named} + k);
+  }
+  c.end = static_cast<std::uint32_t>(triangles_.size());
+  for (std::uint32_t i = c.begin; i < c.end; ++i) {
+    const BaseTriangle& t = triangles_[i];
+    const Vec3 area = (t[1] - t[0]).cross(t[2] - t[0]);
+    c.area += area;
+    c.size += area.norm();
+    c.middle += area.norm() / 3 * (t[0] + t[1] + t[2]);
+  }
+  c.middle = c.size > 0 ? Vec3(c.middle / c.size) : triangles_[c.begin][0];
+  for (std::uint32_t i = c.begin; i < c.end; ++i) {
+    for (const Vec3& corner : triangles_[i])
+      c.radius = std::max(c.radius, (corner - c.middle).norm());
+  }
+  children_[child] = c;
+}
+
+double WindingTree::number_at(const Vec3& x) const {
+  constexpr double kFar = 3;  // radii; then a dipole is off by a hundredth of its angle or so
+  double angle = 0;
+  std::vector<std::size_t> open{children_.size() - 1};
+  while (!open.empty()) {
+    const Child& c = children_[open.back()];
+    open.pop_back();
+    const Vec3 away = c.middle - x;
+    const double distance = away.norm();
+    if (distance > kFar * c.radius) {
+      angle += c.area.dot(away) / (2 * distance * distance * distance);
+    } else if (!c.is_leaf) {
+      open.push_back(2 * std::size_t{c.node});
+      open.push_back(2 * std::size_t{c.node} + 1);
+    } else {
+      for (std::uint32_t i = c.begin; i < c.end; ++i)
+        angle += solid_angle(triangles_[i][0] - x, triangles_[i][1] - x, triangles_[i][2] - x);
+    }
+  }
+  return angle / (4 * std::numbers::pi);
+}
+
+template WindingTree::WindingTree(const Surface<float>&);
+template WindingTree::WindingTree(const Surface<double>&);
+
+}  // namespace gliss

@@ -1,0 +1,43 @@
+// What is inside where faces fold over their neighbours: there the nearest point's normal does not
+// say it, and the winding number of the polygons does.
+#pragma once
+
+#include <vector>
+
+#include "gliss/surface/base_triangles.h"
+
+namespace gliss {
+
+// Sums over the tree of the patches, each child that is far as a dipole (Barill, Dickson, Schmidt,
+// Levin and Jacobson 2018, of first order). Does not change: any number of threads may ask.
+class WindingTree {
+ public:
+  template <class Real>
+  explicit WindingTree(const Surface<Real>& s);
+
+  // True if a point of the mesh frame lies in the solid of the polygons.
+  bool is_inside(const Vec3& x) const { return number_at(x) > (is_room_ ? -0.5 : 0.5); }
+  // No patch is farther than this from its base polygon, mesh frame.
+  double departure() const { return departure_; }
+
+ private:
+  struct Child {
+    Vec3 middle = Vec3::Zero(), area = Vec3::Zero();  // of its triangles, by area; sum of normals
+    double size = 0;                                  // sum of areas, twice
+    double radius = 0;                                // of the ball round the middle that has all
+    std::uint32_t begin = 0, end = 0;                 // its triangles
+    std::uint32_t node = 0;                           // its children are 2 node and 2 node + 1
+    bool is_leaf = true;
+  };
+
+  double number_at(const Vec3& x) const;
+  template <class Real>
+  void gather(const Surface<Real>& s, std::uint32_t named, std::size_t child);
+
+  std::vector<BaseTriangle> triangles_;  // in the order of the tree
+  std::vector<Child> children_;          // two of each node; the last is the root
+  double departure_ = 0;
+  bool is_room_ = false;  // the polygons enclose a negative volume
+};
+
+}  // namespace gliss

@@ -1,0 +1,88 @@
+// Hands in cavities of solids.
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "gliss/build/build_cache.h"
+#include "gliss/generate/generate.h"
+#include "gliss/query/contact_tracker.h"
+#include "gliss/query/query.h"
+#include "gliss/validate/validate.h"
+
+namespace gliss {
+namespace {
+
+// A ball of 20 mm with a cavity of 15, in which there is one of 10 with a cavity of 5.
+Mesh matryoshka() {
+  Mesh mesh = nested_balls({20, -15, 10, -5}, 6).mesh;
+  validate(mesh);
+  return mesh;
+}
+bool is_solid(double r) { return (r < 20 && r > 15) || (r < 10 && r > 5); }
+
+struct Case {
+  Precision precision;
+  Level::Kind level;
+  Construction construction;
+};
+class Cavities : public ::testing::TestWithParam<Case> {};
+
+TEST_P(Cavities, are_free_by_every_method) {
+  const Case& c = GetParam();
+  BuildOptions options;
+  options.precision = c.precision;
+  options.level = {c.level, c.level == Level::kTable ? kTableCells : 0, c.construction};
+  const PatchCache cache = build_cache(matryoshka(), options);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> uniform(-22, 22);
+  std::vector<Vec3> hips;
+  while (hips.size() < 2000) {
+    const Vec3 x(uniform(random), uniform(random), uniform(random));
+    const double r = x.norm(), wall = 5 * std::round(r / 5);
+    if (wall < 5 || wall > 20 || std::abs(r - wall) > 0.02 * wall) hips.push_back(x);
+  }
+  for (const Method method : {Method::kGregory, Method::kShaded, Method::kFlat}) {
+    QueryOptions query;
+    query.method = method;
+    std::vector<Contact> found(hips.size());
+    nearest(cache, hips, query, found);
+    int wrong = 0;
+    for (std::size_t i = 0; i < hips.size(); ++i)
+      wrong += found[i].touching != is_solid(hips[i].norm());
+    EXPECT_EQ(wrong, 0) << static_cast<int>(method);
+  }
+}
+
+TEST_P(Cavities, push_a_hand_away_from_their_walls) {
+  const Case& c = GetParam();
+  BuildOptions options;
+  options.precision = c.precision;
+  options.level = {c.level, c.level == Level::kTable ? kTableCells : 0, c.construction};
+  const PatchCache cache = build_cache(matryoshka(), options);
+  for (const Method method : {Method::kGregory, Method::kShaded, Method::kFlat}) {
+    QueryOptions query;
+    query.method = method;
+    ContactTracker tracker(cache, query);
+    const Vec3 way = Vec3(1, 2, 3).normalized();
+    // From within the outer cavity into its wall, back, and into the ball there.
+    for (double r = 12.5; r < 15.5; r += 0.05) {
+      const bool touches = tracker.tick(r * way).touching;
+      if (std::abs(r - 15) > 0.2) {
+        EXPECT_EQ(touches, r > 15) << r;
+      }
+    }
+    EXPECT_GT(tracker.tick(15.5 * way).push.dot(-way), 0.3);
+    for (double r = 15.5; r > 9.5; r -= 0.05) tracker.tick(r * way);
+    EXPECT_GT(tracker.tick(9.5 * way).push.dot(way), 0.3);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    , Cavities,
+    ::testing::Values(Case{Precision::kDouble, Level::kExact, Construction::kFair},
+                      Case{Precision::kFloat, Level::kExact, Construction::kFair},
+                      Case{Precision::kDouble, Level::kTable, Construction::kFair},
+                      Case{Precision::kFloat, Level::kBezier, Construction::kPaper}));
+
+}  // namespace
+}  // namespace gliss
