@@ -110,7 +110,8 @@ void check_positions(Mesh& mesh, Report& report) {
                p.x(), p.y(), p.z(),
                finite ? fmt::format("beyond {}", kMostCoordinate) : "not finite",
                used[v] ? "" : ", and belongs to no face");
-    if (!used[v]) p = mesh.positions[mesh.corner_vertex.front()];
+    if (used[v]) continue;
+    p = mesh.corner_vertex.empty() ? Vec3(0, 0, 0) : mesh.positions[mesh.corner_vertex.front()];
   }
 }
 
