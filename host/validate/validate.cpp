@@ -21,6 +21,8 @@
 //   repaired; an error with LoadOptions::strict
 //   non-finite            a vertex that no face uses; moved to one that is used
 //   huge-coordinate       likewise
+//   count-mismatch        a binary STL counts other triangles than its size has; those are read
+//   extra-data            a binary STL has bytes after its last triangle; skipped
 //   normal-index          no such normal; the corner gets one from the faces around
 //   too-few-vertices      a face with fewer than 3 distinct vertices; removed
 //   self-touching-face    a face that comes back to one of its vertices; cut there into several
