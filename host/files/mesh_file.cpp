@@ -28,7 +28,7 @@ constexpr bool is_text(std::string_view) { return false; }
 constexpr std::array kEndings{std::string_view(".obj"), std::string_view(".off"),
                               std::string_view(".ply"), std::string_view(".stl")};
 constexpr std::array<Format, kEndings.size()> kFormats{{{detail::read_obj, is_text},
-                                                        {detail::read_off, is_text},
+                                                        {detail::read_off, detail::is_binary_off},
                                                         {detail::read_ply, detail::is_binary_ply},
                                                         {detail::read_stl, detail::is_binary_stl}}};
 
@@ -76,6 +76,8 @@ void refuse_stand_ins(std::string_view text, Report& report) {
   if (begins("version https://git-lfs"))
     report.fail("unsupported", {},
                 "names a file of Git LFS, and is not it; 'git lfs pull' fetches it");
+  if (begins("\xff\xfe") || begins("\xfe\xff"))
+    report.fail("unsupported", {}, "is text in UTF-16; save it as UTF-8");
   if (begins("<!DOCTYPE") || begins("<!doctype") || begins("<html"))
     report.fail("unsupported", {}, "is a web page; download the file that it leads to");
 }

@@ -72,20 +72,18 @@ class ObjReader {
     if (has_groups_) mesh_.face_group.push_back(group_);
   }
 
-  // v, v/vt, v//vn or v/vt/vn
+  // v, v/vt, v//vn or v/vt/vn; vt and vn may be empty, as Wings3D writes them.
   void read_corner(std::string_view word) {
-    constexpr std::size_t kAbsent = std::string_view::npos;
-    const std::size_t slash = word.find('/');
-    const std::size_t second = slash == kAbsent ? kAbsent : word.find('/', slash + 1);
-    const std::string_view texture =
-        slash == kAbsent ? "0" : word.substr(slash + 1, second - slash - 1);
-    const bool no_texture = texture.empty() && second != kAbsent;
-    if (!no_texture && !parse_integer(texture)) fail_corner(word);
+    const std::size_t slash = std::min(word.find('/'), word.size()),
+                      second = std::min(word.find('/', slash + 1), word.size());
+    const auto from = [&](std::size_t at) { return word.substr(std::min(at + 1, word.size())); };
+    const std::string_view texture = from(slash).substr(0, second - slash - 1),
+                           normal = from(second);
+    if (!texture.empty() && !parse_integer(texture)) fail_corner(word);
     mesh_.corner_vertex.push_back(
         index(word.substr(0, slash), word, "vertex", "vertices", mesh_.positions.size()));
-    mesh_.corner_normal.push_back(second == kAbsent ? kNone
-                                                    : index(word.substr(second + 1), word, "normal",
-                                                            "normals", mesh_.normals.size()));
+    mesh_.corner_normal.push_back(
+        normal.empty() ? kNone : index(normal, word, "normal", "normals", mesh_.normals.size()));
   }
 
   // From 1 upwards, or from -1 (the latest one) downwards, to 0 upwards.
@@ -95,8 +93,8 @@ class ObjReader {
     if (!value) fail_corner(word);
     const std::int64_t index = *value < 0 ? static_cast<std::int64_t>(count) + *value : *value - 1;
     if (index < 0 || index >= static_cast<std::int64_t>(kNone)) {
-      report_.fail(fmt::format("{}-index", name), place(), "{} index {} is out of range ({} {})",
-                   name, printable(text), count, plural);
+      report_.fail(fmt::format("{}-index", name), place(), "{} index {} is out of range ({} {}){}",
+                   name, printable(text), count, plural, *value == 0 ? ": OBJ counts from 1" : "");
     }
     return static_cast<std::uint32_t>(index);
   }
@@ -218,7 +216,7 @@ Counts count_faces(std::string_view text, Report& report) {
 
 void read_obj(std::string_view text, Mesh& mesh, Report& report) {
   ObjReader(text, mesh, report).read();
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   const Counts counts = count_faces(text, report);
   if (counts.faces != mesh.face_count() || counts.corners != mesh.corner_vertex.size()) {
     report.fail("count-mismatch", {},

@@ -1,5 +1,5 @@
-// Object File Format: OFF, with colours (COFF), normals (NOFF) or both (NCOFF, CNOFF). One vertex
-// or face a line; what is on it must be accounted for.
+// Object File Format: OFF, with normals, colours and texture of the vertices ([ST][C][N]OFF), as
+// text or binary. What is on a line of text must be accounted for, and all bytes.
 #include <algorithm>
 
 #include "gliss/files/mesh_readers.h"
@@ -10,6 +10,7 @@ namespace {
 struct Columns {
   bool normals = false;
   bool colours = false;
+  bool texture = false;
 };
 
 Columns read_off_header(TextCursor& cursor, Report& report) {
@@ -18,6 +19,8 @@ Columns read_off_header(TextCursor& cursor, Report& report) {
   std::string_view prefix = header;
   if (prefix.ends_with("OFF")) {
     prefix.remove_suffix(3);
+    columns.texture = prefix.starts_with("ST");
+    if (columns.texture) prefix.remove_prefix(2);
     for (; !prefix.empty(); prefix.remove_prefix(1)) {
       bool& column = prefix[0] == 'N' ? columns.normals : columns.colours;
       if ((prefix[0] != 'N' && prefix[0] != 'C') || column) break;
@@ -25,31 +28,214 @@ Columns read_off_header(TextCursor& cursor, Report& report) {
     }
   }
   if (header.empty() || !prefix.empty()) {
-    // ST: texture, 4 and n: dimensions
+    // 4 and n: dimensions
     const bool foreign =
         header.ends_with("OFF") && prefix.find_first_not_of("STCN4n") == std::string_view::npos;
     report.fail(foreign ? "unsupported" : "syntax",
                 {.line = std::max<std::size_t>(1, cursor.line())},
-                "the header must be OFF, COFF or NOFF, not {}", quoted(header));
+                "the header must be OFF, COFF, NOFF or STOFF, not {}", quoted(header));
   }
   return columns;
 }
 
-// Colours are 3 or 4 numbers (a face may also have one index, or none).
-std::size_t skip_colour(TextCursor& cursor, bool of_face, Report& report) {
+// To the end of the line; at most so many.
+std::size_t skip_numbers(TextCursor& cursor, std::size_t most, Report& report) {
   std::size_t count = 0;
   for (std::string_view word = cursor.word(); !word.empty(); word = cursor.word(), ++count) {
-    if (!parse_number(word) || count == 4) {
+    if (!parse_number(word) || count == most) {
       report.fail("extra-data", {.line = cursor.line()}, "unexpected {}", quoted(word));
     }
-  }
-  if (count == 2 || (!of_face && count < 3)) {
-    report.fail("syntax", {.line = cursor.line()}, "a colour of {} numbers", count);
   }
   return count;
 }
 
+// Colours are 3 or 4 numbers, texture is 2 behind them.
+void skip_colour_and_texture(TextCursor& cursor, const Columns& columns, Report& report) {
+  const std::size_t texture = columns.texture ? 2 : 0, colour = columns.colours ? 4 : 0,
+                    count = skip_numbers(cursor, colour + texture, report);
+  if (count == colour + texture || (columns.colours && count + 1 == colour + texture)) return;
+  report.fail("syntax", {.line = cursor.line()}, "a {} of {} numbers",
+              !columns.texture   ? "colour"
+              : !columns.colours ? "texture"
+                                 : "colour and texture",
+              count);
+}
+
+// A vertex may go on over lines and share one with others, but where the first of a line is not
+// whole on it, it has to end with another one: a number is too many or missing otherwise. True if
+// any line has several.
+bool read_off_vertices(TextCursor& cursor, std::int64_t count, const Columns& columns, Mesh& mesh,
+                       Report& report) {
+  std::size_t before = 0;  // on the line of this vertex
+  bool share_lines = false;
+  for (std::int64_t i = 0; i < count; ++i) {
+    before = cursor.has_word() ? before + 1 : 0;
+    if (before == 0 && !cursor.next()) {
+      report.fail("truncated", {}, "the file ends after {} of {} vertices", i, count);
+    }
+    const std::size_t line = cursor.line();
+    add_vertex(cursor.numbers("coordinate"), line, mesh, report);
+    if (columns.normals) mesh.normals.push_back(cursor.vector("normal"));
+    share_lines |= before > 0;
+    const bool goes_on = cursor.line() != line;
+    if (goes_on && before == 1) {
+      report.fail("extra-data", {.line = line}, "a number too many after vertex {}", i - 1);
+    }
+    if (columns.colours || columns.texture) {
+      skip_colour_and_texture(cursor, columns, report);
+    } else if (goes_on && before == 0 && cursor.has_word()) {
+      report.fail("syntax", {.line = line}, "a number of vertex {} is missing", i);
+    }
+  }
+  cursor.end();
+  return share_lines;
+}
+
+// A face begins a line, and its colour ends one: 3 or 4 numbers, or an index, or nothing.
+void read_off_faces(TextCursor& cursor, std::int64_t count, bool after_shared_lines, Mesh& mesh,
+                    Report& report) {
+  const std::string_view sides_name =
+      after_shared_lines
+          ? "after lines of several vertices, or of columns that the header does not "
+            "name, the number of sides"
+          : "number of sides";
+  std::string goes_on;  // tells the first face that does so
+  for (std::int64_t i = 0; i < count; ++i) {
+    if (!cursor.next()) {
+      report.fail("truncated", {}, "the file ends after {} of {} faces{}", i, count, goes_on);
+    }
+    const std::size_t line = cursor.line();
+    const std::int64_t sides = cursor.integer(sides_name);
+    if (sides < 0) report.fail("syntax", {.line = line}, "a face of {} sides", sides);
+    for (std::int64_t k = 0; k < sides; ++k) {
+      const std::int64_t index = cursor.integer("vertex index");
+      mesh.corner_vertex.push_back(checked_index(index, mesh, cursor.line(), report));
+    }
+    if (cursor.line() != line && goes_on.empty()) {
+      goes_on =
+          fmt::format("; face {} goes on over line {}, or has fewer than {} sides", i, line, sides);
+    }
+    const std::size_t colour = skip_numbers(cursor, 4, report);
+    if (colour == 2) report.fail("syntax", {.line = cursor.line()}, "a colour of 2 numbers");
+    if (colour == 1) {  // or the number of sides is one too low
+      report.add(Severity::kWarning, "extra-columns",
+                 {.face = static_cast<std::uint32_t>(i), .line = cursor.line()},
+                 "the number after its vertices is taken for a colour");
+    }
+    end_face(mesh, line, report);
+  }
+  if (cursor.next()) {
+    report.fail("extra-data", {.line = cursor.line()},
+                "unexpected {} after the {} faces that the header counts", quoted(cursor.word()),
+                count);
+  }
+}
+
+// Geomview's numbers are big-endian, and each face ends with its colour. PMP writes those of its
+// machine, which is taken for little-endian, and no colours of faces.
+class BinaryOff {
+ public:
+  BinaryOff(std::string_view bytes, const Columns& columns, Mesh& mesh, Report& report)
+      : bytes_(bytes),
+        columns_(columns),
+        floats_(3 + (columns.normals ? 3 : 0) + (columns.colours ? 4 : 0) +
+                (columns.texture ? 2 : 0)),
+        mesh_(mesh),
+        report_(report) {
+    if (!has_room(std::endian::big) && has_room(std::endian::little)) order_ = std::endian::little;
+  }
+
+  void read() {
+    if (bytes_.size() < 3 * 4) report_.fail("truncated", {}, "the file ends before its counts");
+    const std::int64_t vertices = integer(), faces = integer();
+    integer();  // the number of edges is often wrong, and not needed
+    if (vertices < 0 || faces < 0) {
+      report_.fail("syntax", {}, "the header counts {} vertices and {} faces", vertices, faces);
+    }
+    read_items("vertices", vertices, [&] { read_vertex(); });
+    read_items("faces", faces, [&] { read_face(); });
+    if (!bytes_.empty()) {
+      report_.fail("extra-data", {}, "{} bytes after the {} faces that the header counts",
+                   bytes_.size(), faces);
+    }
+  }
+
+ private:
+  template <class T>
+  T take() {
+    const std::optional<T> number = take_number<T>(bytes_, order_);
+    if (!number) {
+      report_.fail("truncated", {}, "the file ends after {} of {} {}", done_.items, done_.of,
+                   done_.name);
+    }
+    return *number;
+  }
+  std::int64_t integer() { return take<std::int32_t>(); }
+
+  // True if there may be as many vertices as the first number says in this order.
+  bool has_room(std::endian order) const {
+    std::string_view bytes = bytes_;
+    const std::int64_t count = take_number<std::int32_t>(bytes, order).value_or(-1);
+    return count >= 0 && 4 * count * floats_ <= static_cast<std::int64_t>(bytes.size());
+  }
+
+  template <class Read>
+  void read_items(std::string_view name, std::int64_t count, const Read& read) {
+    for (std::int64_t i = 0; i < count; ++i) {
+      report_.poll();
+      done_ = {i, count, name};
+      read();
+    }
+  }
+
+  void read_vertex() {
+    std::array<float, 12> value{};
+    for (std::int64_t i = 0; i < floats_; ++i) value[i] = take<float>();
+    add_vertex({value[0], value[1], value[2]}, 0, mesh_, report_);
+    if (!columns_.normals) return;
+    const Vec3 normal(value[3], value[4], value[5]);
+    if (!normal.allFinite()) {
+      report_.fail("non-finite", {.vertex = static_cast<std::uint32_t>(mesh_.positions.size() - 1)},
+                   "normal ({}, {}, {}) is not finite", normal.x(), normal.y(), normal.z());
+    }
+    mesh_.normals.push_back(normal);
+  }
+
+  void read_face() {
+    const std::int64_t sides = integer();
+    if (sides < 0) report_.fail("syntax", place(), "{} sides", sides);
+    for (std::int64_t k = 0; k < sides; ++k) {
+      report_.poll();
+      mesh_.corner_vertex.push_back(checked_index(integer(), mesh_, 0, report_));
+    }
+    if (order_ == std::endian::big) {
+      const std::int64_t colour = integer();
+      if (colour < 0 || colour > 4)
+        report_.fail("syntax", place(), "a colour of {} numbers", colour);
+      for (std::int64_t k = 0; k < colour; ++k) take<float>();
+    }
+    end_face(mesh_, 0, report_);
+  }
+
+  Report::Place place() const { return {.face = static_cast<std::uint32_t>(mesh_.face_count())}; }
+
+  std::string_view bytes_;
+  Columns columns_;
+  std::int64_t floats_;  // of a vertex
+  Mesh& mesh_;
+  Report& report_;
+  std::endian order_ = std::endian::big;
+  struct {
+    std::int64_t items = 0, of = 0;
+    std::string_view name;
+  } done_;
+};
+
 }  // namespace
+
+bool is_binary_off(std::string_view text) {
+  return text.substr(0, text.find_first_of("\r\n")).find("OFF BINARY") != text.npos;
+}
 
 void read_off(std::string_view text, Mesh& mesh, Report& report) {
   TextCursor cursor(text, {.comment = '#'}, report);
@@ -58,49 +244,23 @@ void read_off(std::string_view text, Mesh& mesh, Report& report) {
   // The counts may follow the keyword on its line.
   std::string_view first = cursor.word();
   if (first == "BINARY") {
-    report.fail("unsupported", {.line = cursor.line()}, "binary OFF cannot be read");
-  }
-  if (first.empty() && !cursor.next())
-    report.fail("truncated", {}, "the file ends before its counts");
-  if (first.empty()) first = cursor.word();
-  const std::optional<std::int64_t> vertices = parse_integer(first);
-  if (!vertices || *vertices < 0) {
-    report.fail("syntax", {.line = cursor.line()}, "{} is no number of vertices", quoted(first));
-  }
-  const std::int64_t faces = cursor.integer("number of faces");
-  if (faces < 0) report.fail("syntax", {.line = cursor.line()}, "{} faces", faces);
-  if (!cursor.word().empty()) cursor.end();  // the number of edges is often wrong, and not needed
-
-  for (std::int64_t i = 0; i < *vertices; ++i) {
-    if (!cursor.next()) {
-      report.fail("truncated", {}, "the file ends after {} of {} vertices", i, *vertices);
-    }
-    add_vertex(cursor.numbers("coordinate"), cursor.line(), mesh, report);
-    if (columns.normals) mesh.normals.push_back(cursor.vector("normal"));
-    if (columns.colours) skip_colour(cursor, false, report);
     cursor.end();
-  }
-  for (std::int64_t i = 0; i < faces; ++i) {
-    if (!cursor.next()) {
-      report.fail("truncated", {}, "the file ends after {} of {} faces", i, faces);
+    BinaryOff(cursor.after_line(), columns, mesh, report).read();
+  } else {
+    if (first.empty() && !cursor.next())
+      report.fail("truncated", {}, "the file ends before its counts");
+    if (first.empty()) first = cursor.word();
+    const std::optional<std::int64_t> vertices = parse_integer(first);
+    if (!vertices || *vertices < 0) {
+      report.fail("syntax", {.line = cursor.line()}, "{} is no number of vertices", quoted(first));
     }
-    const std::int64_t sides = cursor.integer("number of sides");
-    if (sides < 0) report.fail("syntax", {.line = cursor.line()}, "a face of {} sides", sides);
-    for (std::int64_t k = 0; k < sides; ++k) {
-      const std::int64_t index = cursor.integer("vertex index");
-      mesh.corner_vertex.push_back(checked_index(index, mesh, cursor.line(), report));
-    }
-    if (skip_colour(cursor, true, report) == 1) {  // or the number of sides is one too low
-      report.add(Severity::kWarning, "extra-columns",
-                 {.face = static_cast<std::uint32_t>(i), .line = cursor.line()},
-                 "the number after its vertices is taken for a colour");
-    }
-    end_face(mesh, cursor.line(), report);
-  }
-  if (cursor.next()) {
-    report.fail("extra-data", {.line = cursor.line()},
-                "unexpected {} after the {} faces that the header counts", quoted(cursor.word()),
-                faces);
+    const std::int64_t faces = cursor.integer("number of faces");
+    if (faces < 0) report.fail("syntax", {.line = cursor.line()}, "{} faces", faces);
+    if (!cursor.word().empty()) cursor.end();  // the number of edges is often wrong, and not needed
+
+    cursor.read_on_over_lines();
+    const bool share_lines = read_off_vertices(cursor, *vertices, columns, mesh, report);
+    read_off_faces(cursor, faces, share_lines, mesh, report);
   }
   if (columns.normals) mesh.corner_normal = mesh.corner_vertex;
 }

@@ -1,10 +1,10 @@
 // Stanford PLY: ascii, little or big endian; vertices with x, y, z and nx, ny, nz, faces with
-// vertex_indices; every other element and property is stepped over.
+// vertex_indices, tristrips with the same; every other element and property is stepped over.
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
-#include <cstring>
+#include <utility>
 
 #include "gliss/files/mesh_readers.h"
 #include "gliss/files/ply_header.h"
@@ -89,13 +89,10 @@ class Body {
  private:
   template <class T>
   T take() {
-    if (bytes_.size() < sizeof(T)) fail_truncated();
-    std::array<char, sizeof(T)> bytes;
-    std::memcpy(bytes.data(), bytes_.data(), sizeof(T));
-    bytes_.remove_prefix(sizeof(T));
-    const bool big_here = std::endian::native == std::endian::big;
-    if ((encoding_ == Encoding::kBig) != big_here) std::reverse(bytes.begin(), bytes.end());
-    return std::bit_cast<T>(bytes);
+    const std::optional<T> number = take_number<T>(
+        bytes_, encoding_ == Encoding::kBig ? std::endian::big : std::endian::little);
+    if (!number) fail_truncated();
+    return *number;
   }
 
   [[noreturn]] void fail_item(const std::string& what) {
@@ -168,14 +165,32 @@ void read_vertices(Body& body, const Element& element, Mesh& mesh, Report& repor
   }
 }
 
+// The triangles of a strip as its vertices come: the last three make one, and every second one is
+// turned. Those that name a vertex twice only lead to the next.
+struct Strip {
+  std::array<std::uint32_t, 2> last{};
+  std::size_t count = 0;
+
+  void add(std::uint32_t vertex, std::size_t line, Mesh& mesh, Report& report) {
+    auto [a, b] = std::exchange(last, {last[1], vertex});
+    if (++count < 3 || a == b || b == vertex || a == vertex) return;
+    if (count % 2 == 0) std::swap(a, b);
+    mesh.corner_vertex.insert(mesh.corner_vertex.end(), {a, b, vertex});
+    end_face(mesh, line, report);
+  }
+};
+
+// Faces, or strips of triangles, which -1 parts.
 void read_faces(Body& body, const Element& element, Mesh& mesh, Report& report) {
+  const bool strips = element.name == "tristrips";
   const auto is_loop = [](const Property& property) {
     return property.is_list && is_integer(property.type) &&
            (property.name == "vertex_indices" || property.name == "vertex_index");
   };
   if (std::count_if(element.properties.begin(), element.properties.end(), is_loop) != 1) {
     report.fail("syntax", {.line = element.line},
-                "the faces must have one list of integers called vertex_indices");
+                "the {} must have one list of integers called vertex_indices",
+                strips ? "tristrips" : "faces");
   }
   for (std::int64_t item = 0; item < element.count; ++item) {
     body.begin_item(element, item);
@@ -184,13 +199,23 @@ void read_faces(Body& body, const Element& element, Mesh& mesh, Report& report) 
         skip(body, property);
         continue;
       }
+      Strip strip;
       for (std::int64_t left = body.length(property); left > 0; --left) {
-        mesh.corner_vertex.push_back(
-            checked_index(body.integer(property.type), mesh, body.line(), report));
+        const std::int64_t index = body.integer(property.type);
+        if (strips && index == -1) {
+          strip = Strip();
+          continue;
+        }
+        const std::uint32_t vertex = checked_index(index, mesh, body.line(), report);
+        if (strips) {
+          strip.add(vertex, body.line(), mesh, report);
+        } else {
+          mesh.corner_vertex.push_back(vertex);
+        }
       }
     }
     body.end_item();
-    end_face(mesh, body.line(), report);
+    if (!strips) end_face(mesh, body.line(), report);
   }
 }
 
@@ -208,10 +233,8 @@ void read_ply(std::string_view text, Mesh& mesh, Report& report) {
   for (const Element& element : header.elements) {
     if (element.name == "vertex") {
       read_vertices(body, element, mesh, report);
-    } else if (element.name == "face") {
+    } else if (element.name == "face" || element.name == "tristrips") {
       read_faces(body, element, mesh, report);
-    } else if (element.name == "tristrips" && element.count > 0) {
-      report.fail("unsupported", {.line = element.line}, "triangle strips cannot be read");
     } else {
       if (element.properties.empty() && element.count > 0) {
         report.fail("syntax", {.line = element.line}, "element {} has no properties",

@@ -97,7 +97,7 @@ void end_face(Mesh& mesh, std::size_t line, Report& report) {
 
 TextCursor::TextCursor(std::string_view text, Syntax syntax, Report& report)
     : at_(text.data()), end_(text.data() + text.size()), syntax_(syntax), report_(report) {
-  if (text.starts_with("\xEF\xBB\xBF")) at_ += 3;  // byte order mark
+  if (text.starts_with(kByteOrderMark)) at_ += kByteOrderMark.size();
 }
 
 bool TextCursor::at_join(const char* at) const {
@@ -163,7 +163,8 @@ std::string_view TextCursor::after_line() {
 }
 
 std::string_view TextCursor::required(std::string_view what) {
-  const std::string_view found = word();
+  std::string_view found = word();
+  if (found.empty() && over_lines_ && next()) found = word();
   if (found.empty()) report_.fail("syntax", {.line = line()}, "{} is missing", what);
   return found;
 }

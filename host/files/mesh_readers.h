@@ -2,8 +2,12 @@
 // without the locale, and the entry point of each format. Private to host/.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -21,6 +25,7 @@ void read_ply(std::string_view text, Mesh& mesh, Report& report);
 void read_stl(std::string_view text, Mesh& mesh, Report& report);
 
 // True if what follows the head of such a file has no lines. The first 84 bytes are enough.
+bool is_binary_off(std::string_view text);
 bool is_binary_ply(std::string_view text);
 bool is_binary_stl(std::string_view text);
 
@@ -28,6 +33,17 @@ bool is_binary_stl(std::string_view text);
 // is beyond the type becomes its nearest value: an infinity, 0, or the last integer.
 std::optional<double> parse_number(std::string_view word);
 std::optional<std::int64_t> parse_integer(std::string_view word);
+
+// Takes a number off the front of the bytes; none: they are too few.
+template <class T>
+std::optional<T> take_number(std::string_view& bytes, std::endian order) {
+  if (bytes.size() < sizeof(T)) return std::nullopt;
+  std::array<char, sizeof(T)> number;
+  std::memcpy(number.data(), bytes.data(), sizeof(T));
+  bytes.remove_prefix(sizeof(T));
+  if (order != std::endian::native) std::reverse(number.begin(), number.end());
+  return std::bit_cast<T>(number);
+}
 
 // A word of the file as messages show it: without control characters, and short.
 std::string printable(std::string_view word);
@@ -46,6 +62,8 @@ void end_face(Mesh& mesh, std::size_t line, Report& report);
 // True between the words of a statement.
 constexpr bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
 
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // of UTF-8
+
 // Walks statement by statement (a line with words on it, of any line ending), word by word.
 class TextCursor {
  public:
@@ -58,8 +76,12 @@ class TextCursor {
 
   bool next();              // to the first word of the next statement; false: there is none
   std::string_view word();  // the next word of this statement; empty: there is none
+  bool has_word() { return in_statement_ && at_word(); }
   std::size_t line() const { return statement_line_; }  // where the statement starts, 1-based
   std::string_view after_line();                        // what follows the line of this statement
+
+  // From now on the numbers below may stand on a later line, which is the statement then.
+  void read_on_over_lines() { over_lines_ = true; }
 
   // The next word as what it has to be; a bad or missing one fails with `what` in the message.
   double number(std::string_view what);
@@ -82,6 +104,7 @@ class TextCursor {
   std::size_t line_ = 1;
   std::size_t statement_line_ = 0;
   bool in_statement_ = false;
+  bool over_lines_ = false;
   bool lone_returns_ = false;  // end the lines, without line feeds
 };
 

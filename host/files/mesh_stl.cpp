@@ -1,9 +1,7 @@
 // STL, binary or ascii: triangles that share nothing. Corners at one place become one vertex. The
 // normals of facets are skipped, for those of a smooth surface are made; so are colours.
-#include <array>
-#include <bit>
+#include <algorithm>
 #include <cctype>
-#include <cstring>
 
 #include "gliss/base/hash_index.h"
 #include "gliss/files/mesh_readers.h"
@@ -19,10 +17,11 @@ std::string in_small_letters(std::string_view word) {
   return text;
 }
 
-std::uint32_t little_endian(const char* bytes) {
-  std::uint32_t value = 0;
-  for (int i = 3; i >= 0; --i) value = value << 8 | static_cast<unsigned char>(bytes[i]);
-  return value;
+// A number of type T at a place of the text.
+template <class T>
+T little_endian(std::string_view text, std::size_t at) {
+  text.remove_prefix(at);
+  return *take_number<T>(text, std::endian::little);
 }
 
 void add_corner(const Vec3& position, std::size_t line, Mesh& mesh, Report& report) {
@@ -34,29 +33,74 @@ void add_corner(const Vec3& position, std::size_t line, Mesh& mesh, Report& repo
   mesh.positions.push_back(position);
 }
 
-// A count of triangles, then for each a normal, three corners (float) and two bytes of anything.
+// The attributes behind a triangle: how many bytes follow, or often a colour and none.
+std::size_t attribute_of(std::string_view text, std::size_t triangle_at) {
+  return little_endian<std::uint16_t>(text, triangle_at + kTriangle - 2);
+}
+
+// True if the attributes of so many triangles announce just the bytes that the file has.
+bool has_payload(std::string_view text, std::size_t count, Report& report) {
+  std::size_t at = kHead;
+  for (std::size_t i = 0; i < count; ++i) {
+    report.poll();
+    if (at + kTriangle > text.size()) return false;
+    at += kTriangle + attribute_of(text, at);
+  }
+  return at == text.size();
+}
+
+// How many triangles are in a file without payload. Some programs leave the count at 0, or are
+// wrong by one, and some append what they like; the size tells them apart.
+std::size_t count_triangles(std::string_view text, std::size_t said, Report& report) {
+  const std::size_t bytes = text.size() - kHead, held = bytes / kTriangle;
+  if (bytes == said * kTriangle) return said;
+  if (bytes % kTriangle == 0 && said <= held + 1) {
+    report.add(report.mended, "count-mismatch", {},
+               "the header counts {} triangles, but the size of the file is that of {}; these are "
+               "read",
+               said, held);
+    return held;
+  }
+  if (said == 0) {
+    report.fail("truncated", {}, "the header counts 0 triangles, and the file ends in triangle {}",
+                held);
+  }
+  if (said > held) report.fail("truncated", {}, "the file ends in triangle {} of {}", held, said);
+
+  const std::size_t extra = bytes - said * kTriangle;
+  for (std::size_t i = 0; i < said; ++i) {
+    report.poll();
+    const std::size_t attribute = attribute_of(text, kHead + i * kTriangle);
+    if (attribute == 0) continue;
+    if (attribute > extra) break;  // a colour
+    report.fail("extra-data", {.face = static_cast<std::uint32_t>(i)},
+                "{} bytes of attributes are announced, but those of all {} triangles do not fit "
+                "the size of the file; export it without attributes",
+                attribute, said);
+  }
+  report.add(report.mended, "extra-data", {}, "{} bytes after the last of {} triangles are skipped",
+             extra, said);
+  return said;
+}
+
+// A count of triangles, then for each a normal, three corners (float) and two bytes of attributes.
 void read_binary(std::string_view text, Mesh& mesh, Report& report) {
   if (text.size() < kHead) {
     report.fail("syntax", {}, "neither begins with 'solid' nor has the head of a binary STL");
   }
-  const std::size_t count = little_endian(&text[80]);
-  for (std::size_t i = 0; i < count; ++i) {
+  const std::size_t said = little_endian<std::uint32_t>(text, kHead - 4);
+  const bool payload = text.size() != kHead + said * kTriangle && has_payload(text, said, report);
+  const std::size_t count = payload ? said : count_triangles(text, said, report);
+  for (std::size_t i = 0, at = kHead; i < count; ++i, at += kTriangle) {
     report.poll();
-    const std::size_t at = kHead + i * kTriangle;
-    if (text.size() < at + kTriangle) {
-      report.fail("truncated", {}, "the file ends in triangle {} of {}", i, count);
-    }
     for (std::size_t corner = 0; corner < 3; ++corner) {
-      std::array<float, 3> p;
+      Vec3 p;
       for (std::size_t k = 0; k < 3; ++k)
-        p[k] = std::bit_cast<float>(little_endian(&text[at + 12 * (corner + 1) + 4 * k]));
-      add_corner({p[0], p[1], p[2]}, 0, mesh, report);
+        p[k] = little_endian<float>(text, at + 12 * (corner + 1) + 4 * k);
+      add_corner(p, 0, mesh, report);
     }
     end_face(mesh, 0, report);
-  }
-  if (const std::size_t end = kHead + count * kTriangle; text.size() > end) {
-    report.fail("extra-data", {}, "{} bytes after the last of {} triangles", text.size() - end,
-                count);
+    if (payload) at += attribute_of(text, at);
   }
 }
 
@@ -70,7 +114,9 @@ void read_ascii(std::string_view text, Mesh& mesh, Report& report) {
                 open.empty() ? "before 'solid'" : fmt::format("within '{}'", open));
   };
   while (cursor.next()) {
-    const std::string keyword = in_small_letters(cursor.word());
+    std::string keyword = in_small_letters(cursor.word());
+    if (keyword == "end" || keyword == "outerloop")  // written apart, or together
+      keyword = keyword == "end" ? "end" + in_small_letters(cursor.word()) : "outer";
     if (keyword == "vertex") {
       expect("outer", keyword);
       add_corner(cursor.numbers("coordinate"), cursor.line(), mesh, report);
@@ -110,8 +156,11 @@ void join_corners(Mesh& mesh, Report& report) {
 }  // namespace
 
 bool is_binary_stl(std::string_view text) {
-  return in_small_letters(text.substr(0, 5)) != "solid" ||
-         text.substr(0, kHead).find('\0') != text.npos;
+  text = text.substr(0, kHead);
+  const bool has_nul = text.find('\0') != text.npos;
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
+  text.remove_prefix(std::min(text.find_first_not_of(" \t\r\n"), text.size()));
+  return has_nul || in_small_letters(text.substr(0, 5)) != "solid";
 }
 
 void read_stl(std::string_view text, Mesh& mesh, Report& report) {

@@ -21,6 +21,8 @@
 //   repaired; an error with LoadOptions::strict
 //   non-finite            a vertex that no face uses; moved to one that is used
 //   huge-coordinate       likewise
+//   count-mismatch        a binary STL counts other triangles than its size has; those are read
+//   extra-data            a binary STL has bytes after its last triangle; skipped
 //   normal-index          no such normal; the corner gets one from the faces around
 //   too-few-vertices      a face with fewer than 3 distinct vertices; removed
 //   self-touching-face    a face that comes back to one of its vertices; cut there into several
@@ -121,7 +123,8 @@ void check_positions(Mesh& mesh, Report& report) {
                p.x(), p.y(), p.z(),
                finite ? fmt::format("beyond {}", kMostCoordinate) : "not finite",
                used[v] ? "" : ", and belongs to no face");
-    if (!used[v]) p = mesh.positions[mesh.corner_vertex.front()];
+    if (used[v]) continue;
+    p = mesh.corner_vertex.empty() ? Vec3(0, 0, 0) : mesh.positions[mesh.corner_vertex.front()];
   }
 }
 

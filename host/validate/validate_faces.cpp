@@ -94,7 +94,7 @@ void refuse_faces(Mesh& mesh, Report& report) {
                  "{} sides, at most {} are possible", mesh.valence(face), kMaxValence);
     } else if (twice != sorted.end() && distinct < mesh.valence(face)) {
       report.add(Severity::kError, "self-touching-face", {.face = face, .vertex = *twice},
-                 "comes back to vertex {}", *twice);
+                 "comes back to vertex {}; export it with its faces cut into triangles", *twice);
     } else {
       is_refused = false;
     }

@@ -183,7 +183,7 @@ TEST_F(ValidateTest, faces_without_extent_are_refused_where_it_is_strict) {
   EXPECT_EQ(refusal("a.obj", vertices + "f 1 2 4 5", kStrict),
             "a.obj:6: face 0: the side from vertex 1 to 3 has no length");
   EXPECT_EQ(refusal("a.obj", vertices + "f 1 2 5 1 3 5", kStrict),
-            "a.obj:6: face 0: comes back to vertex 0");
+            "a.obj:6: face 0: comes back to vertex 0; export it with its faces cut into triangles");
 }
 
 // ---- Mended -------------------------------------------------------------------------------------
@@ -200,6 +200,8 @@ TEST_F(ValidateTest, a_file_without_any_sound_face_is_refused) {
   EXPECT_EQ(refusal("a.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"),
             "a.obj: no face of the file is left");
   EXPECT_EQ(count("zero-area-face"), 1u);
+  // Nor is there a vertex to which the one without a place could be moved.
+  EXPECT_EQ(refusal("a.obj", "v 0 0 0\nv nan 0 0\nf\n"), "a.obj: no face of the file is left");
 }
 
 TEST_F(ValidateTest, faces_of_two_vertices_are_removed_and_named) {
