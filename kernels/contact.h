@@ -44,11 +44,17 @@ FN real3 normal_of_foot(surface_view view, foot f) {
              : load3(numbers_of(view, f.patch), PATCH_NORMAL);
 }
 
-// The angle between two directions to 0.2 %, by sqrt alone: that of its eighth is nearly its chord.
+// The angle between two directions, by sqrt alone: of its sixteenth the sine, and from that the
+// angle to 1e-7.
 FN real angle_between(real3 a, real3 b) {
-  real c = dot3(unit3(a), unit3(b));
-  for (int i = 0; i < 3; ++i) c = sqrt(larger(K(1) + c, K(0)) / K(2));
-  return K(8) * sqrt(larger(K(2) - K(2) * c, K(0)));
+  const real3 u = unit3(a), v = unit3(b);
+  real sine = norm3(sub3(u, v)) / K(2), cosine = norm3(add3(u, v)) / K(2);
+  for (int i = 0; i < 3; ++i) {
+    cosine = sqrt((K(1) + cosine) / K(2));
+    sine /= K(2) * cosine;
+  }
+  const real s2 = sine * sine;
+  return K(16) * sine * fma(s2, fma(s2, fma(s2, K(5) / K(112), K(3) / K(40)), K(1) / K(6)), K(1));
 }
 
 // The normal of the corner at which `side` starts, its length the angle there.
@@ -144,31 +150,99 @@ FN contact contact_of_foot(surface_view view, foot f, effort* spent) {
   return f.flags & FOOT_BORDER ? past_border(c, c.normal) : c;
 }
 
-// True if the nearest point of a base polygon lies on an open border.
+// True if a point of the polygons lies on an open border.
 FN int is_on_border(surface_view view, base_point b) {
-  const polygon_place place = place_on_polygon(valence_of(view, b.patch), b.at);
-  const uint first = view.side_begin[b.patch];
-  if (place.side >= 0) return view.side_twin[first + (uint)place.side] == NONE;
-  return place.corner >= 0 && is_border_vertex(view, first + (uint)place.corner);
+  const polygon_sides s = polygon_of(view, b.patch, b.whole);
+  const polygon_place place = place_on_polygon(s.n, b.at);
+  if (place.side >= 0) return view.side_twin[s.first + (uint)place.side * s.stride] == NONE;
+  return place.corner >= 0 && is_border_vertex(view, s.first + (uint)place.corner * s.stride);
 }
 
-// The normal of the triangle of its polygon that a point lies on.
-FN real3 triangle_normal(surface_view view, base_point b) {
-  const real3 a = polygon_corner(view, b.patch, b.at.i);
-  const real3 normal = cross3(sub3(polygon_corner(view, b.patch, b.at.j), a),
-                              sub3(polygon_corner(view, b.patch, b.at.k), a));
-  return norm3(normal) > TINY ? unit3(normal) : load3(numbers_of(view, b.patch), PATCH_NORMAL);
+// The unit normal of a triangle of a polygon.
+FN real3 triangle_normal(surface_view view, uint patch, polygon_sides s, triangle_corners c) {
+  const real3 a = polygon_corner(view, patch, s, c.i);
+  const real3 normal = cross3(sub3(polygon_corner(view, patch, s, c.j), a),
+                              sub3(polygon_corner(view, patch, s, c.k), a));
+  return norm3(normal) > TINY ? unit3(normal) : load3(numbers_of(view, patch), PATCH_NORMAL);
 }
 
+// That of the triangle with an edge from corner `from` to `to`; none where there is none.
+FN_LARGE real3 normal_beside(surface_view view, uint patch, int from, int to) {
+  const polygon_sides s = polygon_of(view, patch, 1);
+  for (int t = 0; t < s.triangles; ++t) {
+    int own = t;
+    const uint holder = holder_of(view, s, patch, &own);
+    const triangle_corners c = triangle_of(view, holder, own, 1);
+    if ((c.i == from && c.j == to) || (c.j == from && c.k == to) || (c.k == from && c.i == to))
+      return triangle_normal(view, patch, s, c);
+  }
+  return zero3();
+}
+
+// The sum of the normals of the triangles of a polygon at a corner of it, by their angles there.
+FN_LARGE real3 normals_at(surface_view view, uint patch, polygon_sides s, int corner) {
+  const real3 at = polygon_corner(view, patch, s, corner);
+  real3 sum = zero3();
+  for (int t = 0; t < s.triangles; ++t) {
+    int own = t;
+    const uint holder = holder_of(view, s, patch, &own);
+    const triangle_corners c = triangle_of(view, holder, own, 1);
+    if ((c.i != corner && c.j != corner && c.k != corner) || c.i == c.j) continue;
+    const int a = c.i == corner   ? c.j
+                  : c.j == corner ? c.k
+                                  : c.i,
+              b = c.i == corner   ? c.k
+                  : c.j == corner ? c.i
+                                  : c.j;
+    const real angle = angle_between(sub3(polygon_corner(view, patch, s, a), at),
+                                     sub3(polygon_corner(view, patch, s, b), at));
+    sum = fma3(angle, triangle_normal(view, patch, s, c), sum);
+  }
+  return sum;
+}
+
+// The outward normal of the polygons at a point of theirs, unit: of its triangle, or the sum of
+// those that meet there, at a corner by angle. It tells inside from outside (Baerentzen and Aanaes
+// 2005), whatever the vertex normals are.
+FN_LARGE real3 polygon_normal(surface_view view, base_point b) {
+  const polygon_sides s = polygon_of(view, b.patch, 1);
+  const triangle_place place = place_on_triangle(b.at);
+  const triangle_corners own = {b.at.i, b.at.j, b.at.k};
+  if (place.corner >= 0) {
+    const uint start = s.first + (uint)place.corner * s.stride;
+    real3 sum = normals_at(view, b.patch, s, place.corner);
+    fan_walk fan = start_fan(start);
+    for (uint at = next_in_fan(view, &fan); at != NONE; at = next_in_fan(view, &fan)) {
+      const uint patch = view.side_patch[at];
+      const polygon_sides beside = polygon_of(view, patch, 1);
+      const uint from_first = at - beside.first;
+      if (from_first % beside.stride == 0)  // else it leads to the centre
+        sum = add3(sum, normals_at(view, patch, beside, (int)(from_first / beside.stride)));
+    }
+    return unit3(sum);
+  }
+  const real3 normal = triangle_normal(view, b.patch, s, own);
+  if (place.from < 0) return normal;
+  if (wrap(place.from + 1, s.n) != place.to)  // a diagonal
+    return unit3(add3(normal, normal_beside(view, b.patch, place.to, place.from)));
+  const uint twin = view.side_twin[s.first + (uint)place.from * s.stride];
+  if (twin == NONE) return normal;
+  const uint patch = view.side_patch[twin];
+  const polygon_sides beside = polygon_of(view, patch, 1);
+  const int k = (int)((twin - beside.first) / beside.stride);
+  return unit3(add3(normal, normal_beside(view, patch, k, wrap(k + 1, beside.n))));
+}
+
+// The contact at a point of the polygons themselves.
 FN contact contact_of_base(surface_view view, hip_point h, base_point b, polygon_blend blend,
                            int method) {
-  const real3 r = sub3(b.at.p, local_hip(view, h, b.patch));
+  const real3 r = sub3(b.at.p, local_hip(view, h, b.patch)), normal = polygon_normal(view, b);
   contact c = contact_at(method, b.patch, blend.xi, blend.eta, b.at.p, unit3(blend.normal),
                          mul3(numbers_of(view, b.patch)[PATCH_UNSCALE], r));
-  c.state = dot3(r, c.normal) > K(0) ? CONTACT_TOUCHING : CONTACT_FREE;
+  c.state = dot3(r, normal) > K(0) ? CONTACT_TOUCHING : CONTACT_FREE;
   if (is_on_border(view, b)) {
     c.flags |= FOOT_BORDER;
-    c = past_border(c, triangle_normal(view, b));
+    c = past_border(c, normal);
   }
   if (method == METHOD_SHADED) c.push = mul3(norm3(c.push), c.normal);
   return c;
@@ -216,8 +290,15 @@ FN_LARGE contact nearest_contact_from(surface_view view, hip_point h, const foot
   return c;
 }
 
+// `base`: of the polygons, or else of the patches'.
 FN contact nearest_contact_of_base(surface_view view, hip_point h, base_point base,
                                    polygon_blend blend, int method) {
+  if (HAS_FANS(view) && !base.whole) {
+    near_patches near;
+    base = nearest_base(view, h, base.patch, 0, &near);
+    blend = blend_on_polygon(view, base);
+  }
+  base.whole = 1;
   contact c = contact_of_base(view, h, base, blend, method);
   c.clear = norm3(c.offset);
   return within_reach(h, c);
@@ -247,7 +328,7 @@ FN_LARGE contact track_contact(surface_view view, hip_point h, contact last,
                                track_options options) {
   if (last.method != METHOD_GREGORY) {
     const base_point base = track_base(view, h, last.patch, options.max_iterations);
-    const polygon_blend blend = blend_on_polygon(view, base.patch, base.at);
+    const polygon_blend blend = blend_on_polygon(view, base);
     return within_reach(h, contact_of_base(view, h, base, blend, last.method));
   }
   const domain_point at = {last.patch, last.xi, last.eta};
@@ -292,7 +373,7 @@ FN contact tick(surface_view view, hip_point h, contact last, track_options opti
   if (last.state != CONTACT_TOUCHING) {
     near_patches near;
     const base_point base = nearest_base(view, h, last.patch, last.method == METHOD_GREGORY, &near);
-    const polygon_blend blend = blend_on_polygon(view, base.patch, base.at);
+    const polygon_blend blend = blend_on_polygon(view, base);
     return nearest_contact(view, h, base, blend, &near, last.method, options);
   }
   return last.warm && options.solver == SOLVER_NEWTON ? follow_contact(view, h, last, options)

@@ -98,6 +98,19 @@
 // square.
 #define SPANS_A_PLANE(across, longest2, epsilon) ((across) > 8 * (epsilon) * (longest2))
 
+// What a surface has: bits of domain_begin[0].
+#define SURFACE_CREASES 1u
+#define SURFACE_FANS 2u
+
+// A face may be cut into patches round a centre, patch k at side k. The base polygon of each is a
+// triangle that need not lie on the face's polygon, so its patches hold the triangles of that too,
+// in any order: in place of a patch's own triangle, 0 1 2, stand this bit with three corners of the
+// face, FAN_BITS each; then the first side of the face's first patch, and the number of its sides.
+// For two of the patches there is no triangle left: theirs is a corner, three times.
+#define FAN_PIECE 0x80000000u
+#define FAN_BITS 7
+#define FAN_CORNER 127u
+
 // Numbers of a hierarchy node: the boxes of its two children, mesh frame, low and high corner each.
 #define NODE_REALS 12
 #define NODE_LEAF 0x80000000u  // a child with this bit is a patch

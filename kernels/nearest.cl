@@ -14,7 +14,7 @@ __kernel GROUP void nearest(SURFACE_ARGUMENTS, uint count, __global const scalar
   const hip_point h = load_hip(hip + i, count);
   near_patches near;
   const base_point base = nearest_base(view, h, 0u, 1, &near);
-  const polygon_blend blend = blend_on_polygon(view, base.patch, base.at);
+  const polygon_blend blend = blend_on_polygon(view, base);
   for (uint m = 0; m < method_count; ++m) {
     const ulong at = m * (ulong)count + i;
     spent = begin_effort(budget);

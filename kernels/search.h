@@ -1,16 +1,11 @@
 // The two queries, for the Gregory surface and for its base polygons: the nearest point of all, and
 // the local one that a contact follows.
 
-typedef struct {
-  uint patch;
-  polygon_point at;
-  real distance2;  // squared, mesh frame
-} base_point;
-
-FN base_point base_point_on(surface_view view, hip_point h, uint patch) {
+FN base_point base_point_on(surface_view view, hip_point h, uint patch, int whole) {
   base_point b;
   b.patch = patch;
-  b.at = nearest_on_polygon(view, patch, local_hip(view, h, patch));
+  b.whole = whole;
+  b.at = nearest_on_polygon(view, patch, local_hip(view, h, patch), whole);
   const real unscale = numbers_of(view, patch)[PATCH_UNSCALE];
   b.distance2 = b.at.distance2 * unscale * unscale;
   return b;
@@ -80,9 +75,9 @@ FN void set_limits(surface_view view, base_search* s, real slack) {
   s->reach2 = smaller(s->reach2, square(fma(numbers[PATCH_SAG], numbers[PATCH_UNSCALE], distance)));
 }
 
-FN base_search start_base_search(surface_view view, hip_point h, uint guess) {
+FN base_search start_base_search(surface_view view, hip_point h, uint guess, int whole) {
   base_search s;
-  s.at = base_point_on(view, h, guess);
+  s.at = base_point_on(view, h, guess, whole);
   s.reach2 = K(INFINITY);
   set_limits(view, &s, box_slack(h));
   return s;
@@ -90,24 +85,25 @@ FN base_search start_base_search(surface_view view, hip_point h, uint guess) {
 
 // Tries the base polygon of another patch.
 FN void try_base(surface_view view, hip_point h, uint patch, base_search* s) {
-  const base_point b = base_point_on(view, h, patch);
+  const base_point b = base_point_on(view, h, patch, s->at.whole);
   if (!comes_before(b.distance2, patch, s->at.distance2, s->at.patch)) return;
   s->at = b;
   set_limits(view, s, box_slack(h));
 }
 
 // Nearest point of all base polygons, of those as near the first patch's; that on patch 0 where the
-// HIP is not a number or so far away that its distance may overflow. Where patches are asked for,
-// also those that may hold a point as near as the patch there is expected to. `guess`: a patch that
+// HIP is not a number or so far away that its distance may overflow. Where patches are asked for
+// (keeps), of the patches' own base polygons, and also those patches that may hold a point as near
+// as the patch there is expected to; else of the polygons themselves. `guess`: a patch that
 // may be near; it makes the walk shorter, and no difference to what is found. `part`: the patches
 // of that part alone, which `guess` is one of; NONE: all.
 FN_LARGE base_point nearest_base_of(surface_view view, hip_point h, uint guess, uint part,
                                     int keeps, near_patches* near) {
   near->count = 0;
   near->complete2 = K(0);
-  if (!(reach_of_hip(h) <= FAR_AWAY)) return base_point_on(view, h, 0u);
+  if (!(reach_of_hip(h) <= FAR_AWAY)) return base_point_on(view, h, 0u, !keeps);
   walk w = start_walk(view);
-  base_search s = start_base_search(view, h, guess);
+  base_search s = start_base_search(view, h, guess, !keeps);
   if (keeps) near->complete2 = K(INFINITY);
   for (;;) {
     const real limit2 = keeps ? s.reach2 : s.nearer2;
@@ -127,22 +123,32 @@ FN base_point nearest_base(surface_view view, hip_point h, uint guess, int keeps
   return nearest_base_of(view, h, guess, NONE, keeps, near);
 }
 
-// A base polygon that is nearer to the HIP than `from`, across the side or round the corner that
-// holds it (the best of the fan); `from` itself where there is none.
+// The nearest point of the polygon of a face, of which a patch is given.
+FN_LARGE base_point point_on_face(surface_view view, hip_point h, uint patch) {
+  const polygon_sides s = polygon_of(view, patch, 1);
+  base_point best = base_point_on(view, h, patch, 1);
+  for (int k = 0; s.stride > 1 && k < s.n; ++k) {
+    const base_point b = base_point_on(view, h, view.side_patch[s.first + 3 * (uint)k], 1);
+    if (b.distance2 < best.distance2) best = b;
+  }
+  return best;
+}
+
+// A face that is nearer to the HIP than `from`, across the side or round the corner that holds it
+// (the best of the fan); `from` itself where there is none.
 FN base_point nearer_neighbour(surface_view view, hip_point h, base_point from) {
-  const int n = valence_of(view, from.patch);
-  const polygon_place place = place_on_polygon(n, from.at);
-  const uint first = view.side_begin[from.patch];
+  const polygon_sides s = polygon_of(view, from.patch, 1);
+  const polygon_place place = place_on_polygon(s.n, from.at);
   base_point best = from;
   if (place.side >= 0) {
-    const uint twin = view.side_twin[first + (uint)place.side];
+    const uint twin = view.side_twin[s.first + (uint)place.side * s.stride];
     if (twin == NONE) return from;
-    const base_point b = base_point_on(view, h, view.side_patch[twin]);
+    const base_point b = point_on_face(view, h, view.side_patch[twin]);
     if (b.distance2 < best.distance2) best = b;
   } else if (place.corner >= 0) {
-    fan_walk fan = start_fan(first + (uint)place.corner);
+    fan_walk fan = start_fan(s.first + (uint)place.corner * s.stride);
     for (uint at = next_in_fan(view, &fan); at != NONE; at = next_in_fan(view, &fan)) {
-      const base_point b = base_point_on(view, h, view.side_patch[at]);
+      const base_point b = point_on_face(view, h, view.side_patch[at]);
       if (b.distance2 < best.distance2) best = b;
     }
   }
@@ -152,7 +158,7 @@ FN base_point nearer_neighbour(surface_view view, hip_point h, base_point from) 
 // The god-object on the base polygons: slides from polygon to polygon while that brings it nearer
 // to the HIP, so that it rests at a local minimum (Zilles and Salisbury 1995).
 FN_LARGE base_point track_base(surface_view view, hip_point h, uint patch, int max_crossings) {
-  base_point at = base_point_on(view, h, patch);
+  base_point at = point_on_face(view, h, patch);
   for (int i = 0; i < max_crossings; ++i) {
     const base_point next = nearer_neighbour(view, h, at);
     if (next.patch == at.patch) break;
@@ -216,7 +222,7 @@ FN domain_point start_at(uint patch, polygon_blend blend) {
   return r;
 }
 FN domain_point start_on_base(surface_view view, base_point base) {
-  return start_at(base.patch, blend_on_polygon(view, base.patch, base.at));
+  return start_at(base.patch, blend_on_polygon(view, base));
 }
 
 // True if a search goes on with `a`: not for a rounding, by which other patches would decide, but

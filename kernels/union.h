@@ -73,7 +73,7 @@ FN int may_hold_nearer(surface_view view, base_point b, real distance2) {
 // Goes on with the nearest point of a part on another patch of it, from one start.
 FN foot try_patch_of_part(surface_view view, hip_point h, uint patch, foot best,
                           track_options options) {
-  const base_point b = base_point_on(view, h, patch);
+  const base_point b = base_point_on(view, h, patch, 0);
   if (!may_hold_nearer(view, b, best.d.distance2)) return best;
   const known_minimum known = {best.patch, best.d.distance2};
   foot f = begin_foot(view, h, start_on_base(view, b), options);
@@ -535,7 +535,7 @@ FN_ONCE contact unite_nearest(surface_view view, hip_point h, contact c, track_o
   for (uint p = next_patch(view, &w, h.high, u.known2); p != NONE && !is_cut(options.spent);
        p = next_patch(view, &w, h.high, u.known2)) {
     if ((view.part[p] & PATCH_BURIED) || !(patch_box_distance2(view, h, p) < u.known2)) continue;
-    const base_point b = base_point_on(view, h, p);
+    const base_point b = base_point_on(view, h, p, 0);
     if (!may_hold_nearer(view, b, u.known2)) continue;
     seek_on_patch(view, h, b, &u, options);
     if (u.state == CONTACT_TOUCHING && dot3(u.push, u.push) < u.known2) {
@@ -559,7 +559,7 @@ FN_LARGE contact search_union(surface_view view, hip_point h, track_options opti
   options.spent->is_cut = 0;
   near_patches near;
   const base_point base = nearest_base(view, h, 0u, 1, &near);
-  const polygon_blend blend = blend_on_polygon(view, base.patch, base.at);
+  const polygon_blend blend = blend_on_polygon(view, base);
   return nearest_contact(view, h, base, blend, &near, METHOD_GREGORY, options);
 }
 

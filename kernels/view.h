@@ -16,7 +16,7 @@ typedef struct {
   GLOBAL uint* form;           // [patch], FORM_*; of a table with r << 8
   GLOBAL scalar* corner;       // [side][2][3], base polygon: position (local frame) and unit normal
   GLOBAL scalar* patch;        // [patch][PATCH_REALS]
-  // [side_begin[p] - 2 p][3], local corners: fixed triangulation of p's base polygon.
+  // [side_begin[p] - 2 p][3], local corners: fixed triangulation of p's base polygon; or FAN_PIECE.
   GLOBAL uint* triangle;
   GLOBAL scalar* node;      // [node][NODE_REALS]
   GLOBAL uint* child;       // [node][2]
@@ -36,9 +36,10 @@ typedef struct {
 #define HAS_UNION(view) ((view).part != 0)
 #endif
 
-// True if edges of the mesh are creases. No polygon has 0 sides: the word where its table would
-// begin says it.
-#define HAS_CREASES(view) ((view).domain_begin[0] != 0u)
+// True if edges of the mesh are creases, and if faces are cut into patches round a centre. No
+// polygon has 0 sides: the word where its table would begin says it.
+#define HAS_CREASES(view) (((view).domain_begin[0] & SURFACE_CREASES) != 0u)
+#define HAS_FANS(view) (((view).domain_begin[0] & SURFACE_FANS) != 0u)
 
 FN int valence_of(surface_view view, uint patch) {
   return (int)(view.side_begin[patch + 1] - view.side_begin[patch]);

@@ -39,7 +39,8 @@ struct FinishedPatch {
   const double *corner, *drafted;  // control data as drafted, in a form that another may replace
   const std::uint32_t* triangle;
   std::uint32_t form = kFormPaper;
-  std::vector<double> control{};  // in another form; empty: as drafted
+  const PatchDraft* in_fan = nullptr;  // where it holds a piece of its face's polygon
+  std::vector<double> control{};       // in another form; empty: as drafted
   PatchTiles tiles{};
 
   const double* reals() const { return control.empty() ? drafted : control.data(); }
@@ -367,8 +368,9 @@ class CacheBuilder {
   }
 
   static FinishedPatch to_finish(const PatchDraft& d) {
-    return {d.valence(),     d.kind,           &d.frame,          d.shape,
-            d.corner.data(), d.control.data(), d.triangle.data(), d.form};
+    return {d.valence(),       d.kind,          &d.frame,
+            d.shape,           d.corner.data(), d.control.data(),
+            d.triangle.data(), d.form,          d.piece.empty() ? nullptr : &d};
   }
 
   static PatchDraft draft(const FaceCorners& face) {
@@ -456,7 +458,7 @@ class CacheBuilder {
   void fill_domain(Surface<Real>& s) {
     const std::uint32_t most = most_sides();
     s.domain_begin.assign(most + 1, 0);
-    s.domain_begin[0] = cache_.crease_count > 0;
+    s.domain_begin[0] = (cache_.crease_count > 0 ? kHasCreases : 0) | (has_fans_ ? kHasFans : 0);
     std::vector<char> used(most + 1, 0);
     for (std::uint32_t p = 0; p < s.patch_count(); ++p) used[s.valence(p)] = 1;
     // Splits ask for the domain of their whole face too.
@@ -474,7 +476,10 @@ class CacheBuilder {
     finished.reserve(cache_.patch_count() - first);
     for (std::size_t i = 0; i < c.count; ++i) {
       if (c.tamer[i].empty()) finished.push_back(&c.plain[i]);
-      for (const FinishedPatch& patch : c.tamer[i]) finished.push_back(&patch);
+      for (const FinishedPatch& patch : c.tamer[i]) {
+        finished.push_back(&patch);
+        has_fans_ = has_fans_ || patch.in_fan != nullptr;
+      }
     }
     make_room(c, finished, s, boxes);
     backend_.parallel(finished.size(), kFaceGrain, [&](std::size_t begin, std::size_t end) {
@@ -548,6 +553,9 @@ class CacheBuilder {
       samples = &formed.samples;
       break;
     }
+    if (d.in_fan != nullptr) {
+      for (const Vec3& corner : d.in_fan->piece_corner) d.shape.hold(corner, *d.frame);
+    }
     // In its box as it is stored.
     d.tiles = cut_tiles(*d.frame, d.shape, d.shape.low.cast<Real>().template cast<double>(),
                         d.shape.high.cast<Real>().template cast<double>(), d.reals(), d.form,
@@ -568,7 +576,15 @@ class CacheBuilder {
                 &s.tile[kTileUints * std::size_t{s.tile_begin[patch]}]);
     }
     narrow(d.corner, n * 6, &s.corner[first * 6]);
-    std::copy(d.triangle, d.triangle + 3 * (n - 2), &s.triangle[3 * (first - 2 * patch)]);
+    std::uint32_t* triangle = &s.triangle[3 * (first - 2 * patch)];
+    std::copy(d.triangle, d.triangle + 3 * (n - 2), triangle);
+    if (d.in_fan != nullptr) {
+      const std::uint32_t face = cache_.patch_face[patch];
+      const std::vector<std::uint32_t>& c = d.in_fan->piece;
+      triangle[0] = kFanPiece | c[0] | c[1] << kFanBits | c[2] << 2 * kFanBits;
+      triangle[1] = layout_.side_begin[cache_.first_patch(face)];
+      triangle[2] = cache_.face_valence[face];
+    }
     Real* numbers = &s.patch[patch * kPatchReals];
     const auto put = [&](std::size_t at, const Vec3& v) { narrow(v.data(), 3, numbers + at); };
     put(kPatchOrigin, d.frame->origin);
@@ -597,6 +613,7 @@ class CacheBuilder {
   std::optional<FairSides> fair_;
   std::vector<std::uint32_t> faces_;
   PatchLayout layout_;
+  bool has_fans_ = false;  // of the surface so far
   BuildReport report_;
 };
 

@@ -73,6 +73,15 @@ PatchFrame place_polygon(const FaceCorners& face, std::span<const std::uint32_t>
   return frame;
 }
 
+void PatchShape::hold(const Vec3& point, const PatchFrame& frame) {
+  const Vec3 along(point.dot(frame.tangent), point.dot(frame.normal.cross(frame.tangent)),
+                   point.dot(frame.normal));
+  box.low = box.low.cwiseMin(point);
+  box.high = box.high.cwiseMax(point);
+  low = low.cwiseMin(along);
+  high = high.cwiseMax(along);
+}
+
 void PatchSamples::set_shape(const double* reals, std::uint32_t n) {
   is_gentle = reals[kShapeRings] < kernels<double>().probe_levels(n);
   stretch2 = reals[kShapeStretch2];

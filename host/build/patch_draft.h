@@ -53,6 +53,8 @@ struct PatchShape {
   double rho_min = 0;        // least radius of curvature
   double turn = 1;           // least cosine between the patch's normal and the base polygon's
   double unseen = 0;         // rad, by which the normal may turn between two samples
+
+  void hold(const Vec3& point, const PatchFrame& frame);  // makes the boxes hold a point too
 };
 
 // Samples of one patch along its frame: kCutRows rows of `count`.
@@ -85,6 +87,10 @@ struct PatchDraft {
   PatchFrame frame;
   std::vector<double> corner;           // [corner][2][3], local frame
   std::vector<std::uint32_t> triangle;  // [n - 2][3]
+  // Of a face that is cut round a centre: corners of the face that make the piece of its polygon
+  // which this patch holds (FAN_PIECE of kernels/layout.h), and their places, local frame.
+  std::vector<std::uint32_t> piece;
+  std::vector<Vec3> piece_corner;
   std::uint32_t form = kFormPaper;
   std::vector<double> side;     // [corner][kFairReals], local frame; of the fair construction
   std::vector<double> control;  // in its form

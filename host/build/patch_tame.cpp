@@ -197,16 +197,42 @@ std::vector<PatchDraft> split_bent(const FaceCorners& face, const Cuts& cuts,
   return parts;
 }
 
+// Gives the patches of a face that is cut round a centre the triangles of its polygon: to each one
+// that has its side, while there are such, and to two of them a corner.
+void share_triangles(const FaceCorners& face, const std::vector<std::uint32_t>& triangles,
+                     std::vector<PatchDraft>& parts) {
+  const auto n = static_cast<std::uint32_t>(parts.size());
+  std::vector<std::uint32_t> holder(triangles.size() / 3, n);
+  for (std::uint32_t k = 0; k < n; ++k) parts[k].piece = {k, k, k};
+  for (const bool by_side : {true, false}) {
+    for (std::size_t t = 0; t < holder.size(); ++t) {
+      const std::uint32_t* c = &triangles[3 * t];
+      const auto takes = [&](std::uint32_t k) {
+        const std::uint32_t next = (k + 1) % n;
+        return !by_side || (c[0] == k && c[1] == next) || (c[1] == k && c[2] == next) ||
+               (c[2] == k && c[0] == next);
+      };
+      for (std::uint32_t k = 0; k < n && holder[t] == n; ++k) {
+        if (parts[k].piece[1] != k || parts[k].piece[0] != k || !takes(k)) continue;
+        holder[t] = k;
+        parts[k].piece = {c[0], c[1], c[2]};
+      }
+    }
+  }
+  for (PatchDraft& d : parts) {
+    for (const std::uint32_t c : d.piece)
+      d.piece_corner.push_back((face.position[c] - d.frame.origin) * d.frame.scale);
+  }
+}
+
 double worst_turn(const std::vector<PatchDraft>& drafts) {
   double turn = 1;
   for (const PatchDraft& d : drafts) turn = std::min(turn, d.shape.turn);
   return turn;
 }
 
-}  // namespace
-
-std::vector<PatchDraft> draft_tamer(const FaceCorners& face, PatchDraft exact,
-                                    const ValenceTables& tables) {
+std::vector<PatchDraft> find_tamer(const FaceCorners& face, PatchDraft exact,
+                                   const ValenceTables& tables) {
   const bool is_curved = exact.form == kFormCurved;
   if (is_curved) {  // the paper's keeps the boundary normals too
     exact = draft_paper(face, std::move(exact.face_corner));
@@ -245,6 +271,18 @@ std::vector<PatchDraft> draft_tamer(const FaceCorners& face, PatchDraft exact,
   for (const FaceCorners& f : fans) offer(f, fan);
   if (n > 3) offer(face, ears);
   return best;
+}
+
+}  // namespace
+
+std::vector<PatchDraft> draft_tamer(const FaceCorners& face, PatchDraft exact,
+                                    const ValenceTables& tables) {
+  const std::uint32_t n = exact.valence();
+  const std::vector<std::uint32_t> triangles = exact.triangle;
+  std::vector<PatchDraft> parts = find_tamer(face, std::move(exact), tables);
+  if (parts.size() > 1 && parts.front().face_corner.back() == n)
+    share_triangles(face, triangles, parts);
+  return parts;
 }
 
 }  // namespace gliss

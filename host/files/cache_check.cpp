@@ -222,11 +222,36 @@ class Check {
     require_size(s_.control.size(), 3 * begin, "control");
   }
 
+  // Corner k of the piece of its face's polygon that a patch holds.
+  static std::uint32_t piece_corner(const std::uint32_t* piece, std::uint32_t k) {
+    return piece[0] >> k * kFanBits & kFanCorner;
+  }
+  // True for a patch of a face that is cut round a centre, all of whose patches hold pieces.
+  bool is_piece(std::uint32_t patch, const std::uint32_t* piece) const {
+    const std::uint32_t face = c_.patch_face[patch], n = c_.face_valence[face],
+                        first = c_.face_patch[face];
+    if (!(s_.domain_begin[0] & kHasFans) || piece[1] != s_.side_begin[first] || piece[2] != n ||
+        n > patches_ - first)
+      return false;
+    for (std::uint32_t k = 0; k < n; ++k) {
+      const std::uint32_t side = s_.side_begin[first + k];
+      if (c_.patch_face[first + k] != face || s_.valence(first + k) != 3 ||
+          c_.corner_of_face[side] != k || c_.corner_of_face[side + 2] != n ||
+          !(s_.triangle[3 * (side - 2 * std::size_t{first + k})] & kFanPiece))
+        return false;
+    }
+    return piece_corner(piece, 0) < n && piece_corner(piece, 1) < n && piece_corner(piece, 2) < n;
+  }
+
   void check_patches() const {
     for (std::uint32_t p = 0; p < patches_; ++p) {
       const std::size_t begin = 3 * (s_.side_begin[p] - 2 * std::size_t{p});
-      for (std::size_t i = begin; i < begin + 3 * (s_.valence(p) - 2); ++i) {
-        require(s_.triangle[i] < s_.valence(p), "triangle", i, "not a corner of the patch");
+      if (s_.triangle[begin] & kFanPiece) {
+        require(is_piece(p, &s_.triangle[begin]), "triangle", begin, "not a piece of the face");
+      } else {
+        for (std::size_t i = begin; i < begin + 3 * (s_.valence(p) - 2); ++i) {
+          require(s_.triangle[i] < s_.valence(p), "triangle", i, "not a corner of the patch");
+        }
       }
       const Real* numbers = &s_.patch[p * kPatchReals];
       require(is_power_of_two(numbers[kPatchScale]) &&
@@ -296,6 +321,12 @@ class Check {
     return {vec(&s_.node[6 * child]), vec(&s_.node[6 * child + 3])};
   }
 
+  // Where a side starts, mesh frame.
+  Vec place_of_corner(std::size_t side) const {
+    const Real* numbers = &s_.patch[std::size_t{s_.side_patch[side]} * kPatchReals];
+    return vec(numbers + kPatchOrigin) + double{numbers[kPatchUnscale]} * vec(&s_.corner[6 * side]);
+  }
+
   // Boxes hold those beneath them, and the polygons.
   void check_boxes() const {
     std::vector<Range> around(patches_ - 1,
@@ -320,18 +351,24 @@ class Check {
                 tangent = vec(numbers + kPatchTangent);
       const double unscale = double{numbers[kPatchUnscale]};
       const Range own{vec(numbers + kPatchLow), vec(numbers + kPatchHigh)};
-      for (std::size_t side = s_.side_begin[p]; side < s_.side_begin[p + 1]; ++side) {
-        const Vec local = vec(&s_.corner[6 * side]), x = origin + unscale * local;
+      const auto require_within = [&](const Vec& local) {
+        const Vec x = origin + unscale * local;
         const Vec along(local.dot(tangent), local.dot(normal.cross(tangent)), local.dot(normal));
-        require((x.array().abs() <= kFarthestCorner).all(), "corner", 6 * side,
-                "a corner that is not in the mesh");
-        require(is_direction(&s_.corner[6 * side + 3]), "corner", 6 * side + 3,
-                "a normal that is not a unit vector");
         require(own.holds(along, along, kSlack * (1 + local.norm())), "patch", p,
                 "its box does not hold its polygon");
         require(patches_ == 1 || node_box(leaf[p]).holds(x, x, kSlack * unscale + kSlack / 64),
                 "node", 6 * std::size_t{leaf[p]}, "a box that does not hold its polygon");
+      };
+      for (std::size_t side = s_.side_begin[p]; side < s_.side_begin[p + 1]; ++side) {
+        require((place_of_corner(side).array().abs() <= kFarthestCorner).all(), "corner", 6 * side,
+                "a corner that is not in the mesh");
+        require(is_direction(&s_.corner[6 * side + 3]), "corner", 6 * side + 3,
+                "a normal that is not a unit vector");
+        require_within(vec(&s_.corner[6 * side]));
       }
+      const std::uint32_t* piece = &s_.triangle[3 * (s_.side_begin[p] - 2 * std::size_t{p})];
+      for (std::uint32_t k = 0; (piece[0] & kFanPiece) != 0 && k < 3; ++k)
+        require_within((place_of_corner(piece[1] + 3 * piece_corner(piece, k)) - origin) / unscale);
     }
   }
 

@@ -19,10 +19,11 @@ void for_base_triangles(const Surface<Real>& s, std::uint32_t patch, const Vec3&
   const double unscale = static_cast<double>(numbers[kPatchUnscale]);
   const std::uint32_t first = s.side_begin[patch];
   const std::uint32_t* corners = &s.triangle[3 * (first - 2 * std::size_t{patch})];
+  const bool in_fan = (corners[0] & kFanPiece) != 0;  // three corners, seen from x as they are
   for (std::uint32_t t = 0; t + 2 < s.valence(patch); ++t) {
     BaseTriangle triangle;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Real* c = &s.corner[6 * (first + std::size_t{corners[3 * t + k]})];
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const Real* c = &s.corner[6 * (first + std::size_t{in_fan ? k : corners[3 * t + k]})];
       triangle[k] = origin + unscale * Vec3(c[0], c[1], c[2]) - x;
     }
     visit(triangle);

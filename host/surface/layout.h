@@ -46,6 +46,8 @@ inline constexpr std::size_t kShapeLow = 3 * SHAPE_LOW, kShapeHigh = 3 * SHAPE_H
                              kShapeStretch2 = SHAPE_STRETCH2, kShapeSag2 = SHAPE_SAG2,
                              kShapeFinite = SHAPE_FINITE, kShapeRings = SHAPE_RINGS;
 inline constexpr double kGentleCosine = GENTLE_COSINE;
+inline constexpr std::uint32_t kHasCreases = SURFACE_CREASES, kHasFans = SURFACE_FANS;
+inline constexpr std::uint32_t kFanPiece = FAN_PIECE, kFanBits = FAN_BITS, kFanCorner = FAN_CORNER;
 inline constexpr std::uint32_t kNodeLeaf = NODE_LEAF;
 inline constexpr std::uint32_t kPatchBuried = PATCH_BURIED, kPatchMixed = PATCH_MIXED;
 inline constexpr std::uint32_t kPartMask = PART_MASK;
@@ -139,6 +141,11 @@ bool is_outer_side(const PatchCache& cache, const Surface<Real>& surface, std::u
 #undef PATCH_CURVATURE
 #undef PATCH_REALS
 #undef SPANS_A_PLANE
+#undef SURFACE_CREASES
+#undef SURFACE_FANS
+#undef FAN_PIECE
+#undef FAN_BITS
+#undef FAN_CORNER
 #undef NODE_REALS
 #undef NODE_LEAF
 #undef PATCH_BURIED

@@ -11,8 +11,8 @@ namespace gliss {
 template <class Real>
 struct Surface {
   std::vector<Real> domain;  // tables of the valences in use
-  // [valence], where its table begins. No polygon has 0 sides: [0] is 1 where edges are creases
-  // (HAS_CREASES of kernels/view.h), which caches keep there.
+  // [valence], where its table begins. No polygon has 0 sides: [0] says what the surface has
+  // (SURFACE_CREASES of kernels/layout.h), which caches keep there.
   std::vector<std::uint32_t> domain_begin;
   LargeArray<std::uint32_t> side_begin;     // [patch + 1]
   LargeArray<std::uint32_t> side_patch;     // [side]
@@ -22,7 +22,7 @@ struct Surface {
   LargeArray<std::uint32_t> form;           // [patch], kForm...; of a table with r << 8
   LargeArray<Real> corner;                  // [side][2][3]
   LargeArray<Real> patch;                   // [patch][patch_reals]
-  LargeArray<std::uint32_t> triangle;       // [side_begin[p] - 2 p][3]
+  LargeArray<std::uint32_t> triangle;       // [side_begin[p] - 2 p][3], or kFanPiece
   LargeArray<Real> node;                    // [node][2][6]
   LargeArray<std::uint32_t> child;          // [node][2]
   LargeArray<std::uint32_t> tile;           // [kTileUints][tile], patch by patch

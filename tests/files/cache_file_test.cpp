@@ -61,6 +61,15 @@ PatchCache dart_cache(Precision precision = Precision::kDouble) {
   return build_cache(polygon({{0, 0, 0}, {3, -2, 0.3}, {0.4, 0, 0}, {3, 2, 0.3}}), in(precision));
 }
 
+// Obtuse faces, which are cut round a centre.
+PatchCache fan_cache() {
+  Mesh mesh;
+  mesh.positions = {{0, 0, 0}, {10, 0, 0}, {-3, 1, 0}, {4, 0.5, -3}};
+  mesh.corner_vertex = {0, 1, 2, 0, 3, 1, 1, 3, 2, 2, 3, 0};
+  mesh.face_begin = {0, 3, 6, 9, 12};
+  return build_cache(mesh, in(Precision::kDouble));
+}
+
 template <class Real>
 auto arrays_of(const Surface<Real>& s) {
   return std::tie(s.domain, s.domain_begin, s.side_begin, s.side_patch, s.side_twin, s.control,
@@ -523,6 +532,23 @@ TEST(CacheFile, ForgedContentIsRefused) {
   EXPECT_THAT(Forgery(dart).set("corner_of_face", 0, 6u).what(), section("corner_of_face"));
   EXPECT_THAT(Forgery(dart).set("corner_of_face", 0, dart.corner_of_face[1]).what(),
               section("corner_of_face"));
+
+  // Pieces of the polygon of a face that is cut round a centre.
+  const PatchCache fan = fan_cache();
+  const auto& triangle = std::get<1>(fan.surface).triangle;
+  const auto piece =
+      static_cast<std::size_t>(std::find_if(triangle.begin(), triangle.end(),
+                                            [](std::uint32_t c) { return c >= kFanPiece; }) -
+                               triangle.begin());
+  ASSERT_LT(piece, triangle.size());
+  EXPECT_STREQ(Forgery(fan).refusal().what(), "was loaded");
+  EXPECT_THAT(forged("triangle", 0, kFanPiece), section("triangle"));
+  EXPECT_THAT(Forgery(fan).set("triangle", piece, kFanPiece | 3u).what(), section("triangle"));
+  EXPECT_THAT(Forgery(fan).set("triangle", piece, 0u).what(), section("triangle"));
+  EXPECT_THAT(Forgery(fan).set("triangle", piece + 1, triangle[piece + 1] + 3).what(),
+              section("triangle"));
+  EXPECT_THAT(Forgery(fan).set("triangle", piece + 2, 4u).what(), section("triangle"));
+  EXPECT_THAT(Forgery(fan).set("domain_begin", 0, 0u).what(), section("triangle"));
 }
 
 // A tree like a list, of n leaves: its deepest leaf is n levels down, the root being the first.
