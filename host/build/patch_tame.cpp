@@ -15,6 +15,7 @@ namespace {
 constexpr double kSafeTurn = 0.1;
 constexpr double kRounding = 1e-9;     // far above that of a cosine
 constexpr std::uint32_t kMaxFan = 64;  // faces of more sides are not cut from their centre: slivers
+static_assert(kMaxFan <= kFanCorner);
 constexpr double kFarthestCentre = 2;  // from the middle of a polygon in [-1, 1]^3
 // Cross tangents of weaker ribbons turn about within less of their side than floats tell apart.
 constexpr double kTurnsAbout = 1e-6;

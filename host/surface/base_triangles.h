@@ -19,7 +19,7 @@ void for_base_triangles(const Surface<Real>& s, std::uint32_t patch, const Vec3&
   const double unscale = static_cast<double>(numbers[kPatchUnscale]);
   const std::uint32_t first = s.side_begin[patch];
   const std::uint32_t* corners = &s.triangle[3 * (first - 2 * std::size_t{patch})];
-  const bool in_fan = (corners[0] & kFanPiece) != 0;  // three corners, seen from x as they are
+  const bool in_fan = (corners[0] & kFanPiece) != 0;  // its own is 0 1 2
   for (std::uint32_t t = 0; t + 2 < s.valence(patch); ++t) {
     BaseTriangle triangle;
     for (std::uint32_t k = 0; k < 3; ++k) {
