@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "gliss/base/export.h"
+#include "gliss/base/large_array.h"
 
 namespace gliss::cache_format {
 

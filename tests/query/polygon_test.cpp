@@ -143,7 +143,7 @@ std::vector<Mesh> folding_meshes() {
 // True if a face is cut round a centre.
 bool is_fan(const PatchCache& cache, std::uint32_t face) {
   const std::uint32_t side = std::visit(
-      [&](const auto& s) { return s.side_begin[cache.face_patch[face]]; }, cache.surface);
+      [&](const auto& s) { return s.side_begin[cache.first_patch(face)]; }, cache.surface);
   return cache.corner_of_face[side + 2] == cache.face_valence[face];
 }
 
