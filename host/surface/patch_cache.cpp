@@ -101,7 +101,7 @@ bool has_folds(const Surface<Real>& s) {
     const std::uint32_t next = side + 1 == s.side_begin[patch + 1] ? s.side_begin[patch] : side + 1;
     const Real *a = &s.corner[6 * std::size_t{side}], *b = &s.corner[6 * std::size_t{next}];
     const Vec3 along(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
-    if (!(own.cross(other).dot(along) > 1e-6 * along.norm())) return true;
+    if (own.cross(other).dot(along) < -1e-6 * along.norm()) return true;
   }
   return false;
 }

@@ -60,7 +60,7 @@ void warn_of_folds(const Mesh& mesh, const std::vector<Vec3>& unit_normal, Repor
     const std::uint32_t from = mesh.corner_vertex[side],
                         to = mesh.corner_vertex[next_corner(mesh, face, side)];
     const Vec3 along = (mesh.positions[to] - mesh.positions[from]).normalized();
-    if (own.cross(far).dot(along) > kReflex) continue;
+    if (!(own.cross(far).dot(along) < -kReflex)) continue;
     report.add(Severity::kWarning, "fold", {.face = face, .vertex = from},
                "folds over face {} at edge {}-{}: they turn by {:.0f} degrees",
                report.number_of(beyond), from, to,

@@ -131,7 +131,6 @@ TEST(CacheFile, of_a_region_of_a_mesh_lists_all_faces) {
   ASSERT_EQ(loaded.face_patch.size(), mesh.face_count());
   for (std::uint32_t face = 0; face < mesh.face_count(); ++face)
     EXPECT_EQ(loaded.face_patch[face], region.first_patch(face));
-  expect_same_answers(region, loaded);
 }
 
 class CacheFileOfPrecision : public ::testing::TestWithParam<Precision> {};

@@ -20,15 +20,15 @@ Mesh matryoshka() {
 }
 bool is_solid(double r) { return (r < 20 && r > 15) || (r < 10 && r > 5); }
 
-struct Case {
+struct CavityCase {
   Precision precision;
   Level::Kind level;
   Construction construction;
 };
-class Cavities : public ::testing::TestWithParam<Case> {};
+class Cavities : public ::testing::TestWithParam<CavityCase> {};
 
 TEST_P(Cavities, are_free_by_every_method) {
-  const Case& c = GetParam();
+  const CavityCase& c = GetParam();
   BuildOptions options;
   options.precision = c.precision;
   options.level = {c.level, c.level == Level::kTable ? kTableCells : 0, c.construction};
@@ -45,7 +45,7 @@ TEST_P(Cavities, are_free_by_every_method) {
     QueryOptions query;
     query.method = method;
     std::vector<Contact> found(hips.size());
-    nearest(cache, hips, query, found);
+    nearest(cache, hips, {&method, 1}, query, found);
     int wrong = 0;
     for (std::size_t i = 0; i < hips.size(); ++i)
       wrong += found[i].touching != is_solid(hips[i].norm());
@@ -54,7 +54,7 @@ TEST_P(Cavities, are_free_by_every_method) {
 }
 
 TEST_P(Cavities, push_a_hand_away_from_their_walls) {
-  const Case& c = GetParam();
+  const CavityCase& c = GetParam();
   BuildOptions options;
   options.precision = c.precision;
   options.level = {c.level, c.level == Level::kTable ? kTableCells : 0, c.construction};
@@ -79,10 +79,10 @@ TEST_P(Cavities, push_a_hand_away_from_their_walls) {
 
 INSTANTIATE_TEST_SUITE_P(
     , Cavities,
-    ::testing::Values(Case{Precision::kDouble, Level::kExact, Construction::kFair},
-                      Case{Precision::kFloat, Level::kExact, Construction::kFair},
-                      Case{Precision::kDouble, Level::kTable, Construction::kFair},
-                      Case{Precision::kFloat, Level::kBezier, Construction::kPaper}));
+    ::testing::Values(CavityCase{Precision::kDouble, Level::kExact, Construction::kFair},
+                      CavityCase{Precision::kFloat, Level::kExact, Construction::kFair},
+                      CavityCase{Precision::kDouble, Level::kTable, Construction::kFair},
+                      CavityCase{Precision::kFloat, Level::kBezier, Construction::kPaper}));
 
 }  // namespace
 }  // namespace gliss
