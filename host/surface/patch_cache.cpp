@@ -85,23 +85,13 @@ void find_open_parts(PatchCache& cache) {
 
 namespace {
 
+// True if the base polygon of a patch faces against the surface's normal at one of its corners.
 template <class Real>
 bool has_folds(const Surface<Real>& s) {
-  constexpr double kMostTurn = -0.8660254037844386;  // cosine of 150 degrees
-  const auto normal_of = [&](std::uint32_t patch) {
-    const Real* n = &s.patch[patch * kPatchReals + 3 * kPatchNormal];
-    return Vec3(n[0], n[1], n[2]);
-  };
-  for (std::uint32_t side = 0; side < s.side_twin.size(); ++side) {
-    const std::uint32_t twin = s.side_twin[side];
-    if (twin == kNone || twin < side) continue;
-    const std::uint32_t patch = s.side_patch[side];
-    const Vec3 own = normal_of(patch), other = normal_of(s.side_patch[twin]);
-    if (own.dot(other) > kMostTurn) continue;
-    const std::uint32_t next = side + 1 == s.side_begin[patch + 1] ? s.side_begin[patch] : side + 1;
-    const Real *a = &s.corner[6 * std::size_t{side}], *b = &s.corner[6 * std::size_t{next}];
-    const Vec3 along(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
-    if (own.cross(other).dot(along) < -1e-6 * along.norm()) return true;
+  for (std::size_t side = 0; side < s.side_patch.size(); ++side) {
+    const Real *face = &s.patch[s.side_patch[side] * kPatchReals + 3 * kPatchNormal],
+               *corner = &s.corner[6 * side + 3];
+    if (face[0] * corner[0] + face[1] * corner[1] + face[2] * corner[2] < 0) return true;
   }
   return false;
 }

@@ -106,8 +106,8 @@ struct GLISS_EXPORT PatchCache {
 // Fills `open` of a cache whose other arrays are there.
 GLISS_EXPORT void find_open_parts(PatchCache& cache);
 
-// Makes `winding` of a cache whose other arrays are there, where a concave edge turns by more than
-// 150 degrees and no part is open.
+// Makes `winding` of a cache whose other arrays are there, where a polygon faces against the normal
+// at one of its corners and no part is open.
 GLISS_EXPORT void find_folds(PatchCache& cache);
 
 // Throws std::invalid_argument unless the cache has patches.

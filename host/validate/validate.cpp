@@ -67,8 +67,8 @@
 //   no-volume             closed parts that enclose nothing, such as a face and its reverse
 //   open-border           sides without a face beyond
 //   concave               faces with a reflex corner, or that cross themselves
-//   fold                  concave edges at which a face turns back over its neighbour, by more than
-//                         150 degrees: the winding number says there what is inside
+//   fold                  faces against the mean normal at one of their vertices, such as lie over
+//                         others: the winding number says there what is inside
 //   non-planar            faces off their plane by more than 5 % of the root of their area
 //   sharp-normals         vertices whose faces have different normals there, with no crease between
 //   normals-against-face  corners whose normal is more than 90 degrees off their face's

@@ -46,25 +46,21 @@ double deviation(const Mesh& mesh, std::uint32_t face, const Vec3& unit_normal) 
   return std::max(high - mean, mean - low);
 }
 
-// Concave edges that turn back: a face lies over its neighbour, or there is a slit between them.
+// A vertex that slid over its neighbours: the faces there that lie over others face against the
+// mean of all.
 void warn_of_folds(const Mesh& mesh, const std::vector<Vec3>& unit_normal, Report& report) {
-  constexpr double kMostTurn = 5 * std::numbers::pi / 6;
-  const std::vector<std::uint32_t> side_face = side_faces(mesh),
-                                   other = pair_sides(mesh, side_face);
-  for (std::uint32_t side = 0; side < other.size(); ++side) {
+  const std::vector<Vec3> mean = vertex_normals(mesh);
+  for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
     report.poll();
-    if (other[side] == kNone || other[side] < side) continue;
-    const std::uint32_t face = side_face[side], beyond = side_face[other[side]];
-    const Vec3 &own = unit_normal[face], &far = unit_normal[beyond];
-    if (own.dot(far) > std::cos(kMostTurn)) continue;
-    const std::uint32_t from = mesh.corner_vertex[side],
-                        to = mesh.corner_vertex[next_corner(mesh, face, side)];
-    const Vec3 along = (mesh.positions[to] - mesh.positions[from]).normalized();
-    if (!(own.cross(far).dot(along) < -kReflex)) continue;
-    report.add(Severity::kWarning, "fold", {.face = face, .vertex = from},
-               "folds over face {} at edge {}-{}: they turn by {:.0f} degrees",
-               report.number_of(beyond), from, to,
-               std::acos(std::max(own.dot(far), -1.0)) * 180 / std::numbers::pi);
+    for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c) {
+      const std::uint32_t vertex = mesh.corner_vertex[c];
+      const double along = unit_normal[face].dot(mean[vertex]);
+      // Of the two sides of a sheet there is no mean.
+      if (!(along < -kReflex && along > kReflex - 1)) continue;
+      report.add(Severity::kWarning, "fold", {.face = face, .vertex = vertex},
+                 "faces against the mean normal at vertex {}: it lies over its neighbours", vertex);
+      break;
+    }
   }
 }
 
