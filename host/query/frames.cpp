@@ -142,12 +142,14 @@ RawHip<Real> raw_hip(const PatchCache& cache, const Vec3& hip) {
 }
 
 template <class Real>
-void correct_state(const PatchCache& cache, const RawHip<Real>& hip, RawContact<Real>& raw) {
+void correct_state(const PatchCache& cache, Method method, const RawHip<Real>& hip,
+                   RawContact<Real>& raw) {
   if (cache.winding == nullptr) return;
   using Triple = Eigen::Map<Eigen::Matrix<Real, 3, 1>>;
   const Triple offset(&raw.reals[kContactOffset]);
   const double distance = offset.template cast<double>().norm();
-  if (!(distance > cache.winding->departure())) return;  // NaN too
+  const double departure = method == Method::kGregory ? cache.winding->departure() : 0;
+  if (!(distance > departure)) return;  // NaN too
   const auto part = [&](int i) { return double{hip.parts[i]} + double{hip.parts[i + 3]}; };
   const bool is_inside = cache.winding->is_inside({part(0), part(1), part(2)});
   if (is_inside == (raw.uints[kContactState] != 0)) return;
@@ -266,14 +268,14 @@ void store_contact(const PatchCache& cache, const Surface<Real>& s, const RawCon
 #undef GLISS_COLUMN
 }
 
-#define GLISS_FRAMES(REAL)                                                                       \
-  template Eigen::Vector2d domain_corner(const Surface<REAL>&, std::uint32_t, std::uint32_t);    \
-  template PatchPlace place_of(const PatchCache&, const Surface<REAL>&, const DomainPoint&);     \
-  template RawHip<REAL> raw_hip(const PatchCache&, const Vec3&);                                 \
-  template void correct_state(const PatchCache&, const RawHip<REAL>&, RawContact<REAL>&);        \
-  template TrackOptions<REAL> track_options(const QueryOptions&);                                \
-  template Contact contact_of(const PatchCache&, const Surface<REAL>&, const RawContact<REAL>&); \
-  GLISS_FRAMES_OUT(REAL, float)                                                                  \
+#define GLISS_FRAMES(REAL)                                                                        \
+  template Eigen::Vector2d domain_corner(const Surface<REAL>&, std::uint32_t, std::uint32_t);     \
+  template PatchPlace place_of(const PatchCache&, const Surface<REAL>&, const DomainPoint&);      \
+  template RawHip<REAL> raw_hip(const PatchCache&, const Vec3&);                                  \
+  template void correct_state(const PatchCache&, Method, const RawHip<REAL>&, RawContact<REAL>&); \
+  template TrackOptions<REAL> track_options(const QueryOptions&);                                 \
+  template Contact contact_of(const PatchCache&, const Surface<REAL>&, const RawContact<REAL>&);  \
+  GLISS_FRAMES_OUT(REAL, float)                                                                   \
   GLISS_FRAMES_OUT(REAL, double)
 #define GLISS_FRAMES_OUT(REAL, T)                                                               \
   template void place_points(const PatchCache&, const Surface<REAL>&, const std::uint32_t*,     \

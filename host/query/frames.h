@@ -43,10 +43,10 @@ DomainPoint point_at(const PointArrays<T>& points, std::size_t i) {
 template <class Real>
 GLISS_EXPORT RawHip<Real> raw_hip(const PatchCache& cache, const Vec3& hip);
 
-// Gives the result of a search the state that the winding number says: of polygons that fold,
-// farther away than their patches depart from them.
+// Gives the result of a search the state that the winding number says: of polygons that fold, by
+// gregory farther away than their patches depart from them.
 template <class Real>
-GLISS_EXPORT void correct_state(const PatchCache& cache, const RawHip<Real>& hip,
+GLISS_EXPORT void correct_state(const PatchCache& cache, Method method, const RawHip<Real>& hip,
                                 RawContact<Real>& raw);
 
 template <class Real>

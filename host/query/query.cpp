@@ -52,7 +52,7 @@ void find_nearest(const PatchCache& cache, const HipArrays<T>& hips,
       for (std::size_t i = 0; i < count; ++i) {
         for (std::size_t m = 0; m < methods.size(); ++m) {
           RawContact<Real>& raw = piece.contacts[i * methods.size() + m];
-          correct_state(cache, piece.hips[i], raw);
+          correct_state(cache, methods[m], piece.hips[i], raw);
           store_contact(cache, s, raw, out[m], begin + i);
         }
       }
@@ -131,7 +131,7 @@ void nearest(const PatchCache& cache, const Vec3& hip, std::span<const Method> m
     kernels<Real>().nearest(s, methods.data(), methods.size(), track_options<Real>(options), &there,
                             1, raw.data());
     for (std::size_t i = 0; i < methods.size(); ++i) {
-      correct_state(cache, there, raw[i]);
+      correct_state(cache, methods[i], there, raw[i]);
       out[i] = contact_of(cache, s, raw[i]);
     }
   });

@@ -31,7 +31,7 @@ class TickKernel {
     Raw found;
     const RawHip<Real> there = raw_hip<Real>(cache_, x);
     kernels<Real>().nearest(s_, &method_, 1, within(budget), &there, 1, &found);
-    correct_state(cache_, there, found);
+    correct_state(cache_, method_, there, found);
     ++searches_;
     return spend(found);
   }

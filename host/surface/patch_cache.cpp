@@ -89,7 +89,7 @@ namespace {
 template <class Real>
 bool has_folds(const Surface<Real>& s) {
   for (std::size_t side = 0; side < s.side_patch.size(); ++side) {
-    const Real *face = &s.patch[s.side_patch[side] * kPatchReals + 3 * kPatchNormal],
+    const Real *face = &s.patch[s.side_patch[side] * kPatchReals + kPatchNormal],
                *corner = &s.corner[6 * side + 3];
     if (face[0] * corner[0] + face[1] * corner[1] + face[2] * corner[2] < 0) return true;
   }
