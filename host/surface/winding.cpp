@@ -1,6 +1,7 @@
 #include "gliss/surface/winding.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -56,17 +57,19 @@ void WindingTree::gather(const Surface<Real>& s, std::uint32_t named, std::size_
 double WindingTree::number_at(const Vec3& x) const {
   constexpr double kFar = 3;  // radii; then a dipole is off by a hundredth of its angle or so
   double angle = 0;
-  std::vector<std::size_t> open{children_.size() - 1};
-  while (!open.empty()) {
-    const Child& c = children_[open.back()];
-    open.pop_back();
+  constexpr std::size_t kDepth = 64;  // of the hierarchy, at most (HIERARCHY_DEPTH of
+                                      // kernels/view.h)
+  std::array<std::size_t, kDepth + 2> open{children_.size() - 1};
+  std::size_t left = 1;
+  while (left > 0) {
+    const Child& c = children_[open[--left]];
     const Vec3 away = c.middle - x;
     const double distance = away.norm();
     if (distance > kFar * c.radius) {
       angle += c.area.dot(away) / (2 * distance * distance * distance);
     } else if (!c.is_leaf) {
-      open.push_back(2 * std::size_t{c.node});
-      open.push_back(2 * std::size_t{c.node} + 1);
+      open[left++] = 2 * std::size_t{c.node};
+      open[left++] = 2 * std::size_t{c.node} + 1;
     } else {
       for (std::uint32_t i = c.begin; i < c.end; ++i)
         angle += solid_angle(triangles_[i][0] - x, triangles_[i][1] - x, triangles_[i][2] - x);

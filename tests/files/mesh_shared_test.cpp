@@ -104,7 +104,7 @@ TEST_F(SharedMeshTest, what_is_odd_about_open_and_non_manifold_meshes_is_found) 
   EXPECT_THAT(found("osd_gregory_test5"), ElementsAre("14 open-border:28 face 2"));
   EXPECT_THAT(found("osd_nonquads"),
               UnorderedElementsAre("26 open-border:39 face 0", "4 several-parts:40 face 1",
-                                   "3 non-planar:40 face 1"));
+                                   "3 non-planar:40 face 1", "2 faces-inward:40 face 1"));
   EXPECT_THAT(found("gums_open"),
               UnorderedElementsAre("168 open-border:1939 face 81", "288 non-planar:1862 face 4"));
   EXPECT_THAT(found("osd_nonman_verts"), ElementsAre("4 non-manifold-vertex:56 face 2"));
