@@ -9,6 +9,26 @@
 
 namespace gliss {
 
+namespace {
+
+// The place where a side starts, mesh frame.
+template <class Real>
+Vec3 start_of(const Surface<Real>& s, std::uint32_t side) {
+  const Real *numbers = &s.patch[s.side_patch[side] * kPatchReals],
+             *c = &s.corner[6 * std::size_t{side}], *o = numbers + kPatchOrigin;
+  return Vec3(o[0], o[1], o[2]) +
+         static_cast<double>(numbers[kPatchUnscale]) * Vec3(c[0], c[1], c[2]);
+}
+
+// The words of a patch's first triangle: a piece of its face's polygon (FAN_PIECE), or none.
+template <class Real>
+const std::uint32_t* piece_of(const Surface<Real>& s, std::uint32_t patch) {
+  const std::uint32_t* words = &s.triangle[3 * (s.side_begin[patch] - 2 * std::size_t{patch})];
+  return (words[0] & kFanPiece) != 0 ? words : nullptr;
+}
+
+}  // namespace
+
 template <class Real>
 WindingTree::WindingTree(const Surface<Real>& s) {
   const std::uint32_t patches = s.patch_count(), nodes = patches - 1;
@@ -19,8 +39,12 @@ WindingTree::WindingTree(const Surface<Real>& s) {
   is_room_ = volume < 0;
   for (std::uint32_t p = 0; p < patches; ++p) {
     const Real* numbers = &s.patch[p * kPatchReals];
-    departure_ =
-        std::max(departure_, static_cast<double>(numbers[kPatchSag] * numbers[kPatchUnscale]));
+    double most = static_cast<double>(numbers[kPatchSag] * numbers[kPatchUnscale]);
+    // Round a centre the patch is near its own triangle: as far from the polygon as that is wide.
+    const std::uint32_t side = s.side_begin[p];
+    if (piece_of(s, p) != nullptr)
+      most += (start_of(s, side + 2) - 0.5 * (start_of(s, side) + start_of(s, side + 1))).norm();
+    departure_ = std::max(departure_, most);
   }
 }
 
@@ -30,7 +54,12 @@ void WindingTree::gather(const Surface<Real>& s, std::uint32_t named, std::size_
   Child c;
   c.begin = static_cast<std::uint32_t>(triangles_.size());
   c.is_leaf = (named & kNodeLeaf) != 0;
-  if (c.is_leaf) {
+  if (const std::uint32_t* piece = c.is_leaf ? piece_of(s, named & ~kNodeLeaf) : nullptr) {
+    BaseTriangle triangle;  // corner k of the face is where side 0 of its patch k starts
+    for (std::uint32_t k = 0; k < 3; ++k)
+      triangle[k] = start_of(s, piece[1] + 3 * (piece[0] >> k * kFanBits & kFanCorner));
+    triangles_.push_back(triangle);
+  } else if (c.is_leaf) {
     for_base_triangles(s, named & ~kNodeLeaf, Vec3::Zero(),
                        [&](const BaseTriangle& t) { triangles_.push_back(t); });
   } else {
