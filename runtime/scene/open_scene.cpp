@@ -15,13 +15,11 @@ namespace {
 
 Mesh read_mesh(const ObjectDescription& described, const SceneOpening& opening) {
   if (opening.read_mesh) return opening.read_mesh(described);
-  Mesh mesh =
-      load_mesh(described.surface,
-                {.unit = described.unit,
-                 .orient = described.orient,
-                 .flip = described.flip,
-                 .creases = described.creases,
-                 .poll = opening.poll});
+  Mesh mesh = load_mesh(described.surface, {.unit = described.unit,
+                                            .orient = described.orient,
+                                            .flip = described.flip,
+                                            .creases = described.creases,
+                                            .poll = opening.poll});
   if (described.crease_radius > 0) round_creases(mesh, described.crease_radius);
   return mesh;
 }
