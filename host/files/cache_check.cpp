@@ -9,6 +9,7 @@
 
 #include "gliss/files/cache_file.h"
 #include "gliss/mesh/mesh.h"
+#include "gliss/surface/base_triangles.h"
 #include "gliss/surface/instances.h"
 #include "gliss/surface/layout.h"
 
@@ -222,10 +223,6 @@ class Check {
     require_size(s_.control.size(), 3 * begin, "control");
   }
 
-  // Corner k of the piece of its face's polygon that a patch holds.
-  static std::uint32_t piece_corner(const std::uint32_t* piece, std::uint32_t k) {
-    return piece[0] >> k * kFanBits & kFanCorner;
-  }
   // True for a patch of a face that is cut round a centre, all of whose patches hold pieces.
   bool is_piece(std::uint32_t patch, const std::uint32_t* piece) const {
     const std::uint32_t face = c_.patch_face[patch], n = c_.face_valence[face],
@@ -321,12 +318,6 @@ class Check {
     return {vec(&s_.node[6 * child]), vec(&s_.node[6 * child + 3])};
   }
 
-  // Where a side starts, mesh frame.
-  Vec place_of_corner(std::size_t side) const {
-    const Real* numbers = &s_.patch[std::size_t{s_.side_patch[side]} * kPatchReals];
-    return vec(numbers + kPatchOrigin) + double{numbers[kPatchUnscale]} * vec(&s_.corner[6 * side]);
-  }
-
   // Boxes hold those beneath them, and the polygons.
   void check_boxes() const {
     std::vector<Range> around(patches_ - 1,
@@ -360,7 +351,8 @@ class Check {
                 "node", 6 * std::size_t{leaf[p]}, "a box that does not hold its polygon");
       };
       for (std::size_t side = s_.side_begin[p]; side < s_.side_begin[p + 1]; ++side) {
-        require((place_of_corner(side).array().abs() <= kFarthestCorner).all(), "corner", 6 * side,
+        const auto start = start_of(s_, static_cast<std::uint32_t>(side));
+        require((start.array().abs() <= kFarthestCorner).all(), "corner", 6 * side,
                 "a corner that is not in the mesh");
         require(is_direction(&s_.corner[6 * side + 3]), "corner", 6 * side + 3,
                 "a normal that is not a unit vector");
@@ -368,7 +360,7 @@ class Check {
       }
       const std::uint32_t* piece = &s_.triangle[3 * (s_.side_begin[p] - 2 * std::size_t{p})];
       for (std::uint32_t k = 0; (piece[0] & kFanPiece) != 0 && k < 3; ++k)
-        require_within((place_of_corner(piece[1] + 3 * piece_corner(piece, k)) - origin) / unscale);
+        require_within((start_of(s_, piece[1] + 3 * piece_corner(piece, k)) - origin) / unscale);
     }
   }
 

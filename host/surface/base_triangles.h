@@ -11,6 +11,26 @@ namespace gliss {
 
 using BaseTriangle = std::array<Vec3, 3>;
 
+// The place where a side starts, mesh frame.
+template <class Real>
+Vec3 start_of(const Surface<Real>& s, std::uint32_t side) {
+  const Real *numbers = &s.patch[s.side_patch[side] * kPatchReals],
+             *c = &s.corner[6 * std::size_t{side}], *o = numbers + kPatchOrigin;
+  return Vec3(o[0], o[1], o[2]) +
+         static_cast<double>(numbers[kPatchUnscale]) * Vec3(c[0], c[1], c[2]);
+}
+
+// The words of a patch's first triangle: a piece of its face's polygon (FAN_PIECE), or none.
+template <class Real>
+const std::uint32_t* piece_of(const Surface<Real>& s, std::uint32_t patch) {
+  const std::uint32_t* words = &s.triangle[3 * (s.side_begin[patch] - 2 * std::size_t{patch})];
+  return (words[0] & kFanPiece) != 0 ? words : nullptr;
+}
+// Corner k of a piece, as the face numbers its corners.
+inline std::uint32_t piece_corner(const std::uint32_t* piece, std::uint32_t k) {
+  return piece[0] >> k * kFanBits & kFanCorner;
+}
+
 // Calls visit(triangle) for each of a patch's base polygon, mesh frame, seen from x.
 template <class Real, class Visit>
 void for_base_triangles(const Surface<Real>& s, std::uint32_t patch, const Vec3& x, Visit visit) {

@@ -9,26 +9,6 @@
 
 namespace gliss {
 
-namespace {
-
-// The place where a side starts, mesh frame.
-template <class Real>
-Vec3 start_of(const Surface<Real>& s, std::uint32_t side) {
-  const Real *numbers = &s.patch[s.side_patch[side] * kPatchReals],
-             *c = &s.corner[6 * std::size_t{side}], *o = numbers + kPatchOrigin;
-  return Vec3(o[0], o[1], o[2]) +
-         static_cast<double>(numbers[kPatchUnscale]) * Vec3(c[0], c[1], c[2]);
-}
-
-// The words of a patch's first triangle: a piece of its face's polygon (FAN_PIECE), or none.
-template <class Real>
-const std::uint32_t* piece_of(const Surface<Real>& s, std::uint32_t patch) {
-  const std::uint32_t* words = &s.triangle[3 * (s.side_begin[patch] - 2 * std::size_t{patch})];
-  return (words[0] & kFanPiece) != 0 ? words : nullptr;
-}
-
-}  // namespace
-
 template <class Real>
 WindingTree::WindingTree(const Surface<Real>& s) {
   const std::uint32_t patches = s.patch_count(), nodes = patches - 1;
@@ -57,7 +37,7 @@ void WindingTree::gather(const Surface<Real>& s, std::uint32_t named, std::size_
   if (const std::uint32_t* piece = c.is_leaf ? piece_of(s, named & ~kNodeLeaf) : nullptr) {
     BaseTriangle triangle;  // corner k of the face is where side 0 of its patch k starts
     for (std::uint32_t k = 0; k < 3; ++k)
-      triangle[k] = start_of(s, piece[1] + 3 * (piece[0] >> k * kFanBits & kFanCorner));
+      triangle[k] = start_of(s, piece[1] + 3 * piece_corner(piece, k));
     triangles_.push_back(triangle);
   } else if (c.is_leaf) {
     for_base_triangles(s, named & ~kNodeLeaf, Vec3::Zero(),

@@ -1,5 +1,5 @@
-// What is inside where faces fold over their neighbours: there the nearest point's normal does not
-// say it, and the winding number of the polygons does.
+// Tells what is inside where faces fold over their neighbours: there the nearest point's normal
+// does not say it, and the winding number of the polygons does.
 #pragma once
 
 #include <vector>

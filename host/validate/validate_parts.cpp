@@ -47,25 +47,30 @@ bool meet(const Triangle& a, const Triangle& b) {
   return false;
 }
 
-// Six times the volume of the cone from `apex` over a face, and its size without sign.
+// Six times the volume of the cone from `apex` over faces, and its size without sign.
 struct Volume {
   double value = 0;
   double size = 0;
 };
 
-Volume cone_volume(const Mesh& mesh, std::uint32_t face, const Vec3& apex) {
+Volume cone_volume(const Mesh& mesh, const std::vector<std::uint32_t>& faces, const Vec3& apex) {
   const auto from_apex = [&](std::uint32_t corner) -> Vec3 {
     return mesh.positions[mesh.corner_vertex[corner]] - apex;
   };
-  Volume volume;
-  const std::uint32_t begin = mesh.face_begin[face];
-  const Vec3 first = from_apex(begin);
-  for (std::uint32_t c = begin + 1; c + 1 < mesh.face_begin[face + 1]; ++c) {
-    const double part = first.dot(from_apex(c).cross(from_apex(c + 1)));
-    volume.value += part;
-    volume.size += std::abs(part);
+  Volume all;
+  for (const std::uint32_t face : faces) {
+    const std::uint32_t begin = mesh.face_begin[face];
+    const Vec3 first = from_apex(begin);
+    Volume own;
+    for (std::uint32_t c = begin + 1; c + 1 < mesh.face_begin[face + 1]; ++c) {
+      const double part = first.dot(from_apex(c).cross(from_apex(c + 1)));
+      own.value += part;
+      own.size += std::abs(part);
+    }
+    all.value += own.value;
+    all.size += own.size;
   }
-  return volume;
+  return all;
 }
 
 }  // namespace
@@ -81,12 +86,7 @@ void PartPairs::find_volumes() {
   constexpr double kRounding = 1e-12;
   for (std::uint32_t part = 0; part < parts_.count(); ++part) {
     const Vec3 apex = corner(mesh_.face_begin[parts_.first_face[part]]);
-    Volume sum;
-    for (const std::uint32_t face : faces_[part]) {
-      const Volume volume = cone_volume(mesh_, face, apex);
-      sum.value += volume.value;
-      sum.size += volume.size;
-    }
+    const Volume sum = cone_volume(mesh_, faces_[part], apex);
     parts_.volume.push_back(std::abs(sum.value) > kRounding * sum.size ? sum.value : 0);
     if (parts_.closed[part] && parts_.volume[part] == 0)
       report_.add(Severity::kWarning, "no-volume", {.face = parts_.first_face[part]},
@@ -107,13 +107,13 @@ void PartPairs::turn(const LoadOptions& options) {
   }
   if (!is_any_inside_out || options.orient == Orient::kFile) return;
   find_containers();
-  // What holds others comes before these.
+  // A part that holds others comes before these.
   std::stable_sort(closed.begin(), closed.end(), [&](std::uint32_t a, std::uint32_t b) {
     return std::abs(parts_.volume[a]) > std::abs(parts_.volume[b]);
   });
   std::vector<char> turned(parts_.count(), 0);
   for (const std::uint32_t part : closed) {
-    // With the part around it, all within is turned.
+    // A part that is turned takes all within along.
     const std::uint32_t around = (*container_)[part];
     bool turns = around != kNone && turned[around] != 0;
     const bool is_inward = turns != (parts_.volume[part] < 0);
@@ -188,14 +188,10 @@ void PartPairs::warn_of_inward(std::uint32_t part) {
     }
   }
   middle /= static_cast<double>(corners);
-  Volume sum;
+  const Volume sum = cone_volume(mesh_, faces, middle);
   double reach2 = 0;
-  for (const std::uint32_t face : faces) {
-    const Volume volume = cone_volume(mesh_, face, middle);
-    sum.value += volume.value;
-    sum.size += volume.size;
+  for (const std::uint32_t face : faces)
     reach2 = std::max(reach2, (corner(mesh_.face_begin[face]) - middle).squaredNorm());
-  }
   if (!(sum.value < -kMost * sum.size) || !(sum.size > kFlat * reach2 * std::sqrt(reach2))) return;
   report_.add(Severity::kWarning, "faces-inward", {.face = parts_.first_face[part]},
               "belongs to an open part most of which faces its own middle ({} faces): where that "
@@ -276,7 +272,7 @@ bool PartPairs::faces_meet(std::uint32_t a, std::uint32_t b) const {
   return found;
 }
 
-// Of the closed parts that a part lies in and does not meet, the smallest.
+// Finds the smallest of the closed parts that a part lies in and does not meet.
 void PartPairs::find_containers() {
   if (container_) return;
   container_.emplace(parts_.count(), kNone);

@@ -55,7 +55,7 @@ void warn_of_folds(const Mesh& mesh, const std::vector<Vec3>& unit_normal, Repor
     for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c) {
       const std::uint32_t vertex = mesh.corner_vertex[c];
       const double along = unit_normal[face].dot(mean[vertex]);
-      // Of the two sides of a sheet there is no mean.
+      // The two sides of a sheet have no mean.
       if (!(along < -kReflex && along > kReflex - 1)) continue;
       report.add(Severity::kWarning, "fold", {.face = face, .vertex = vertex},
                  "faces against the mean normal at vertex {}: it lies over its neighbours", vertex);

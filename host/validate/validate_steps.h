@@ -52,7 +52,7 @@ struct MeshParts {
   std::vector<std::uint32_t> first_face;  // [part]
   std::vector<char> closed;               // [part], 1: every side has a face beyond
   // [part], six times the volume that it encloses; below 0: it is inside out. 0: nothing but
-  // rounding. Of an open part: as seen from the middle of its box.
+  // rounding. Says nothing of an open part.
   std::vector<double> volume;
 
   std::size_t count() const { return first_face.size(); }
