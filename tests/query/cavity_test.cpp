@@ -25,14 +25,19 @@ struct CavityCase {
   Level::Kind level;
   Construction construction;
 };
-class Cavities : public ::testing::TestWithParam<CavityCase> {};
+class Cavities : public ::testing::TestWithParam<CavityCase> {
+ protected:
+  static PatchCache built() {
+    const CavityCase& c = GetParam();
+    BuildOptions options;
+    options.precision = c.precision;
+    options.level = {c.level, c.level == Level::kTable ? kTableCells : 0, c.construction};
+    return build_cache(matryoshka(), options);
+  }
+};
 
 TEST_P(Cavities, are_free_by_every_method) {
-  const CavityCase& c = GetParam();
-  BuildOptions options;
-  options.precision = c.precision;
-  options.level = {c.level, c.level == Level::kTable ? kTableCells : 0, c.construction};
-  const PatchCache cache = build_cache(matryoshka(), options);
+  const PatchCache cache = built();
   std::mt19937 random(1);
   std::uniform_real_distribution<double> uniform(-22, 22);
   std::vector<Vec3> hips;
@@ -54,11 +59,7 @@ TEST_P(Cavities, are_free_by_every_method) {
 }
 
 TEST_P(Cavities, push_a_hand_away_from_their_walls) {
-  const CavityCase& c = GetParam();
-  BuildOptions options;
-  options.precision = c.precision;
-  options.level = {c.level, c.level == Level::kTable ? kTableCells : 0, c.construction};
-  const PatchCache cache = build_cache(matryoshka(), options);
+  const PatchCache cache = built();
   for (const Method method : {Method::kGregory, Method::kShaded, Method::kFlat}) {
     QueryOptions query;
     query.method = method;
