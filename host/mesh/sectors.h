@@ -14,7 +14,7 @@ namespace gliss {
 inline constexpr double kCollinear = 1e-6;  // sine between tangents that say no normal
 
 // The angle between two vectors, rad.
-double angle_between(const Vec3& a, const Vec3& b);
+GLISS_EXPORT double angle_between(const Vec3& a, const Vec3& b);
 
 // The edge of a side, from its start.
 Vec3 edge_of(const Mesh& mesh, const Topology& topology, std::uint32_t side);
@@ -34,7 +34,7 @@ bool normals_differ(const Mesh& mesh, std::uint32_t corner, std::uint32_t other)
 
 // True if both faces at an inner side have the very same normals at its ends: patches of theirs
 // meet smoothly there.
-bool shares_normals(const Mesh& mesh, const Topology& topology, std::uint32_t side);
+GLISS_EXPORT bool shares_normals(const Mesh& mesh, const Topology& topology, std::uint32_t side);
 
 // Corners of one vertex, anticlockwise: sides that start there. Unit tangents of the cuts on both
 // sides, which leave the vertex; (0, 0, 0) where a border bounds the sector.
