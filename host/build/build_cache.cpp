@@ -10,6 +10,7 @@
 
 #include "gliss/base/pace.h"
 #include "gliss/base/plain_arithmetic.h"
+#include "gliss/build/departure.h"
 #include "gliss/build/fair_sides.h"
 #include "gliss/build/hierarchy.h"
 #include "gliss/build/mesh_frame.h"
@@ -26,6 +27,9 @@ namespace {
 // Faces that are built share nothing, so that they may be drafted in any order. Those that fold
 // take a hundred times as long as others.
 constexpr std::size_t kFaceGrain = 8;
+
+// Patches of more sides are looked at closely for folds: their samples are far apart.
+constexpr std::uint32_t kFewSides = 8;
 
 // Fair patches that are drafted together, in lanes.
 constexpr std::size_t kFairTogether = 16;
@@ -118,6 +122,7 @@ class CacheBuilder {
     if (options_.like == nullptr) {
       find_open_parts(cache_);
       find_folds(cache_);
+      if (!base_only_) find_departures(cache_, *tables_, backend_.parallel);
     }
     return std::move(cache_);
   }
@@ -345,7 +350,7 @@ class CacheBuilder {
                                        plain.form, plain.valence, *tables_, &samples)
                              : examined(b, p, samples);
       if (!(b.turned[p] > 0)) shape.turn = -1;
-      judge(face, shape, b.soundness[p], drafted);
+      judge(face, c.frame[p], shape, b.soundness[p], drafted);
       its_samples = &samples;
     }
     for (const PatchDraft& d : drafted.tamer) {
@@ -377,25 +382,36 @@ class CacheBuilder {
     return draft_patch(face, all_corners(static_cast<std::uint32_t>(face.position.size())));
   }
 
-  // Flags a face by its patch's shape and soundness, and finds tamer patches for a flagged one.
-  void judge(std::uint32_t face, const PatchShape& shape, double soundness, DraftedFace& d) const {
+  // How far the patch of a face should leave its polygon, mesh frame.
+  double most_sag(std::uint32_t face) const {
+    return mesh_.most_sag.empty() ? std::numeric_limits<double>::infinity()
+                                  : mesh_.most_sag[face] * cache_.scale;
+  }
+
+  // Flags a face by its patch's shape and soundness, and finds tamer patches for a flagged one and
+  // one that bulges.
+  void judge(std::uint32_t face, const PatchFrame& frame, const PatchShape& shape, double soundness,
+             DraftedFace& d) const {
     d.shape = shape;
-    if (may_fold_unseen(d.shape))
+    if (may_fold_unseen(d.shape) || (mesh_.valence(face) > kFewSides && !is_folded(d.shape)))
       d.shape.turn = std::min(d.shape.turn, closer_turn(draft(face_of(face)), *tables_));
     d.folded = is_folded(d.shape);
     d.degenerate = is_degenerate(soundness);
-    if (!d.flagged() || !options_.tame) return;
+    const double most = most_sag(face);
+    const bool bulges =
+        shape.sag > most * frame.scale && !(is_fair(face) && mesh_.valence(face) <= 4);
+    if (!options_.tame || !(d.flagged() || bulges)) return;
     const FaceCorners corners = face_of(face);
     PatchDraft patch = draft(corners);
     patch.shape = d.shape;
-    d.tamer = draft_tamer(corners, std::move(patch), *tables_);
+    d.tamer = d.flagged() ? draft_tamer(corners, std::move(patch), *tables_)
+                          : draft_flatter(corners, std::move(patch), most, *tables_);
   }
 
   void report(const Chunk& c) {
     for (std::size_t i = 0; i < c.count; ++i) {
       const DraftedFace& d = c.drafted[i];
-      if (!d.flagged()) continue;
-      report_.flagged_faces.push_back(faces_[c.first + i]);
+      if (d.flagged()) report_.flagged_faces.push_back(faces_[c.first + i]);
       report_.folded += d.folded;
       report_.degenerate += d.degenerate;
       if (d.tamer.empty()) continue;
@@ -646,12 +662,9 @@ PatchCache build_base(const Mesh& mesh, const Topology& topology, Precision prec
 PatchCache build_cache(const Mesh& mesh, const BuildOptions& options, BuildReport* report,
                        const BuildBackend& backend) {
   const PlainArithmetic plain;
-  if (has_vertex_normals(mesh))
-    return build_cache(mesh, build_topology(mesh), options, report, backend);
-  Mesh with_normals = mesh;
-  add_vertex_normals(with_normals, normal_weights(options.level.construction), backend.parallel);
-  PatchCache cache =
-      build_cache(with_normals, build_topology(with_normals), options, report, backend);
+  Mesh complete = mesh;
+  const Topology topology = complete_mesh(complete, options.level.construction, backend.parallel);
+  PatchCache cache = build_cache(complete, topology, options, report, backend);
   cache.mesh_hash = hash_of(mesh);
   return cache;
 }

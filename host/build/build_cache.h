@@ -5,17 +5,13 @@
 #include <vector>
 
 #include "gliss/base/export.h"
+#include "gliss/build/complete_mesh.h"
 #include "gliss/build/patch_batch.h"
 #include "gliss/mesh/mesh.h"
 #include "gliss/mesh/topology.h"
 #include "gliss/surface/patch_cache.h"
 
 namespace gliss {
-
-// The weights of the vertex normals that a construction makes for meshes without.
-constexpr NormalWeights normal_weights(Construction construction) {
-  return construction == Construction::kFair ? NormalWeights::kSmooth : NormalWeights::kAngle;
-}
 
 struct BuildOptions {
   Precision precision = Precision::kDouble;
@@ -37,13 +33,13 @@ struct BuildReport {
   std::vector<std::uint32_t> flagged_faces;  // folded or degenerate, ascending
 };
 
-// Builds all patches, or those of options.faces. The mesh must be validated; vertex normals are
-// made where it has none. Throws MeshError.
+// Builds all patches, or those of options.faces. The mesh must be validated; it is completed
+// (complete_mesh). Throws MeshError.
 GLISS_EXPORT PatchCache build_cache(const Mesh& mesh, const BuildOptions& options = {},
                                     BuildReport* report = nullptr,
                                     const BuildBackend& backend = {});
 
-// The same with a topology made before and vertex normals in the mesh, for builds of many regions.
+// The same of a mesh that is completed, with its topology, for builds of many regions.
 GLISS_EXPORT PatchCache build_cache(const Mesh& mesh, const Topology& topology,
                                     const BuildOptions& options, BuildReport* report = nullptr,
                                     const BuildBackend& backend = {});

@@ -59,6 +59,13 @@ bool keeps_normals(const PatchDraft& d, const PatchDraft& exact, const ValenceTa
   return true;
 }
 
+// Examines a patch with more samples where it seems safe: those of many sides have few, and one
+// that is flat may fold in its plane between them though it curves nowhere.
+void examine_closely(PatchDraft& d, const ValenceTables& tables) {
+  d.shape = examine(d, tables);
+  if (d.shape.turn > kSafeTurn) d.shape.turn = std::min(d.shape.turn, closer_turn(d, tables));
+}
+
 // The same boundary, with cross tangents shortened until the patch is safe; none where it never is.
 // Cross tangents stay as they were where they have no direction to speak of.
 std::optional<PatchDraft> ease(const PatchDraft& draft, const ValenceTables& tables) {
@@ -69,7 +76,7 @@ std::optional<PatchDraft> ease(const PatchDraft& draft, const ValenceTables& tab
     if (d.kind == PatchKind::kPlain) d.kind = PatchKind::kEased;
     kernels<double>().ease_patch(d.control.data(), d.valence(), amount);
     if (!(turn_at_rim(d, tables) > kSafeTurn)) continue;
-    d.shape = examine(d, tables);
+    examine_closely(d, tables);
     if (d.shape.turn > kSafeTurn) return d;
   }
   return std::nullopt;
@@ -85,15 +92,32 @@ std::vector<PatchDraft> relaxed(const PatchDraft& exact, const ValenceTables& ta
   d.control.resize(kernels<double>().control_reals(d.form, n));
   kernels<double>().to_form(tables.domain_of(n), d.corner.data(), exact.control.data(), kFormPaper,
                             d.form, n, d.control.data());
-  d.shape = examine(d, tables);
+  examine_closely(d, tables);
   if (!(d.shape.turn > kSafeTurn) || !keeps_normals(d, exact, tables)) return {};
   return {std::move(d)};
 }
 
+// Tells bent patches of one face apart. Those that are safe by how near they stay to their
+// polygons, for without the boundary's normals nothing else holds them there; others by how they
+// turn.
+struct Quality {
+  double turn = -2;  // the worst
+  double sag = 0;    // the largest, mesh frame
+
+  bool is_safe() const { return turn > kSafeTurn; }
+  // A change has to be worth it.
+  bool is_better(const Quality& than) const {
+    if (is_safe() != than.is_safe()) return is_safe();
+    return is_safe() ? sag < 0.5 * than.sag : turn > than.turn;
+  }
+};
+Quality quality_of(const PatchDraft& d) { return {d.shape.turn, d.shape.sag / d.frame.scale}; }
+
 // The same boundary curves, with cross tangents in the plane of the polygon, shorter and shorter:
-// without any, a corner interpolator is the sum of its two curves. The best, if its turn is better
-// than `worst`.
-std::optional<PatchDraft> bend(const PatchDraft& draft, double worst, const ValenceTables& tables) {
+// without any, a corner interpolator is the sum of its two curves. The best, if it is better than
+// `worst`.
+std::optional<PatchDraft> bend(const PatchDraft& draft, Quality worst,
+                               const ValenceTables& tables) {
   std::optional<PatchDraft> best;
   for (const double length : {1.0, 0.5, 0.0}) {
     PatchDraft d = draft;
@@ -110,13 +134,11 @@ std::optional<PatchDraft> bend(const PatchDraft& draft, double worst, const Vale
       }
       kernels<double>().bend_patch(d.control.data(), n, d.frame.normal.data());
     }
-    if (turn_at_rim(d, tables) < worst) continue;
+    if (turn_at_rim(d, tables) < std::min(worst.turn, kSafeTurn)) continue;
     d.shape = examine(d, tables);
-    // The one that moves less wins if two are as bad.
-    if (best ? d.shape.turn < worst : !(d.shape.turn > worst)) continue;
-    worst = d.shape.turn;
+    if (!quality_of(d).is_better(worst)) continue;
+    worst = quality_of(d);
     best = std::move(d);
-    if (worst > kSafeTurn) break;
   }
   return best;
 }
@@ -182,14 +204,15 @@ std::vector<PatchDraft> split(const FaceCorners& face, const Cuts& cuts,
   return parts;
 }
 
-// The same with continuity of position only. None where a triangle's turn is no better than
-// `worst`.
+// The same with continuity of position only. None where a triangle is no better than `worst`, or is
+// turned away from the face, as round a centre that lies outside of it.
 std::vector<PatchDraft> split_bent(const FaceCorners& face, const Cuts& cuts,
-                                   std::uint32_t face_valence, double worst,
-                                   const ValenceTables& tables) {
+                                   std::uint32_t face_valence, const Vec3& face_normal,
+                                   const Quality& worst, const ValenceTables& tables) {
   std::vector<PatchDraft> parts;
   for (const auto& t : cuts) {
     PatchDraft d = draft_patch(face, {t[0], t[1], t[2]});
+    if (!(d.frame.normal.dot(face_normal) > kSafeTurn)) return {};
     straighten_cuts(d, face_valence);
     std::optional<PatchDraft> bent = bend(d, worst, tables);
     if (!bent) return {};
@@ -226,10 +249,13 @@ void share_triangles(const FaceCorners& face, const std::vector<std::uint32_t>& 
   }
 }
 
-double worst_turn(const std::vector<PatchDraft>& drafts) {
-  double turn = 1;
-  for (const PatchDraft& d : drafts) turn = std::min(turn, d.shape.turn);
-  return turn;
+Quality quality_of(const std::vector<PatchDraft>& drafts) {
+  Quality all{1, 0};
+  for (const PatchDraft& d : drafts) {
+    all.turn = std::min(all.turn, d.shape.turn);
+    all.sag = std::max(all.sag, quality_of(d).sag);
+  }
+  return all;
 }
 
 std::vector<PatchDraft> find_tamer(const FaceCorners& face, PatchDraft exact,
@@ -238,7 +264,7 @@ std::vector<PatchDraft> find_tamer(const FaceCorners& face, PatchDraft exact,
   if (is_curved) {  // the paper's keeps the boundary normals too
     exact = draft_paper(face, std::move(exact.face_corner));
     exact.kind = PatchKind::kEased;
-    exact.shape = examine(exact, tables);
+    examine_closely(exact, tables);
   }
   if (is_degenerate(exact.soundness)) exact.shape.turn = -1;
   if (is_curved && exact.shape.turn > kSafeTurn) return {std::move(exact)};
@@ -262,19 +288,35 @@ std::vector<PatchDraft> find_tamer(const FaceCorners& face, PatchDraft exact,
   if (!parts.empty()) return parts;
 
   // Without them otherwise: the best.
-  std::vector<PatchDraft> best{*bend(exact, -2, tables)};
+  std::vector<PatchDraft> best{*bend(exact, {}, tables)};
   const auto offer = [&](const FaceCorners& corners, const Cuts& cuts) {
-    const double worst = worst_turn(best);
-    if (worst > kSafeTurn) return;
-    parts = split_bent(corners, cuts, n, worst, tables);
+    parts = split_bent(corners, cuts, n, exact.frame.normal, quality_of(best), tables);
     if (!parts.empty()) best = std::move(parts);
   };
-  for (const FaceCorners& f : fans) offer(f, fan);
+  // Fans are near their own triangles, wherever the centre lies.
+  for (std::size_t i = 0; i < fans.size() && !quality_of(best).is_safe(); ++i) offer(fans[i], fan);
   if (n > 3) offer(face, ears);
   return best;
 }
 
 }  // namespace
+
+std::vector<PatchDraft> draft_flatter(const FaceCorners& face, PatchDraft exact, double most,
+                                      const ValenceTables& tables) {
+  if (exact.form == kFormCurved) exact = draft_paper(face, std::move(exact.face_corner));
+  if (is_degenerate(exact.soundness) || exact.form != kFormPaper) return {};
+  std::vector<PatchDraft> best;
+  for (const double amount : {0.0, 0.25, 0.5, 0.75, 0.9}) {
+    PatchDraft d = exact;
+    d.kind = PatchKind::kEased;
+    kernels<double>().ease_patch(d.control.data(), d.valence(), amount);
+    d.shape = examine(d, tables);
+    if (!(d.shape.turn > kSafeTurn) || !keeps_normals(d, exact, tables)) continue;
+    best = {std::move(d)};
+    if (best.front().shape.sag <= most * best.front().frame.scale) break;
+  }
+  return best;
+}
 
 std::vector<PatchDraft> draft_tamer(const FaceCorners& face, PatchDraft exact,
                                     const ValenceTables& tables) {

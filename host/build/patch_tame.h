@@ -13,4 +13,10 @@ namespace gliss {
 std::vector<PatchDraft> draft_tamer(const FaceCorners& face, PatchDraft exact,
                                     const ValenceTables& tables);
 
+// The patch of a face that neither folds nor degenerates, eased until it leaves its polygon by
+// `most` (mesh frame), or as little as can be; none where it cannot be eased. Boundary normals are
+// kept.
+std::vector<PatchDraft> draft_flatter(const FaceCorners& face, PatchDraft exact, double most,
+                                      const ValenceTables& tables);
+
 }  // namespace gliss

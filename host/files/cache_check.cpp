@@ -147,6 +147,10 @@ class Check {
       corners += n;
     }
     if (c_.crease_count > corners / 2) fail("header", "more creases than edges");
+    for (const Departure& d : {c_.departure, c_.tightest}) {
+      if (!(d.distance >= 0 && std::isfinite(d.distance) && d.room > 0 && d.face < faces_))
+        fail("header", "a departure that is none");
+    }
     for (std::uint32_t p = 0; p < patches_; ++p) {
       const std::uint32_t face = c_.patch_face[p];
       require(face < faces_, "patch_face", p, "out of range");

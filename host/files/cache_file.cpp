@@ -35,6 +35,12 @@ constexpr std::size_t kBlockBytes = 1 << 18;
 static_assert(sizeof(Surface<float>) == 19 * sizeof(LargeArray<float>),
               "an array was added: list it in for_each_section and check_cache, and raise kFormat");
 
+void put_departure(const Departure& from, double* to, std::uint32_t& face) {
+  to[0] = from.distance;
+  to[1] = from.room;
+  face = from.face;
+}
+
 // The header of a cache of this program, with sizes and checksum still to come.
 Header header_of(const PatchCache& cache) {
   Header h{};
@@ -55,6 +61,8 @@ Header header_of(const PatchCache& cache) {
   h.unit = cache.unit;
   std::copy_n(cache.origin.data(), 3, h.origin);
   h.scale = cache.scale;
+  put_departure(cache.departure, h.departure, h.departure_face);
+  put_departure(cache.tightest, h.tightest, h.tightest_face);
   return h;
 }
 
@@ -76,6 +84,8 @@ class Reader {
     cache.mesh_face_count = header_.mesh_face_count;
     cache.crease_count = header_.creases;
     cache.mesh_hash = header_.mesh_hash;
+    cache.departure = {header_.departure[0], header_.departure[1], header_.departure_face};
+    cache.tightest = {header_.tightest[0], header_.tightest[1], header_.tightest_face};
     if (static_cast<Precision>(header_.precision) == Precision::kDouble) cache.surface.emplace<1>();
     std::size_t next = 0;
     for_each_section(cache, [&](const char* name, auto& values) {

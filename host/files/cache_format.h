@@ -20,7 +20,7 @@ inline constexpr std::string_view kMagic = "\x89GLS\r\n\x1a\n";  // no transfer 
 inline constexpr std::size_t kNameBytes = 4;  // of it; a damaged cache is still known by these
 inline constexpr std::uint32_t kByteOrder = 0x01020304, kSwappedByteOrder = 0x04030201;
 // The format of Header and Section: which sections there are, and what they mean.
-inline constexpr std::uint32_t kFormat = 5;
+inline constexpr std::uint32_t kFormat = 6;
 inline constexpr std::uint32_t kMaxHeaderBytes = 1 << 16;
 
 // Up to header_bytes it stays as it is in every later format, so that their files are told from
@@ -40,10 +40,12 @@ struct Header {
   std::uint32_t precision, construction, level, table_cells, mesh_face_count, creases;
   std::uint64_t mesh_hash;
   double unit, origin[3], scale;
+  double departure[2], tightest[2];  // distance and room
+  std::uint32_t departure_face, tightest_face;
 };
 inline constexpr std::size_t kChecksumBegin = offsetof(Header, file_bytes);
 inline constexpr std::size_t kFixedBytes = offsetof(Header, section_count);
-static_assert(sizeof(Header) == 136, "no padding");
+static_assert(sizeof(Header) == 176, "no padding");
 
 enum class Element : std::uint32_t { kUint8 = 1, kUint32, kFloat32, kFloat64 };
 

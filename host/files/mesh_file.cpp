@@ -98,15 +98,10 @@ Mesh load_mesh(const std::string& path, const LoadOptions& options,
   refuse_stand_ins(text, report);
   format.read(text, mesh, report);
   validate(mesh, options, report);
-  if (options.creases.any()) {
-    const Topology topology = build_topology(mesh);
-    std::vector<std::uint32_t> sides;
-    if (!options.creases.edges.empty()) sides = read_edges(options.creases.edges, mesh, topology);
-    mark_creases(mesh, topology, options.creases, sides);
-    warn_of_sharp_normals(
-        mesh, mesh.sharp.empty() ? mesh.corner_vertex : sharp_corners(mesh, topology).corner_normal,
-        report);
-  }
+  const Topology topology = build_topology(mesh);
+  std::vector<std::uint32_t> sides;
+  if (!options.creases.edges.empty()) sides = read_edges(options.creases.edges, mesh, topology);
+  mark_creases(mesh, topology, options.creases, sides, report);
   return mesh;
 }
 

@@ -207,15 +207,102 @@ std::optional<double> parting_angle(const Mesh& mesh, const Topology& topology,
   return found;
 }
 
-// Marks both sides of an edge.
-void mark(Mesh& mesh, const Topology& topology, std::uint32_t side) {
-  mesh.sharp[side] = mesh.sharp[topology.side_twin[side]] = 1;
+// Marks both sides of an edge, or takes the mark away.
+void mark(Mesh& mesh, const Topology& topology, std::uint32_t side, bool is_sharp = true) {
+  mesh.sharp[side] = mesh.sharp[topology.side_twin[side]] = is_sharp;
 }
+
+// Marks the edges of the usual rule (creases.h).
+class SharpEdges {
+ public:
+  // `turns`: turns_of.
+  SharpEdges(Mesh& mesh, const Topology& topology, std::vector<double> turns)
+      : mesh_(mesh), topology_(topology), turns_(std::move(turns)) {
+    for (std::uint32_t side = 0; side < turns_.size(); ++side) {
+      if (turns_[side] < 0) continue;
+      turns_[topology.side_twin[side]] = turns_[side];
+      if (turns_[side] > kSharpTurn * kDegree) mark(mesh, topology, side);
+    }
+  }
+
+  void find() {
+    change_marks([this] { return end_to_lengthen(); }, true);
+    change_marks([this] { return end_to_take(); }, false);
+  }
+
+ private:
+  static constexpr double kDegree = std::numbers::pi / 180;
+  static constexpr double kGoesOn = 50 * kDegree, kVaries = 20 * kDegree;
+  static constexpr double kStraight = -0.5;  // cosine between two edges of a chain, at most
+
+  // Marks, or does not, the edge of find() at a vertex without a border, while there is one.
+  template <class Find>
+  void change_marks(Find find, bool is_sharp) {
+    std::vector<std::uint32_t> vertices;
+    for (std::uint32_t side = 0; side < mesh_.sharp.size(); ++side) {
+      if (mesh_.sharp[side] != 0) vertices.push_back(mesh_.corner_vertex[side]);
+    }
+    while (!vertices.empty()) {
+      const std::uint32_t vertex = vertices.back();
+      const std::uint32_t side = find_fan(vertex) ? find() : kNone;
+      if (side == kNone) {
+        vertices.pop_back();
+        continue;
+      }
+      mark(mesh_, topology_, side, is_sharp);
+      vertices.push_back(mesh_.corner_vertex[topology_.side_twin[side]]);
+    }
+  }
+
+  // Fills fan_ and marked_ with the sides that start at a vertex. False at a border.
+  bool find_fan(std::uint32_t vertex) {
+    fan_.clear(), marked_.clear();
+    const std::uint32_t first = topology_.vertex_side[vertex];
+    std::uint32_t side = first;
+    do {
+      if (topology_.side_twin[side] == kNone) return false;
+      fan_.push_back(side);
+      if (mesh_.sharp[side] != 0) marked_.push_back(side);
+      side = next_around(mesh_, topology_, side);
+    } while (side != first);
+    return true;
+  }
+
+  // The side on which a chain that ends at the vertex goes on, or kNone.
+  std::uint32_t end_to_lengthen() const {
+    if (marked_.size() != 1) return kNone;
+    const Vec3 along = edge_of(mesh_, topology_, marked_.front()).stableNormalized();
+    double best = kStraight;
+    std::uint32_t next = kNone;
+    for (const std::uint32_t side : fan_) {
+      if (mesh_.sharp[side] != 0 || !(turns_[side] > kGoesOn)) continue;
+      const double cosine = along.dot(edge_of(mesh_, topology_, side).stableNormalized());
+      if (cosine < best) best = cosine, next = side;
+    }
+    return next;
+  }
+
+  // The side of a chain that ends at the vertex, or that turns by much less than the one before, or
+  // kNone.
+  std::uint32_t end_to_take() const {
+    if (marked_.size() == 1) return marked_.front();
+    if (marked_.size() != 2) return kNone;
+    const double first = turns_[marked_[0]], second = turns_[marked_[1]];
+    if (!(std::abs(first - second) > kVaries)) return kNone;
+    return marked_[first < second ? 0 : 1];
+  }
+
+  Mesh& mesh_;
+  const Topology& topology_;
+  std::vector<double> turns_;  // rad, [side]; negative at borders
+  std::vector<std::uint32_t> fan_, marked_;
+};
 
 }  // namespace
 
 CreaseRules parse_creases(std::string_view text) {
   constexpr std::string_view kEdges = "edges:";
+  const std::string_view all = text;
   CreaseRules rules;
   while (true) {
     const std::size_t comma = text.find(',');
@@ -228,11 +315,15 @@ CreaseRules parse_creases(std::string_view text) {
       rules.groups = true;
     } else if (word.starts_with(kEdges) && word.size() > kEdges.size()) {
       rules.edges = word.substr(kEdges.size());
+    } else if (all == "none") {
+      rules.none = true;
+    } else if (word == "none") {
+      throw UnitError("creases: 'none' stands alone");
     } else {
       if (word.find_first_of("0123456789") == std::string_view::npos)
         throw UnitError(detail::message("creases: '", word,
                                         "' is none of an angle, such as 40deg, ",
-                                        "auto, normals, groups and edges:FILE"));
+                                        "auto, normals, groups, edges:FILE and none"));
       const double angle = parse_angle(word);
       if (!(angle >= 0 && angle < std::numbers::pi))
         throw UnitError(detail::message(
@@ -270,10 +361,14 @@ void mark_creases(Mesh& mesh, const Topology& topology, const CreaseRules& rules
     throw MeshError(mesh.source + ": creases by groups, but the mesh names no smoothing groups");
   mesh.sharp.assign(mesh.corner_vertex.size(), 0);
   mesh.tangents.clear();
+  if (rules.none) return mesh.sharp.clear();
+  const bool is_usual = rules.are_usual() && sides.empty();
+  const bool by_normals = rules.normals || (is_usual && !mesh.normals.empty());
   const double none = std::numbers::pi;  // no edge turns by more
   double least = rules.angle.value_or(none);
   std::vector<double> turns;
   if (rules.angle || rules.plain) turns = turns_of(mesh, topology);
+  if (is_usual && !by_normals) SharpEdges(mesh, topology, turns_of(mesh, topology)).find();
   if (rules.plain) least = std::min(least, parting_angle(mesh, topology, turns).value_or(none));
   for (std::uint32_t side = 0; side < topology.side_twin.size(); ++side) {
     const std::uint32_t twin = topology.side_twin[side];
@@ -287,7 +382,7 @@ void mark_creases(Mesh& mesh, const Topology& topology, const CreaseRules& rules
                           b = mesh.face_group[topology.side_face[twin]];
       return a != b || a == 0;
     };
-    if ((!turns.empty() && turns[side] > least) || (rules.normals && differ()) ||
+    if ((!turns.empty() && turns[side] > least) || (by_normals && differ()) ||
         (rules.groups && apart()))
       mark(mesh, topology, side);
   }

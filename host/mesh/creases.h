@@ -16,19 +16,27 @@
 
 namespace gliss {
 
-// The rules by which an edge between two faces is a crease: any of these.
+// The rules by which an edge between two faces is a crease: any of these. Where nobody names one, a
+// mesh's own normals say it, if it has some (`normals`), and else how far its edges turn
+// (mark_creases).
 struct CreaseRules {
+  bool none = false;              // no edge is one, whatever stands below
   std::optional<double> angle{};  // rad, in [0, pi): its faces turn by more
   bool plain = false;             // its faces turn by more than plain_crease_angle
   bool normals = false;           // the mesh's normals differ across it, at an end
   bool groups = false;            // its faces are not of one smoothing group
   std::string edges{};            // it is in a list: the path of one (files/mesh_file.h)
 
-  bool any() const { return angle || plain || normals || groups || !edges.empty(); }
+  // True if they name none.
+  bool are_usual() const {
+    return !(none || angle || plain || normals || groups || !edges.empty());
+  }
 };
 
-// From words between commas: an angle ("40deg"), "auto", "normals", "groups", "edges:PATH".
-// Throws UnitError.
+inline constexpr double kSharpTurn = 75;  // degrees, of the usual rule (mark_creases)
+
+// From words between commas: an angle ("40deg"), "auto", "normals", "groups", "edges:PATH"; or
+// "none" alone. Throws UnitError.
 GLISS_EXPORT CreaseRules parse_creases(std::string_view text);
 
 using VertexPair = std::array<std::uint32_t, 2>;
@@ -46,6 +54,12 @@ GLISS_EXPORT std::optional<double> plain_crease_angle(const Mesh& mesh, const To
 // Marks the creases of a validated mesh in mesh.sharp, which stays empty where there are none:
 // those of the rules but for rules.edges, and the edges of `sides`, each between two faces. Throws
 // MeshError where the mesh has nothing that a rule asks for.
+//
+// The usual rule for a mesh without normals: edges that turn by more than kSharpTurn, which every
+// edge of a box does and none of an octahedron (70.5) or dodecahedron (63.4), for which smooth
+// patches are meant. A chain of them goes on over edges that turn by more than 50 degrees. One that
+// ends within the mesh, or whose turn changes by more than 20 degrees at a vertex, is a fold of a
+// smooth shape, and is none: no dart is left.
 GLISS_EXPORT void mark_creases(Mesh& mesh, const Topology& topology, const CreaseRules& rules,
                                std::span<const std::uint32_t> sides = {});
 

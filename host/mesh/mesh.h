@@ -35,6 +35,8 @@ struct Mesh {
   // round_creases where there were: C'(0) and C'(1) of the curve that both faces at an edge share;
   // (0, 0, 0): as the normals ask.
   std::vector<Vec3> tangents;
+  // [face], how far its patch should leave its polygon at most (complete_mesh.h); empty: any way.
+  std::vector<double> most_sag;
   // Faces that round_creases (rounding.h) added behind all others, in this order: the strips, two
   // for each crease, with the vertices of its edge, and the corners, with the vertex that they took
   // the place of.

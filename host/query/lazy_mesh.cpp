@@ -27,8 +27,7 @@ LazyMesh::LazyMesh(Mesh mesh, const LazyOptions& options)
     : mesh_(std::move(mesh)), options_(options) {
   if (options.rings < 2) throw std::invalid_argument("rings: must be at least 2");
   const std::uint64_t hash = hash_of(mesh_);
-  add_vertex_normals(mesh_, normal_weights(options.level.construction));
-  topology_ = build_topology(mesh_);
+  topology_ = complete_mesh(mesh_, options.level.construction);
   base_ = build_base(mesh_, topology_, options.precision);
   base_.mesh_hash = hash;
   reach_ = largest_face(mesh_);

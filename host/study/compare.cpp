@@ -59,7 +59,7 @@ Comparison::Comparison(const Mesh& mesh, const Topology& topology, std::vector<C
     smooth_mesh_.normals.clear();
     smooth_mesh_.corner_normal.clear();
     smooth_mesh_.tangents.clear();
-    add_vertex_normals(smooth_mesh_, NormalWeights::kSmooth);
+    complete_mesh(smooth_mesh_, Construction::kFair);
   }
   for (const CompareCandidate& c : options_.candidates) {
     if (c.method == Method::kGregory && find_exact(c.level.construction) == nullptr)

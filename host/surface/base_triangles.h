@@ -50,4 +50,16 @@ void for_base_triangles(const Surface<Real>& s, std::uint32_t patch, const Vec3&
   }
 }
 
+// Calls visit(triangle) for each that a patch holds of its face's polygon, mesh frame: those of its
+// base polygon, or its piece.
+template <class Real, class Visit>
+void for_polygon_triangles(const Surface<Real>& s, std::uint32_t patch, Visit visit) {
+  const std::uint32_t* piece = piece_of(s, patch);
+  if (piece == nullptr) return for_base_triangles(s, patch, Vec3::Zero(), visit);
+  BaseTriangle triangle;  // corner k of the face is where side 0 of its patch k starts
+  for (std::uint32_t k = 0; k < 3; ++k)
+    triangle[k] = start_of(s, piece[1] + 3 * piece_corner(piece, k));
+  visit(triangle);
+}
+
 }  // namespace gliss

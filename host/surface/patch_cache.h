@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <variant>
 #include <vector>
@@ -53,6 +54,21 @@ enum class PatchKind : std::uint8_t {
   kBent,   // folded or degenerate beyond that: boundary curves as they were, boundary normals not
 };
 
+// How far the patch of a face leaves its polygon, and the room that it has there: the way from the
+// middle of the polygon, along its normal or against it, to the next one that lies across, through
+// the solid or a gap. Lengths in the mesh's unit.
+struct Departure {
+  double distance = 0;                                    // the farthest of a grid of points  
+  double room = std::numeric_limits<double>::infinity();  // infinity: there is no other
+  std::uint32_t face = 0;
+
+  double share() const { return distance / room; }
+  bool operator==(const Departure&) const = default;
+};
+
+// The share of the room beyond which a surface is no longer faithful: the commands warn.
+inline constexpr double kFaithful = 1.0 / 3;
+
 // Invariants: every index in range, every number finite, hierarchy a binary tree over all patches.
 // A patch is a face of the mesh, in the order of faces, except that a split face has a patch for
 // each of its triangles. A cache that was moved from has no patches: patch_count() is 0, and all
@@ -66,6 +82,9 @@ struct GLISS_EXPORT PatchCache {
   std::uint32_t mesh_face_count = 0;
   std::uint32_t crease_count = 0;  // edges of the mesh that are creases (mesh/creases.h)
   std::uint64_t mesh_hash = 0;     // XXH3 of the mesh's arrays and unit
+  // The largest distance, and the largest share of the room, of those that are beyond kFaithful:
+  // the same where none is.
+  Departure departure{}, tightest{};
   std::variant<Surface<float>, Surface<double>> surface;
   LargeArray<std::uint32_t> patch_face;  // [patch]
   // [face], its first patch; kNone: not built. Empty in a cache of some faces of many

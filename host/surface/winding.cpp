@@ -34,14 +34,9 @@ void WindingTree::gather(const Surface<Real>& s, std::uint32_t named, std::size_
   Child c;
   c.begin = static_cast<std::uint32_t>(triangles_.size());
   c.is_leaf = (named & kNodeLeaf) != 0;
-  if (const std::uint32_t* piece = c.is_leaf ? piece_of(s, named & ~kNodeLeaf) : nullptr) {
-    BaseTriangle triangle;  // corner k of the face is where side 0 of its patch k starts
-    for (std::uint32_t k = 0; k < 3; ++k)
-      triangle[k] = start_of(s, piece[1] + 3 * piece_corner(piece, k));
-    triangles_.push_back(triangle);
-  } else if (c.is_leaf) {
-    for_base_triangles(s, named & ~kNodeLeaf, Vec3::Zero(),
-                       [&](const BaseTriangle& t) { triangles_.push_back(t); });
+  if (c.is_leaf) {
+    for_polygon_triangles(s, named & ~kNodeLeaf,
+                          [&](const BaseTriangle& t) { triangles_.push_back(t); });
   } else {
     c.node = named;
     for (std::size_t k = 0; k < 2; ++k)

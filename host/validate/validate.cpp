@@ -205,7 +205,6 @@ void validate(Mesh& mesh, const LoadOptions& options, Report& report) {
   const bool keeps =
       options.creases.normals || (options.strict && options.normals == NormalSource::kAuto);
   repair_normals(mesh, keeps ? NormalSource::kFile : options.normals, report);
-  if (!options.creases.any()) warn_of_sharp_normals(mesh, mesh.corner_vertex, report);
   warn_of_shapes(mesh, report);
   pairs.warn();
 }
@@ -213,6 +212,7 @@ void validate(Mesh& mesh, const LoadOptions& options, Report& report) {
 void validate(Mesh& mesh, const LoadOptions& options, std::vector<Finding>* findings) {
   Report report(mesh, findings, options.poll, options.strict);
   validate(mesh, options, report);
+  mark_creases(mesh, build_topology(mesh), options.creases, {}, report);
 }
 
 }  // namespace gliss

@@ -4,7 +4,7 @@
 #include <limits>
 #include <unordered_map>
 
-#include "gliss/mesh/topology.h"
+#include "gliss/mesh/creases.h"
 #include "gliss/validate/validate_steps.h"
 
 namespace gliss {
@@ -137,8 +137,13 @@ void repair_normals(Mesh& mesh, NormalSource source, Report& report) {
   warn_of_backward_normals(mesh, report);
 }
 
-void warn_of_sharp_normals(const Mesh& mesh, std::span<const std::uint32_t> group, Report& report) {
+void mark_creases(Mesh& mesh, const Topology& topology, const CreaseRules& rules,
+                  std::span<const std::uint32_t> sides, Report& report) {
+  report.poll();
+  mark_creases(mesh, topology, rules, sides);
   if (mesh.normals.empty()) return;
+  const std::vector<std::uint32_t> group =
+      mesh.sharp.empty() ? mesh.corner_vertex : sharp_corners(mesh, topology).corner_normal;
   std::vector<std::uint32_t> first;  // [group], a normal there
   std::vector<bool> sharp(mesh.positions.size(), false);
   for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {

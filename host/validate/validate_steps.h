@@ -64,9 +64,10 @@ MeshParts repair_orientation(Mesh& mesh, Report& report);
 // Leaves unit normals at every corner, or none at all: as of a file that has each face's own.
 void repair_normals(Mesh& mesh, NormalSource source, Report& report);
 
-// Warns of vertices with several normals where no crease is between them. group[corner]: corners of
-// a vertex without a crease between them have one number.
-void warn_of_sharp_normals(const Mesh& mesh, std::span<const std::uint32_t> group, Report& report);
+// Marks creases as mark_creases (mesh/creases.h) does, and warns of vertices with several normals
+// where no crease is between them.
+void mark_creases(Mesh& mesh, const Topology& topology, const CreaseRules& rules,
+                  std::span<const std::uint32_t> sides, Report& report);
 
 // Warn of what is accepted: shapes of faces, vertices unused or at one place, but for those that
 // are `joined` to another one.

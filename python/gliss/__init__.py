@@ -16,6 +16,8 @@ their memory. Calls that compute let other Python threads run, and end by Ctrl-C
 
 import os as _os
 import shlex as _shlex
+import typing as _typing
+import warnings as _warnings
 import weakref as _weakref
 
 import numpy as _np
@@ -23,8 +25,8 @@ import numpy as _np
 from . import _gliss
 from ._gliss import CacheError, Contact, DeviceError, MeshError, SceneError, __version__
 
-__all__ = ["CacheError", "Contact", "Contacts", "DeviceError", "Hand", "Loop", "MeshError", "Results", "SceneError",
-           "Surface", "SurfacePoints", "Sweep", "Trace", "Triangles", "__version__", "load"]
+__all__ = ["CacheError", "Contact", "Contacts", "Departure", "DeviceError", "Hand", "Loop", "MeshError", "Results",
+           "SceneError", "Surface", "SurfacePoints", "Sweep", "Trace", "Triangles", "__version__", "load"]
 
 
 def _text(quantity):
@@ -196,6 +198,23 @@ def _options(unit=None, *, level=None, construction=None, precision=None, crease
                 keep_non_manifold=keep_non_manifold, threads=threads, backend=backend, opencl_device=opencl_device)
 
 
+class Departure(_typing.NamedTuple):
+    """How far a patch leaves its polygon, and the room there, in the surface's unit."""
+
+    distance: float
+    room: float
+    face: int
+
+
+def _warn_of(surface):
+    """Warns of a surface that is not the shape of its mesh."""
+    if surface._open.faithful:
+        return
+    distance, room, face = surface.tightest
+    _warnings.warn(f"the surface leaves face {face} by {distance:.3g}, and the next face is {room:.3g} away: a hand "
+                   "feels another shape than the mesh's there; crease= keeps edges sharp", stacklevel=3)
+
+
 class Surface:
     """A smooth surface over a polygon mesh. Any number of threads may ask one at once.
 
@@ -214,12 +233,14 @@ class Surface:
 
     def __init__(self, vertices, faces, unit="m", **options):
         self._open = _gliss.from_arrays(_real(vertices, "vertices"), *_faces(faces), _options(unit, **options))
+        _warn_of(self)
         self._words = []  # no command of the program reads it
 
     @classmethod
     def _of(cls, opened, words):
         surface = cls.__new__(cls)
         surface._open, surface._words = opened, words
+        _warn_of(surface)
         return surface
 
     @property
@@ -261,6 +282,17 @@ class Surface:
     def bounds(self):
         """(2, 3): lowest and highest corner of the mesh, in its unit. Patches bulge beyond it."""
         return self._open.bounds
+
+    @property
+    def departure(self):
+        """How far patches leave their polygons: a Departure with the largest `distance`, its `face`, and the `room`
+        there: the way along the face's normal to the next face across, through the solid or a gap (inf: none)."""
+        return Departure(*self._open.departure)
+
+    @property
+    def tightest(self):
+        """The same where a patch takes the largest share of its room, if that is beyond a third: else `departure`."""
+        return Departure(*self._open.tightest)
 
     @property
     def backend(self):

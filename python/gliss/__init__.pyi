@@ -1,7 +1,7 @@
 import os
 from collections.abc import KeysView, Mapping, Sequence
 from types import TracebackType
-from typing import Any, Literal, final
+from typing import Any, Literal, NamedTuple, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -116,6 +116,11 @@ class Hand:
     def tick(self, hip: ArrayLike, dt: _Quantity = 1e-3) -> Contact: ...
     def ticks(self, path: ArrayLike, dt: _Quantity = 1e-3) -> Results: ...
 
+class Departure(NamedTuple):
+    distance: float
+    room: float
+    face: int
+
 class Surface:
     def __init__(
         self, vertices: ArrayLike, faces: _Faces, unit: _Quantity = "m", *,
@@ -142,6 +147,10 @@ class Surface:
     def nbytes(self) -> int: ...
     @property
     def bounds(self) -> _Floats: ...
+    @property
+    def departure(self) -> Departure: ...
+    @property
+    def tightest(self) -> Departure: ...
     @property
     def backend(self) -> str: ...
     @property

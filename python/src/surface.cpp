@@ -69,9 +69,6 @@ Opening opening_of(const py::dict& options) {
   if (!options["crease"].is_none()) opening.load.creases = parse_creases(text(options, "crease"));
   if (!options["crease_radius"].is_none()) {
     opening.crease_radius = length(options["crease_radius"], "crease_radius");
-    if (!opening.load.creases.any())
-      throw py::value_error(
-          "crease_radius: add which edges it rounds, as crease='auto' or crease='40deg'");
   }
   opening.load.poll = poll;
   opening.precision = perhaps(options, "precision", kPrecisionNames);
@@ -113,7 +110,7 @@ void build(OpenSurface& surface, const Opening& opening, Make make) {
 }
 
 void read(OpenSurface& surface, const Opening& opening) {
-  if (opening.load.creases.any())
+  if (!opening.load.creases.are_usual())
     throw py::value_error(fmt::format(
         "{}: a cache has the creases that it was baked with; crease is for meshes", surface.path));
   surface.cache = std::make_shared<PatchCache>(
@@ -175,12 +172,9 @@ std::shared_ptr<OpenSurface> from_arrays(const Reals& vertices, const Indices& o
     auto surface = begin(opening);
     build(*surface, opening, [&](std::vector<Finding>* findings) {
       validate(mesh, opening.load, findings);
-      if (opening.load.creases.any()) {
+      if (const std::string& path = opening.load.creases.edges; !path.empty()) {
         const Topology topology = build_topology(mesh);
-        std::vector<std::uint32_t> sides;
-        if (const std::string& path = opening.load.creases.edges; !path.empty())
-          sides = read_edges(path, mesh, topology);
-        mark_creases(mesh, topology, opening.load.creases, sides);
+        mark_creases(mesh, topology, opening.load.creases, read_edges(path, mesh, topology));
       }
       return std::move(mesh);
     });
@@ -196,6 +190,8 @@ py::array_t<double> bounds_of(const OpenSurface& surface) {
   std::copy_n(box.high.data(), 3, bounds.data() + 3);
   return bounds.array();
 }
+
+py::tuple tuple_of(const Departure& d) { return py::make_tuple(d.distance, d.room, d.face); }
 
 }  // namespace
 
@@ -213,6 +209,12 @@ void bind_surface(py::module_& module) {
           "precision", [](const OpenSurface& s) { return precision_name(s.cache->precision()); })
       .def_property_readonly("nbytes", [](const OpenSurface& s) { return s.cache->bytes(); })
       .def_property_readonly("bounds", bounds_of)
+      .def_property_readonly("departure",
+                             [](const OpenSurface& s) { return tuple_of(s.cache->departure); })
+      .def_property_readonly("tightest",
+                             [](const OpenSurface& s) { return tuple_of(s.cache->tightest); })
+      .def_property_readonly(
+          "faithful", [](const OpenSurface& s) { return s.cache->tightest.share() <= kFaithful; })
       .def_property_readonly("backend", [](const OpenSurface& s) { return s.engine->name(); })
       .def_property_readonly("threads", [](const OpenSurface& s) { return s.engine->threads(); })
       .def_property_readonly("path", [](const OpenSurface& s) { return s.path; })

@@ -286,6 +286,20 @@ std::int32_t gliss_surface_bounds(const gliss_surface* surface, double low[3], d
   });
 }
 
+std::int32_t gliss_surface_departure(const gliss_surface* surface, double* distance, double* room,
+                                     std::uint32_t* face) {
+  return attempt([&] {
+    need(surface, "surface: is NULL");
+    need(distance, "distance: is NULL");
+    need(room, "room: is NULL");
+    need(face, "face: is NULL");
+    const gliss::Departure& d = surface->cache->tightest;
+    *distance = d.distance;
+    *room = d.room;
+    *face = d.face;
+  });
+}
+
 std::int32_t gliss_surface_nearest(const gliss_surface* surface, std::uint32_t method,
                                    const void* points, std::size_t stride, std::size_t bytes,
                                    std::size_t count, gliss_contact* out) {

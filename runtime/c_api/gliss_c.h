@@ -32,7 +32,7 @@ extern "C" {
 #define GLISS_API
 #endif
 
-#define GLISS_ABI 0x000101u
+#define GLISS_ABI 0x000102u
 
 typedef struct gliss_surface gliss_surface;
 typedef struct gliss_hand gliss_hand;
@@ -84,6 +84,12 @@ GLISS_API double gliss_surface_unit(const gliss_surface* surface);  /* m; 0 of N
 GLISS_API size_t gliss_surface_faces(const gliss_surface* surface); /* 0 of NULL */
 /* Corners low and high of the bounding box, mesh's unit. */
 GLISS_API int32_t gliss_surface_bounds(const gliss_surface* surface, double low[3], double high[3]);
+/* How far the patch of a face leaves its polygon, and the room that it has there: the way along the
+ * polygon's normal to the next face across, through the solid or a gap (infinite: there is none).
+ * That of the patch which takes the largest share of its room, if it is more than a third, and else
+ * the largest distance. Mesh's unit. */
+GLISS_API int32_t gliss_surface_departure(const gliss_surface* surface, double* distance,
+                                          double* room, uint32_t* face);
 
 #define GLISS_GREGORY 0u
 #define GLISS_SHADED 1u

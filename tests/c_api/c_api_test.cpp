@@ -57,6 +57,10 @@ TEST(CApi, finds_what_the_library_finds) {
   double low[3], high[3];
   ASSERT_EQ(gliss_surface_bounds(ball.surface, low, high), 0);
   EXPECT_EQ(high[0], cache.bounds().high.x());
+  double distance = 0, room = 0;
+  std::uint32_t farthest = 0;
+  ASSERT_EQ(gliss_surface_departure(ball.surface, &distance, &room, &farthest), 0);
+  EXPECT_EQ((Departure{distance, room, farthest}), cache.tightest);
   std::vector<Vec3> points;
   std::vector<float> strided;  // x, y, z and one that is none of ours
   for (int i = 0; i < 200; ++i) {
@@ -298,6 +302,8 @@ TEST(CApi, refuses_null_and_what_is_none) {
   refused(gliss_surface_save(ball.surface, nullptr), "path: is NULL");
   refused(gliss_surface_bounds(nullptr, v, v), "surface: is NULL");
   refused(gliss_surface_bounds(ball.surface, nullptr, v), "low: is NULL");
+  refused(gliss_surface_departure(nullptr, v, v, &contact.face), "surface: is NULL");
+  refused(gliss_surface_departure(ball.surface, v, nullptr, &contact.face), "room: is NULL");
   refused(gliss_surface_nearest(nullptr, 0, v, 0, 8, 1, &contact), "surface: is NULL");
   refused(gliss_surface_nearest(ball.surface, 0, nullptr, 0, 8, 1, &contact), "points: is NULL");
   refused(gliss_surface_nearest(ball.surface, 0, v, 0, 8, 1, nullptr), "out: is NULL");

@@ -72,14 +72,18 @@ TEST_F(CreasesTest, rules_are_words_between_commas) {
   EXPECT_FALSE(rules.groups);
   EXPECT_EQ(rules.edges, "some/list.txt");
   EXPECT_DOUBLE_EQ(*parse_creases("0.5 rad").angle, 0.5);
-  EXPECT_TRUE(parse_creases("groups").any());
+  EXPECT_FALSE(parse_creases("groups").are_usual());
   EXPECT_TRUE(parse_creases("auto").plain);
-  EXPECT_FALSE(CreaseRules{}.any());
-  for (const char* wrong : {"", "40mm", "180deg", "-1deg", "seams", "edges:", "40deg,"})
+  EXPECT_TRUE(CreaseRules{}.are_usual());
+  EXPECT_TRUE(parse_creases("none").none);
+  EXPECT_FALSE(parse_creases("none").are_usual());
+  for (const char* wrong :
+       {"", "40mm", "180deg", "-1deg", "seams", "edges:", "40deg,", "none,auto", "auto,none"})
     EXPECT_THROW(parse_creases(wrong), UnitError) << wrong;
   EXPECT_EQ(
       test::message_of<UnitError>([] { parse_creases("foo"); }),
-      "creases: 'foo' is none of an angle, such as 40deg, auto, normals, groups and edges:FILE");
+      "creases: 'foo' is none of an angle, such as 40deg, auto, normals, groups, edges:FILE and "
+      "none");
 }
 
 TEST_F(CreasesTest, edges_are_marked_where_faces_turn_by_more_than_the_angle) {
@@ -91,6 +95,60 @@ TEST_F(CreasesTest, edges_are_marked_where_faces_turn_by_more_than_the_angle) {
   EXPECT_EQ(creases_of(with_creases(prism(12).mesh, {.angle = 20 * kDegree})), 36u);
   EXPECT_EQ(creases_of(with_creases(test::ridge(), {.angle = 80 * kDegree})), 4u);
   EXPECT_EQ(creases_of(with_creases(test::l_solid())), 22u);
+}
+
+Mesh without_normals(Mesh mesh) {
+  mesh.normals.clear();
+  mesh.corner_normal.clear();
+  return mesh;
+}
+
+// The usual rule: what is meant to be sharp, and what is not.
+TEST_F(CreasesTest, unless_told_otherwise_sharp_edges_are_creases) {
+  const CreaseRules usual;
+  for (const auto& [mesh, count] :
+       {std::pair(cube(), 12u), std::pair(in_triangles(cube()), 12u),
+        std::pair(gliss::cube(4).mesh, 48u), std::pair(test::l_solid(), 22u),
+        std::pair(cylinder(24).mesh, 48u), std::pair(prism(12).mesh, 24u),
+        std::pair(prism(4).mesh, 12u)}) {
+    EXPECT_EQ(creases_of(with_creases(without_normals(mesh), usual)), count) << mesh.source;
+    EXPECT_TRUE(with_creases(mesh, {.none = true}).sharp.empty()) << mesh.source;
+  }
+  for (const Generated& made : {torus_knot(), torus_knot(30, 6), torus(8, 6), goldberg(1),
+                                goldberg(4), ellipsoid(3), irregular(torus(), 1)})
+    EXPECT_TRUE(with_creases(without_normals(made.mesh), usual).sharp.empty()) << made.mesh.source;
+}
+
+// A ridge of 90 degrees that flattens out to nothing ends somewhere within the mesh.
+TEST_F(CreasesTest, by_the_usual_rule_no_crease_ends_within_the_mesh) {
+  EXPECT_GT(creases_of(with_creases(test::ridge(), {.angle = 75 * kDegree})), 0u);
+  EXPECT_TRUE(with_creases(test::ridge(), CreaseRules{}).sharp.empty());
+  test::Rng rng(1);
+  std::size_t marked = 0;
+  for (int i = 0; i < 20; ++i) {
+    const Mesh mesh = with_creases(without_normals(test::random_ellipsoid(rng, 60, {1, 0.6, 0.01})),
+                                   CreaseRules{});
+    const Topology topology = build_topology(mesh);
+    std::vector<int> count(mesh.positions.size(), 0);
+    for (const VertexPair& edge : crease_edges(mesh, topology))
+      for (const std::uint32_t vertex : edge) ++count[vertex];
+    EXPECT_EQ(std::count(count.begin(), count.end(), 1), 0) << i;
+    marked += crease_edges(mesh, topology).size();
+  }
+  EXPECT_GT(marked, 20u);
+}
+
+// The normals of a file say what is sharp, where it has some.
+TEST_F(CreasesTest, by_the_usual_rule_normals_of_the_mesh_decide) {
+  Mesh smooth = cube();
+  add_vertex_normals(smooth);
+  EXPECT_TRUE(with_creases(smooth, CreaseRules{}).sharp.empty());
+  Mesh faceted = without_normals(prism(12).mesh);
+  for (std::uint32_t f = 0; f < faceted.face_count(); ++f) {
+    faceted.normals.push_back(newell_normal(faceted, f).normalized());
+    faceted.corner_normal.insert(faceted.corner_normal.end(), faceted.valence(f), f);
+  }
+  EXPECT_EQ(creases_of(with_creases(faceted, CreaseRules{})), 36u);
 }
 
 double plain_angle(const Mesh& mesh) {

@@ -102,12 +102,13 @@ void run(const BakeOptions& options) {
   report(options,
          fmt::format("{}: {} of {} faces, {} patches of level {}, {} construction, in {}, unit {}\n"
                      "folded {}, degenerate {}; eased {}, split {}, bent {}{}\n"
+                     "{}\n"
                      "least radius of curvature {} {}, {} bytes, {:.2f} s\n",
                      options.output, faces, mesh.face_count(), cache.patch_count(),
                      level_name(cache.level), construction_name(cache.level.construction),
                      precision_name(cache.precision()), unit, found.folded, found.degenerate,
                      found.eased, found.split, found.bent,
-                     creases_text(cache.crease_count) + rounded_text(mesh),
+                     creases_text(cache.crease_count) + rounded_text(mesh), departure_text(cache),
                      radius_text(cache.smallest_rho()), unit, cache.bytes(), seconds),
          {{"output", options.output},
           {"mesh_faces", mesh.face_count()},
@@ -126,6 +127,8 @@ void run(const BakeOptions& options) {
           {"strips", mesh.strips.size()},
           {"rounded_corners", mesh.rounded_corners.size()},
           {"flagged_faces", found.flagged_faces},
+          {"departure", departure_json(cache.departure, cache.unit)},
+          {"tightest", departure_json(cache.tightest, cache.unit)},
           {"rho_min", radius_json(cache.smallest_rho())},
           {"bytes", cache.bytes()},
           {"mesh_hash", hash_name(cache.mesh_hash)},

@@ -34,17 +34,22 @@ struct CheckedSurface {
   BuildReport report;
   std::vector<const char*> kinds;  // of the flagged faces
   std::vector<VertexPair> rough_edges;
+  std::string departure_text;
+  Json departure, tightest;
 };
 
 CheckedSurface build_surface(const SurfaceOptions& options, const Mesh& mesh) {
   CheckedSurface surface;
   const PatchCache cache = build(mesh, options, *make_engine(options), {}, &surface.report);
   tell_tight_curvature(options, cache, usual_depth(cache), "0.5 % of the diagonal");
+  surface.departure_text = departure_text(cache);
+  surface.departure = departure_json(cache.departure, cache.unit);
+  surface.tightest = departure_json(cache.tightest, cache.unit);
   for (const std::uint32_t face : surface.report.flagged_faces)
     surface.kinds.push_back(name_of(kPatchKindNames, cache.kind[cache.first_patch(face)]));
-  Mesh with_normals = mesh;
-  add_vertex_normals(with_normals, normal_weights(cache.level.construction));
-  surface.rough_edges = rough_edges(with_normals, build_topology(with_normals), cache);
+  Mesh complete = mesh;
+  const Topology topology = complete_mesh(complete, cache.level.construction);
+  surface.rough_edges = rough_edges(complete, topology, cache);
   return surface;
 }
 
@@ -69,7 +74,7 @@ void run(const SurfaceOptions& options) {
     mesh = load_mesh(options, findings);
     tell_odd_size(options, mesh);
     tell_seams(options, mesh, findings);
-    tell_plain_creases(options, mesh);
+    tell_creases(options, mesh);
     if (!mesh.sharp.empty()) creases = crease_edges(mesh, build_topology(mesh));
     round_creases(options, mesh);
     surface = build_surface(options, mesh);
@@ -96,6 +101,7 @@ void run(const SurfaceOptions& options) {
                         mesh.face_count(), built.folded, built.degenerate, built.eased, built.split,
                         built.bent,
                         mesh.strips.empty() ? creases_text(creases.size()) : rounded_text(mesh));
+    text += surface.departure_text + "\n";
   }
   text += listed("flagged", std::span(flagged).first(std::min(flagged.size(), kListed)),
                  flagged.size());
@@ -118,6 +124,8 @@ void run(const SurfaceOptions& options) {
           {"bent", built.bent},
           {"flagged_faces", flagged},
           {"flagged_kinds", surface.kinds},
+          {"departure", surface.departure},
+          {"tightest", surface.tightest},
           {"rough_edges", surface.rough_edges},
           {"creases", creases},
           {"strips", mesh.strips},

@@ -238,7 +238,7 @@ TrueDistance true_distance(const ComparingOptions& options, const Mesh& mesh) {
   }
   SurfaceOptions surface = options;
   surface.surface = options.reference;
-  surface.creases = {};
+  surface.creases = {.none = true};
   surface.crease_radius = 0;
   Mesh reference = read_mesh(surface);
   add_vertex_normals(reference);
@@ -285,8 +285,7 @@ struct ComparedMesh {
       smooth.sharp.clear();
       add_vertex_normals(smooth);
     }
-    add_vertex_normals(mesh);
-    topology = build_topology(mesh);
+    topology = complete_mesh(mesh, Construction::kPaper);
   }
   const Mesh& baseline() const { return mesh.sharp.empty() ? mesh : smooth; }
 

@@ -6,6 +6,7 @@
 
 #include "gliss/mesh/mesh_edges.h"
 #include "gliss/surface/layout.h"
+#include "tools/cli/curvature.h"
 #include "tools/cli/surface_input.h"
 
 namespace gliss::tools {
@@ -129,6 +130,7 @@ void run(const SurfaceOptions& options) {
                      "unit          {} (coordinates here in {})\n"
                      "bounds        {:.6g} {:.6g} {:.6g} to {:.6g} {:.6g} {:.6g} {}, "
                      "{:.4g} {} across\n"
+                     "departure     {}\n"
                      "curvature     least radius of curvature {}, median of the patches {}\n"
                      "level         {}, {} construction: {}\n"
                      "precision     {}, {:.2f} MiB\n"
@@ -138,9 +140,9 @@ void run(const SurfaceOptions& options) {
                      kinds.at("eased"), kinds.at("split"), kinds.at("bent"), folded,
                      creases_text(cache.crease_count), unit_name(cache.unit), unit, low.x(),
                      low.y(), low.z(), high.x(), high.y(), high.z(), unit, (high - low).norm(),
-                     unit, with_unit(rho_min), with_unit(rho_median), level_name(cache.level),
-                     construction_name(cache.level.construction), form_text,
-                     precision_name(cache.precision()),
+                     unit, departure_text(cache), with_unit(rho_min), with_unit(rho_median),
+                     level_name(cache.level), construction_name(cache.level.construction),
+                     form_text, precision_name(cache.precision()),
                      static_cast<double>(cache.bytes()) / (1 << 20), hash_name(cache.mesh_hash)),
          {{"surface", options.surface},
           {"mesh_faces", cache.mesh_face_count},
@@ -157,6 +159,8 @@ void run(const SurfaceOptions& options) {
           {"surface_unit", unit_name(cache.unit)},
           {"unit", unit},
           {"bounds", {{low.x(), low.y(), low.z()}, {high.x(), high.y(), high.z()}}},
+          {"departure", departure_json(cache.departure, cache.unit)},
+          {"tightest", departure_json(cache.tightest, cache.unit)},
           {"rho_min", radius_json(rho_min)},
           {"rho_median", radius_json(rho_median)},
           {"level", level_name(cache.level)},

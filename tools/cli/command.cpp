@@ -108,7 +108,8 @@ void add_mesh_options(Command& command, SurfaceOptions& options, const std::stri
       {"--crease", "LIST",
        "edges to keep sharp, any of: an angle such as 40deg that faces turn by, auto (one "
        "found in the mesh), normals that differ in the file, groups (smoothing), "
-       "edges:FILE"},
+       "edges:FILE; or none (default: where normals of the file differ, else 75deg and chains of "
+       "such edges)"},
       [&options](const std::string& text) { options.creases = parse_creases(text); });
   command.option(
       {"--crease-radius", "LENGTH",

@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
+#include "tools/cli/lengths.h"
 #include "tools/cli/terminal.h"
 
 namespace gliss::tools {
@@ -45,6 +48,32 @@ void tell_tight_curvature(const ReportOptions& options, const PatchCache& cache,
   if (options.quiet) return;
   const std::string text = tight_curvature_text(cache, depth, meaning);
   if (!text.empty()) tell(fmt::format("gliss: {}{}{}\n", name, name.empty() ? "" : ": ", text));
+}
+
+std::string departure_text(const PatchCache& cache) {
+  const Departure& d = cache.departure;
+  const std::string of_room = std::isfinite(d.room)
+                                  ? fmt::format(", {:.3g} % of the {} to the next face there",
+                                                100 * d.share(), length_text(d.room * cache.unit))
+                                  : "";
+  return fmt::format("patches leave their polygons by up to {} ({:.2g} % of the size{}: face {})",
+                     length_text(d.distance * cache.unit),
+                     100 * d.distance / diagonal_of(cache.bounds()), of_room, d.face);
+}
+
+Json departure_json(const Departure& d, double unit) {
+  return {{"mm", d.distance * unit * 1e3},
+          {"room_mm", std::isfinite(d.room) ? Json(d.room * unit * 1e3) : Json()},
+          {"face", d.face}};
+}
+
+void tell_departure(const ReportOptions& options, const PatchCache& cache) {
+  const Departure& d = cache.tightest;
+  if (options.quiet || !(d.share() > kFaithful)) return;
+  tell(fmt::format(
+      "gliss: the surface leaves face {} by {}, and the next face is {} away: a hand feels another "
+      "shape than the file's there; '--crease' keeps edges sharp, finer faces follow the shape\n",
+      d.face, length_text(d.distance * cache.unit), length_text(d.room * cache.unit)));
 }
 
 }  // namespace gliss::tools

@@ -1,4 +1,5 @@
-// Tells of places where a surface curves tighter than a HIP is deep: there its nearest point leaps.
+// Tells of places where a surface is not what a hand expects: where it curves tighter than a HIP is
+// deep, there its nearest point leaps, and where it leaves its polygons.
 #pragma once
 
 #include <string>
@@ -20,5 +21,12 @@ std::string tight_curvature_text(const PatchCache& cache, double depth,
 // Prints that text on stderr, with `name` before it where that is not empty; nothing with --quiet.
 void tell_tight_curvature(const ReportOptions& options, const PatchCache& cache, double depth,
                           const std::string& meaning = "", const std::string& name = "");
+
+// "patches leave their polygons by up to 1.2 mm (0.8 % of the size, 30 % of the 4 mm to the next
+// face there: face 12)".
+std::string departure_text(const PatchCache& cache);
+Json departure_json(const Departure& departure, double unit);
+// Warns on stderr where a patch leaves its polygon by more than a third of the room there.
+void tell_departure(const ReportOptions& options, const PatchCache& cache);
 
 }  // namespace gliss::tools

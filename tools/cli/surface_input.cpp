@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <new>
 #include <numbers>
@@ -18,6 +19,7 @@
 #include "gliss/mesh/rounding.h"
 #include "gliss/study/fidelity.h"
 #include "gliss/surface/names.h"
+#include "tools/cli/curvature.h"
 #include "tools/cli/slips.h"
 #include "tools/cli/terminal.h"
 #include "tools/cli/watch.h"
@@ -79,10 +81,6 @@ std::string removed_text(const Mesh& mesh) {
 }
 
 Mesh load_mesh(const SurfaceOptions& options, std::vector<Finding>& findings) {
-  if (options.crease_radius > 0 && !options.creases.any())
-    throw InputError(
-        "--crease-radius: add which edges it rounds, as '--crease auto' or '--crease "
-        "40deg'");
   if (options.split_non_manifold && !options.quiet)
     tell("gliss: --split-non-manifold: meshes are cut open without it; it will go with 0.2\n");
   const Watch watch(options, "read " + options.surface);
@@ -149,13 +147,24 @@ Mesh read_mesh(const SurfaceOptions& options, bool tells_of_creases) {
   if (!options.quiet) tell(repairs_text(options, mesh, findings));
   tell_odd_size(options, mesh);
   tell_seams(options, mesh, findings);
-  if (tells_of_creases) tell_plain_creases(options, mesh);
+  if (tells_of_creases) tell_creases(options, mesh);
   round_creases(options, mesh);
   return mesh;
 }
 
-void tell_plain_creases(const SurfaceOptions& options, const Mesh& mesh) {
-  if (options.quiet || (options.creases.any() && !options.creases.plain)) return;
+void tell_creases(const SurfaceOptions& options, const Mesh& mesh) {
+  const bool are_usual = options.creases.are_usual();
+  if (options.quiet || !(are_usual || options.creases.plain)) return;
+  if (are_usual && !mesh.sharp.empty()) {
+    const auto marked = std::count(mesh.sharp.begin(), mesh.sharp.end(), 1) / 2;
+    tell(fmt::format(
+        "gliss: {} edges {} are kept sharp; '--crease none' makes the mesh smooth all "
+        "over\n",
+        marked,
+        mesh.normals.empty() ? fmt::format("that turn by more than {} degrees", kSharpTurn)
+                             : "at which the file's normals differ"));
+    return;
+  }
   const Topology topology = build_topology(mesh);
   stop_if_interrupted();  // a million faces take a while
   const std::optional<double> angle = plain_crease_angle(mesh, topology);
@@ -177,12 +186,16 @@ PatchCache build(const Mesh& mesh, const SurfaceOptions& options, const Engine& 
                  BuildOptions build_options, BuildReport* report) {
   build_options.precision = options.precision.value_or(Precision::kDouble);
   build_options.level = chosen_level(options.level, options.construction);
-  Watch watch(options, "build",
-              build_options.faces.empty() ? mesh.face_count() : build_options.faces.size(),
-              "faces");
+  std::optional<Watch> watch(std::in_place, options, "build",
+                             build_options.faces.empty() ? mesh.face_count()
+                                                         : build_options.faces.size(),
+                             "faces");
   BuildBackend backend = engine.build_backend();
-  backend.progress = [&](std::size_t faces) { watch.reach(faces); };
-  return build_cache(mesh, build_options, report, backend);
+  backend.progress = [&](std::size_t faces) { watch->reach(faces); };
+  PatchCache cache = build_cache(mesh, build_options, report, backend);
+  watch.reset();
+  tell_departure(options, cache);
+  return cache;
 }
 
 bool is_cache(const SurfaceOptions& options) {
@@ -190,7 +203,7 @@ bool is_cache(const SurfaceOptions& options) {
 }
 
 PatchCache read_cache(const SurfaceOptions& options) {
-  const bool marks = options.creases.any();
+  const bool marks = !options.creases.are_usual();
   if (marks || options.crease_radius > 0)
     throw InputError(
         fmt::format("{}: a cache has the creases that it was baked with; {} is for meshes",
@@ -199,6 +212,7 @@ PatchCache read_cache(const SurfaceOptions& options) {
   PatchCache cache = load_what_fits(options);
   watch.reset();
   tell_edited_mesh(options, cache);
+  tell_departure(options, cache);
   return cache;
 }
 

@@ -16,11 +16,10 @@
 namespace gliss::tools {
 
 // Reads, repairs and rounds creases; what was repaired is said on stderr. `tells_of_creases`: says
-// as well what tell_plain_creases does. Throws InputError where there are no creases to round.
+// as well what tell_creases does.
 Mesh read_mesh(const SurfaceOptions& options, bool tells_of_creases = false);
 
 // The mesh of the options, repaired, with its creases marked, not rounded; appends what was found.
-// Throws InputError where creases are to be rounded, and the options do not say which.
 Mesh load_mesh(const SurfaceOptions& options, std::vector<Finding>& findings);
 
 // "removed faces 3,7, those behind have moved up", or "" where none is.
@@ -47,9 +46,8 @@ void check_kept(const std::vector<std::string>& names, const InputTable& table,
 // Rounds the marked creases where the options say so.
 void round_creases(const SurfaceOptions& options, Mesh& mesh);
 
-// Says by which angle `--crease auto` marks creases, or that it would mark some where none are
-// asked for.
-void tell_plain_creases(const SurfaceOptions& options, const Mesh& mesh);
+// Says how many creases the usual rule marks, or by which angle `--crease auto` does or would.
+void tell_creases(const SurfaceOptions& options, const Mesh& mesh);
 
 // Builds with progress, and ends by Ctrl-C. `faces` empty: all.
 PatchCache build(const Mesh& mesh, const SurfaceOptions& options, const Engine& engine,

@@ -1,0 +1,128 @@
+#include "gliss/build/face_rays.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "gliss/build/hierarchy.h"
+#include "gliss/mesh/topology.h"
+#include "gliss/mesh/triangulate.h"
+#include "gliss/surface/layout.h"
+#include "gliss/surface/patch_cache.h"
+
+namespace gliss {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kTouching = 1e-6;  // of half the mesh; faces that near lie on each other
+constexpr double kAcross = 0.5;     // cosine
+
+Box box_of(const Mesh& mesh) {
+  Box box{Vec3::Constant(kInfinity), Vec3::Constant(-kInfinity)};
+  for (const std::uint32_t v : mesh.corner_vertex) {
+    box.low = box.low.cwiseMin(mesh.positions[v]);
+    box.high = box.high.cwiseMax(mesh.positions[v]);
+  }
+  return box;
+}
+
+}  // namespace
+
+void FaceRays::add(std::uint32_t face, const BaseTriangle& t, std::vector<Box>& boxes) {
+  triangles_.push_back({t[0], t[1] - t[0], t[2] - t[0], face});
+  boxes.push_back({t[0].cwiseMin(t[1]).cwiseMin(t[2]), t[0].cwiseMax(t[1]).cwiseMax(t[2])});
+}
+
+FaceRays::FaceRays(const Mesh& mesh, const ParallelFor& parallel) {
+  const Box all = box_of(mesh);
+  const Vec3 origin = all.low + 0.5 * (all.high - all.low);
+  scale_ = 2 / (all.high - all.low).maxCoeff();
+  std::vector<Box> boxes;
+  std::vector<Vec3> corners;
+  std::vector<std::uint32_t> cut;
+  for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
+    corners.clear(), cut.clear();
+    for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c)
+      corners.push_back((mesh.positions[mesh.corner_vertex[c]] - origin) * scale_);
+    triangulate(corners, newell_normal(mesh, face), cut);
+    for (std::size_t t = 0; t < cut.size(); t += 3)
+      add(face, {corners[cut[t]], corners[cut[t + 1]], corners[cut[t + 2]]}, boxes);
+    end_face();
+  }
+  build_hierarchy(boxes, node_, child_, parallel);
+}
+
+FaceRays::FaceRays(const PatchCache& cache, const ParallelFor& parallel) : scale_(cache.scale) {
+  std::vector<Box> boxes;
+  std::visit(
+      [&](const auto& s) {
+        std::uint32_t patch = 0;
+        for (std::uint32_t face = 0; face < cache.mesh_face_count; ++face) {
+          for (; patch < cache.patch_count() && cache.patch_face[patch] == face; ++patch)
+            for_polygon_triangles(s, patch, [&](const BaseTriangle& t) { add(face, t, boxes); });
+          end_face();
+        }
+      },
+      cache.surface);
+  build_hierarchy(boxes, node_, child_, parallel);
+}
+
+double FaceRays::room(std::uint32_t face, double reach) const {
+  double room = reach * scale_;
+  for (std::uint32_t t = first_[face]; t < first_[face + 1]; ++t) {
+    const Triangle& from = triangles_[t];
+    const Vec3 normal = from.ahead.cross(from.back).stableNormalized();
+    if (normal.isZero(0)) continue;
+    const Vec3 middle = from.start + (from.ahead + from.back) / 3;
+    for (const Vec3& way : {normal, Vec3(-normal)})
+      room = std::min(room, hit(middle, way, face, room));
+  }
+  return room < reach * scale_ ? room / scale_ : kInfinity;
+}
+
+double FaceRays::hit(const Vec3& from, const Vec3& direction, std::uint32_t face,
+                     double reach) const {
+  double nearest = reach;
+  bool is_hit = false;
+  const auto meet = [&](const Triangle& t) {  // Moeller and Trumbore 1997
+    if (t.face == face) return;
+    const Vec3 p = direction.cross(t.back), s = from - t.start, q = s.cross(t.ahead);
+    const double det = t.ahead.dot(p), u = s.dot(p) / det, v = direction.dot(q) / det,
+                 way = t.back.dot(q) / det;
+    if (!(u >= 0 && v >= 0 && u + v <= 1 && way > kTouching && way < nearest)) return;
+    if (!(std::abs(det) > kAcross * t.ahead.cross(t.back).norm())) return;
+    nearest = way;
+    is_hit = true;
+  };
+  const Vec3 inverse = direction.cwiseInverse();
+  // Boxes are wider than what they hold (hierarchy.h), so that no ray runs along a face of one.
+  const auto is_met = [&](const double* box) {
+    double begin = 0, end = nearest;
+    for (int i = 0; i < 3; ++i) {
+      const double low = (box[i] - from[i]) * inverse[i],
+                   high = (box[3 + i] - from[i]) * inverse[i];
+      begin = std::max(begin, std::min(low, high));
+      end = std::min(end, std::max(low, high));
+    }
+    return begin <= end;
+  };
+  constexpr std::size_t kDepth = 64;  // of the hierarchy, at most
+  std::array<std::uint32_t, kDepth + 2> open;
+  std::size_t left = 0;
+  if (!child_.empty()) open[left++] = 0;
+  while (left > 0) {
+    const std::size_t at = open[--left];
+    for (std::size_t place = 2 * at; place < 2 * at + 2; ++place) {
+      if (!is_met(&node_[6 * place])) continue;
+      if (child_[place] & kNodeLeaf) {
+        meet(triangles_[child_[place] & ~kNodeLeaf]);
+      } else {
+        open[left++] = child_[place];
+      }
+    }
+  }
+  return is_hit ? nearest : kInfinity;
+}
+
+}  // namespace gliss

@@ -1,0 +1,164 @@
+// Patches stay near their polygons: plates, rods and boxes are as thick as their meshes, smooth
+// shapes are what they are without any limit, and patches are as smooth as ever.
+#include "gliss/build/complete_mesh.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "gliss/build/build_cache.h"
+#include "gliss/generate/generate.h"
+#include "gliss/mesh/creases.h"
+#include "gliss/query/query.h"
+#include "gliss/study/fidelity.h"
+#include "tests/support/random_meshes.h"
+#include "tests/support/sharp_meshes.h"
+
+namespace gliss {
+namespace {
+
+using test::add_face;
+
+Mesh bare(Mesh mesh) {
+  mesh.normals.clear();
+  mesh.corner_normal.clear();
+  return mesh;
+}
+
+// A box as six quads, or as twelve triangles.
+Mesh box(const Vec3& size, bool in_triangles = false) {
+  Mesh mesh = test::cube();
+  for (Vec3& p : mesh.positions) p = p.cwiseProduct(size);
+  return in_triangles ? test::in_triangles(mesh) : mesh;
+}
+
+// A rod of `around` sides along z, with n-gon caps. A bend that is finer than it is long lies at
+// one of its ends, if it is bent.
+Mesh rod(std::uint32_t around, double radius, double length, bool is_bent = false) {
+  Mesh mesh;
+  mesh.source = is_bent ? "bent rod" : "rod";
+  const int rings = is_bent ? 8 : 2;
+  for (int i = 0; i < rings; ++i) {
+    // A quarter of a circle of 3 radii goes on from the long piece.
+    const double angle = is_bent && i > 0 ? (i - 1) * std::numbers::pi / 12 : 0, bend = 3 * radius;
+    const Vec3 middle =
+        i == 0 ? Vec3::Zero()
+               : Vec3(bend * (1 - std::cos(angle)), 0, length + bend * std::sin(angle));
+    const Vec3 across(std::cos(angle), 0, -std::sin(angle));
+    for (std::uint32_t k = 0; k < around; ++k) {
+      const double turn = 2 * std::numbers::pi * k / around;
+      mesh.positions.push_back(middle +
+                               radius * (std::cos(turn) * across + std::sin(turn) * Vec3::UnitY()));
+    }
+  }
+  const auto at = [&](int ring, std::uint32_t k) {
+    return static_cast<std::uint32_t>(ring) * around + k % around;
+  };
+  for (int i = 0; i + 1 < rings; ++i)
+    for (std::uint32_t k = 0; k < around; ++k)
+      add_face(mesh, {at(i, k), at(i, k + 1), at(i + 1, k + 1), at(i + 1, k)});
+  for (std::uint32_t k = around; k-- > 0;) mesh.corner_vertex.push_back(k);
+  mesh.face_begin.push_back(static_cast<std::uint32_t>(mesh.corner_vertex.size()));
+  for (std::uint32_t k = 0; k < around; ++k) mesh.corner_vertex.push_back(at(rings - 1, k));
+  mesh.face_begin.push_back(static_cast<std::uint32_t>(mesh.corner_vertex.size()));
+  return mesh;
+}
+
+struct Built {
+  Mesh mesh;
+  Topology topology;
+  PatchCache cache;
+
+  explicit Built(Mesh given, Construction construction = Construction::kFair)
+      : mesh(std::move(given)), topology(complete_mesh(mesh, construction)) {
+    BuildOptions options;
+    options.level.construction = construction;
+    cache = build_cache(mesh, topology, options);
+  }
+  // The largest distance of the patches from the polygons.
+  double departure() const {
+    QueryOptions flat;
+    flat.method = Method::kFlat;
+    double most = 0;
+    std::vector<DomainPoint> at = spread_points(cache, 4000);
+    std::vector<SurfacePoint> points(at.size());
+    evaluate(cache, at, points);
+    for (const SurfacePoint& p : points)
+      most = std::max(most, std::abs(nearest(cache, p.position, flat).distance));
+    return most;
+  }
+};
+
+TEST(CompleteMesh, thin_parts_are_as_thick_as_their_meshes) {
+  for (const Construction construction : {Construction::kFair, Construction::kPaper}) {
+    for (const bool is_sharp : {false, true}) {
+      // The middle of the paper's patches does not follow their sides.
+      if (!is_sharp && construction == Construction::kPaper) continue;
+      const auto departure = [&](Mesh mesh) {
+        mark_creases(mesh, build_topology(mesh), {.none = !is_sharp});
+        const Built built(std::move(mesh), construction);
+        EXPECT_LT(normal_gaps(built.mesh, built.topology, built.cache, Method::kGregory).largest,
+                  2e-10)
+            << built.mesh.source;
+        return built.departure();
+      };
+      SCOPED_TRACE(std::string(is_sharp ? "sharp" : "smooth") +
+                   (construction == Construction::kFair ? ", fair" : ", paper"));
+      // A plate's middle may rise by as much again as its edges.
+      const double most = is_sharp ? 1e-9 : 2.0 / 3;
+      EXPECT_LE(departure(box({40, 40, 0.2})), most * 0.2);
+      EXPECT_LE(departure(box({40, 40, 0.2}, true)), most * 0.2);
+      EXPECT_LE(departure(box({100, 4, 4})), most * 4);
+      EXPECT_LE(departure(rod(12, 0.5, 100)), (is_sharp ? 0.1 : 2.0 / 3) * 1);
+      EXPECT_LE(departure(rod(12, 0.2, 60, true)), 2.0 / 3 * 0.4);
+    }
+  }
+}
+
+// Nothing is limited where nothing bulges: normals and tangents are those of add_vertex_normals.
+TEST(CompleteMesh, smooth_shapes_are_left_alone) {
+  test::Rng rng(7);
+  const std::vector<Mesh> meshes{torus(12, 8).mesh,
+                                 torus_knot(60, 8).mesh,
+                                 goldberg(1).mesh,
+                                 goldberg(4).mesh,
+                                 ellipsoid(3).mesh,
+                                 irregular(torus(), 1).mesh,
+                                 test::random_sphere(rng, 200, 10),
+                                 test::random_ellipsoid(rng, 200, {20, 12, 8})};
+  for (const Mesh& mesh : meshes) {
+    for (const Mesh& given : {mesh, bare(mesh)}) {
+      for (const Construction construction : {Construction::kFair, Construction::kPaper}) {
+        Mesh complete = given, plain = given;
+        complete_mesh(complete, construction);
+        add_vertex_normals(plain, normal_weights(construction));
+        EXPECT_EQ(complete.normals, plain.normals) << mesh.source;
+        EXPECT_TRUE(complete.tangents.empty()) << mesh.source;
+      }
+    }
+  }
+}
+
+TEST(CompleteMesh, a_complete_mesh_stays_as_it_is) {
+  Mesh mesh = box({40, 40, 0.2});
+  complete_mesh(mesh, Construction::kFair);
+  ASSERT_FALSE(mesh.tangents.empty());
+  Mesh again = mesh;
+  complete_mesh(again, Construction::kFair);
+  EXPECT_EQ(again.normals, mesh.normals);
+  EXPECT_EQ(again.tangents, mesh.tangents);
+}
+
+// Normals of a file count: only tangents give way.
+TEST(CompleteMesh, normals_of_the_mesh_are_kept) {
+  Mesh mesh = box({40, 40, 0.2});
+  add_vertex_normals(mesh);
+  const std::vector<Vec3> normals = mesh.normals;
+  const Built built(mesh);
+  EXPECT_EQ(built.mesh.normals, normals);
+  EXPECT_LT(built.departure(), 2.0 / 3 * 0.2);
+}
+
+}  // namespace
+}  // namespace gliss
