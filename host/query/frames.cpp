@@ -152,7 +152,7 @@ void correct_state(const PatchCache& cache, Method method, const RawHip<Real>& h
   const auto part = [&](int i) { return double{hip.parts[i]} + double{hip.parts[i + 3]}; };
   const Vec3 x(part(0), part(1), part(2));
   const WindingTree& winding = *cache.winding;
-  if (method == Method::kGregory && winding.may_be_between(x)) return;
+  if (method == Method::kGregory && winding.may_be_between(x, distance)) return;
   const bool is_inside = winding.is_inside(x);
   if (is_inside == (raw.uints[kContactState] != 0)) return;
   raw.uints[kContactState] = is_inside;

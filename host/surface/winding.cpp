@@ -13,16 +13,13 @@ namespace {
 
 constexpr std::size_t kDepth = 64;  // of the hierarchy, at most (HIERARCHY_DEPTH of kernels/view.h)
 
-// How far from a patch's own polygon the patch and the face's polygon are at most, mesh frame.
+// The width of a patch's own polygon where it is a piece round a centre: so far that is from the
+// face's polygon at most. Mesh frame.
 template <class Real>
-double departure_of(const Surface<Real>& s, std::uint32_t patch) {
-  const Real* numbers = &s.patch[patch * kPatchReals];
-  const double sag = static_cast<double>(numbers[kPatchSag] * numbers[kPatchUnscale]);
-  if (piece_of(s, patch) == nullptr) return sag;
-  // Round a centre: as far as its own triangle is wide.
+double width_of(const Surface<Real>& s, std::uint32_t patch) {
+  if (piece_of(s, patch) == nullptr) return 0;
   const std::uint32_t side = s.side_begin[patch];
-  const Vec3 middle = 0.5 * (start_of(s, side) + start_of(s, side + 1));
-  return std::max(sag, (start_of(s, side + 2) - middle).norm());
+  return (start_of(s, side + 2) - 0.5 * (start_of(s, side) + start_of(s, side + 1))).norm();
 }
 
 }  // namespace
@@ -45,7 +42,10 @@ void WindingTree::gather(const Surface<Real>& s, std::uint32_t named, std::size_
   c.is_leaf = (named & kNodeLeaf) != 0;
   if (c.is_leaf) {
     const std::uint32_t patch = named & ~kNodeLeaf;
-    c.departure = departure_of(s, patch);
+    const Real* numbers = &s.patch[patch * kPatchReals];
+    const double sag = static_cast<double>(numbers[kPatchSag] * numbers[kPatchUnscale]);
+    c.departure = std::max(sag, width_of(s, patch));
+    departure_ = std::max(departure_, sag + width_of(s, patch));
     for (std::uint32_t k = 0; k < s.valence(patch); ++k)
       c.box.extend(start_of(s, s.side_begin[patch] + k));
   }
@@ -82,7 +82,8 @@ void WindingTree::gather(const Surface<Real>& s, std::uint32_t named, std::size_
   children_[child] = c;
 }
 
-bool WindingTree::may_be_between(const Vec3& x) const {
+bool WindingTree::may_be_between(const Vec3& x, double distance) const {
+  if (distance > departure_) return false;
   std::array<std::size_t, kDepth + 2> open{children_.size() - 1};
   std::size_t left = 1;
   while (left > 0) {

@@ -18,8 +18,9 @@ class WindingTree {
 
   // True if a point of the mesh frame lies in the solid of the polygons.
   bool is_inside(const Vec3& x) const { return number_at(x) > (is_room_ ? -0.5 : 0.5); }
-  // True if a point of the mesh frame may lie between a patch and its base polygon.
-  bool may_be_between(const Vec3& x) const;
+  // True if a point of the mesh frame may lie between a patch and its base polygon. `distance`: no
+  // patch is nearer.
+  bool may_be_between(const Vec3& x, double distance) const;
 
  private:
   struct Child {
@@ -39,6 +40,7 @@ class WindingTree {
 
   std::vector<BaseTriangle> triangles_;  // in the order of the tree
   std::vector<Child> children_;          // two of each node; the last is the root
+  double departure_ = 0;                 // no patch is farther from its base polygon
   bool is_room_ = false;                 // the polygons enclose a negative volume
 };
 

@@ -53,7 +53,8 @@ int wrong_of(const PatchCache& cache, const WindingTree& tree, const Mesh& mesh,
     QueryOptions query;
     query.method = method;
     const Contact c = nearest(cache, x, query);
-    if (method == Method::kGregory ? tree.may_be_between((x - cache.origin) * cache.scale)
+    if (method == Method::kGregory ? tree.may_be_between((x - cache.origin) * cache.scale,
+                                                         std::abs(c.distance) * cache.scale)
                                    : std::abs(c.distance) < 1e-4)
       continue;
     ++judged;
