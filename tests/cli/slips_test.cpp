@@ -218,9 +218,10 @@ TEST_F(Slips, a_simulated_hand_that_damps_less_than_a_stiff_wall_asks_for_is_tol
                     stiffness, rate, delay));
     return told("run stiff.toml --no-wait");
   };
-  EXPECT_THAT(scene("2", "2", 1000),
-              HasSubstr("object 1: 2000 N/m at 1000 ticks a second, with 2 ms of delay, ask for 5 "
-                        "N s/m of damping, and the hand has 4: it will swing; cure: "));
+  EXPECT_THAT(
+      scene("2", "2", 1000),
+      HasSubstr("object '1': 2000 N/m at 1000 ticks a second, with 2 ms of delay, ask for 5 "
+                "N s/m of damping, and the hand has 4: it will swing; cure: "));
   EXPECT_THAT(scene("1.5", "2", 1000), Not(HasSubstr("it will swing")));
   EXPECT_THAT(scene("2", "0", 1000), Not(HasSubstr("it will swing")));
   EXPECT_THAT(scene("2", "1", 200), HasSubstr("it will swing"));
