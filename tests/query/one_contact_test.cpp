@@ -358,7 +358,6 @@ TEST(OneContact, goes_on_where_its_cache_is_swapped) {
           query.method = method;
           query.friction = {friction, 0.6 * friction};
           ContactTracker still(one, query), swapped(one, query), changed(one, query);
-          Vec3 last = Vec3::Zero();
           for (std::size_t i = 0; i < way.hips.size(); ++i) {
             const bool odd = i / 16 % 2 == 1;
             if (i % 16 == 0) swapped.move_to(odd ? same : one), changed.move_to(odd ? other : one);
@@ -369,7 +368,6 @@ TEST(OneContact, goes_on_where_its_cache_is_swapped) {
             ASSERT_EQ(got.flags, want.flags);
             ASSERT_EQ(near.touching, want.touching) << method_name(method) << " " << i;
             ASSERT_LT((near.push - want.push).norm(), 0.05 * walk.depth);
-            last = near.push;
           }
         }
       }
