@@ -12,6 +12,7 @@
 #include "gliss/base/wrench.h"
 #include "gliss/build/build_cache.h"
 #include "gliss/build/cache_mesh.h"
+#include "gliss/build/complete_mesh.h"
 #include "gliss/build/patch_batch.h"
 #include "gliss/build/tile_cuts.h"
 #include "gliss/contact/lazy_contact.h"

@@ -13,6 +13,7 @@ typedef struct {
   real clear2;    // squared, mesh frame: no point of the surface is nearer, as far as is known
   int crossings;  // edges and corners crossed
   uint flags;     // FOOT_*, but for FOOT_CONVERGED
+  real entered2;  // distance2 where it came over a sharp edge last; below 0: it did not
 } foot;
 
 // Evaluates a patch at a foot, and elsewhere for what a step of it needs to know.
@@ -39,6 +40,7 @@ FN void begin_foot_of(foot* f, uint patch) {
   f->clear2 = K(0);
   f->crossings = 0;
   f->flags = 0u;
+  f->entered2 = -K(1);
 }
 
 FN foot start_foot(surface_view view, hip_point h, domain_point at, effort* spent) {
@@ -461,26 +463,29 @@ FN int go_on_in_patch(surface_view view, foot from, foot* f, track_options optio
 }
 
 // True if a foot has come over a slit, between patches whose boundary curves are two, to where it
-// is farther away.
-FN int is_over_slit(surface_view view, foot from, foot to, held_sides held) {
-  if (held.b >= 0 || is_smooth_side(view, view.side_begin[from.patch] + (uint)held.a)) return 0;
+// is farther away; by rounding it may be once, and not to and fro.
+FN int is_over_slit(surface_view view, foot from, foot to) {
   const real rounding = K(256) * EPSILON * numbers_of(view, to.patch)[PATCH_UNSCALE];
-  return sqrt(to.d.distance2) > sqrt(from.d.distance2) + rounding;
+  return sqrt(to.d.distance2) > sqrt(from.d.distance2) + rounding ||
+         (from.entered2 >= K(0) && to.d.distance2 >= from.entered2);
 }
 
 // Enters a patch over the sides that hold a foot; back from a slit it goes on along these.
 FN int enter_patch(surface_view view, hip_point h, domain_point at, held_sides held, foot* f,
                    track_options options, known_minimum known) {
   const foot from = *f;
+  const int is_sharp =
+      held.b < 0 && !is_smooth_side(view, view.side_begin[f->patch] + (uint)held.a);
   *f = move_foot(view, h, from, at, options.spent);
   f->d.evaluations += K(1);
-  if (is_over_slit(view, from, *f, held)) {
+  if (is_sharp && is_over_slit(view, from, *f)) {
     const real evaluations = f->d.evaluations;
     *f = from;
     f->d.evaluations = evaluations;
     f->flags |= FOOT_CREASE;
     return STEP_STAYS;
   }
+  if (is_sharp) f->entered2 = f->d.distance2;
   ++f->crossings;
   const int step = go_on_in_patch(view, from, f, options, known);
   if (step == STEP_CROSSES) f->d.last2 = -K(1);
@@ -495,7 +500,8 @@ typedef struct {
   int fell;  // the distance, or it is at its rounding
 } trial;
 
-// Quarters a step, cut where it leaves the patch, until the distance falls.
+// Quarters a step, cut where it leaves the patch, until the distance falls. Over a sharp edge,
+// which may be a slit, it is the next step's to go.
 FN trial search_along(surface_view view, hip_point h, foot f, foot_step s, track_options options) {
   const int n = valence_of(view, f.patch);
   const int at_rounding = is_at_rounding(s.gradient, s.way, f.d.r);
@@ -507,7 +513,7 @@ FN trial search_along(surface_view view, hip_point h, foot f, foot_step s, track
     t.crossed = 0;
     if (is_cut) {
       const uint side = view.side_begin[f.patch] + (uint)cut.side, twin = view.side_twin[side];
-      t.crossed = twin != NONE;
+      t.crossed = twin != NONE && is_smooth_side(view, side);
       if (t.crossed) p = cross_edge(view, side, twin, p.xi, p.eta);
     }
     t.to = move_foot(view, h, f, p, options.spent);

@@ -1,8 +1,10 @@
 #include "gliss/build/cache_mesh.h"
 
+#include <algorithm>
 #include <numeric>
 #include <stdexcept>
 
+#include "gliss/mesh/mesh_edges.h"
 #include "gliss/surface/layout.h"
 
 namespace gliss {
@@ -21,6 +23,7 @@ class MeshMaker {
     std::iota(same_.begin(), same_.end(), 0u);
     for (std::uint32_t corner = 0; corner < same_.size(); ++corner) join_twin(corner);
     number_vertices();
+    if (cache_.crease_count > 0) mark_creases();
     mesh_.unit = cache_.unit;
     return std::move(mesh_);
   }
@@ -55,26 +58,58 @@ class MeshMaker {
   }
 
   void number_vertices() {
+    std::vector<std::vector<std::uint32_t>> normals;  // [vertex], those of its corners
     for (std::uint32_t corner = 0; corner < same_.size(); ++corner) {
       const std::uint32_t first = first_of(corner);
-      if (first < corner) {
+      if (first == corner) {
+        mesh_.corner_vertex.push_back(static_cast<std::uint32_t>(mesh_.positions.size()));
+        mesh_.positions.push_back(position(corner));
+        normals.emplace_back();
+      } else {
         mesh_.corner_vertex.push_back(mesh_.corner_vertex[first]);
+      }
+      // Corners between which there is no crease have the very same normal.
+      const Vec3 own = normal(corner);
+      std::vector<std::uint32_t>& known = normals[mesh_.corner_vertex.back()];
+      const auto at = std::find_if(known.begin(), known.end(),
+                                   [&](std::uint32_t i) { return mesh_.normals[i] == own; });
+      if (at != known.end()) {
+        mesh_.corner_normal.push_back(*at);
         continue;
       }
-      mesh_.corner_vertex.push_back(static_cast<std::uint32_t>(mesh_.positions.size()));
-      add_vertex(side_[corner]);
+      known.push_back(static_cast<std::uint32_t>(mesh_.normals.size()));
+      mesh_.corner_normal.push_back(known.back());
+      mesh_.normals.push_back(own);
     }
-    mesh_.corner_normal = mesh_.corner_vertex;
   }
-  // The vertex at which a side of a patch starts.
-  void add_vertex(std::uint32_t side) {
-    const Real *numbers = &s_.patch[std::size_t{s_.side_patch[side]} * kPatchReals],
-               *corner = &s_.corner[6 * std::size_t{side}];
-    const auto triple = [](const Real* from) { return Vec3(from[0], from[1], from[2]); };
+
+  // Marks the edges across which normals differ.
+  void mark_creases() {
+    mesh_.sharp.assign(same_.size(), 0);
+    const auto differ = [&](std::uint32_t a, std::uint32_t b) {
+      return mesh_.corner_normal[a] != mesh_.corner_normal[b];
+    };
+    for (std::uint32_t corner = 0; corner < same_.size(); ++corner) {
+      const std::uint32_t twin = s_.side_twin[side_[corner]];
+      if (twin == kNone) continue;
+      const std::uint32_t face = cache_.patch_face[s_.side_patch[side_[corner]]],
+                          other = cache_.patch_face[s_.side_patch[twin]],
+                          back = mesh_.face_begin[other] + cache_.corner_of_face[twin];
+      mesh_.sharp[corner] = differ(corner, next_corner(mesh_, other, back)) ||
+                            differ(next_corner(mesh_, face, corner), back);
+    }
+  }
+
+  const Real* reals(std::uint32_t corner) const {
+    return &s_.corner[6 * std::size_t{side_[corner]}];
+  }
+  static Vec3 triple(const Real* from) { return Vec3(from[0], from[1], from[2]); }
+  Vec3 normal(std::uint32_t corner) const { return triple(reals(corner) + 3).normalized(); }
+  Vec3 position(std::uint32_t corner) const {
+    const Real* numbers = &s_.patch[std::size_t{s_.side_patch[side_[corner]]} * kPatchReals];
     const double unscale = static_cast<double>(numbers[kPatchUnscale]);
-    mesh_.positions.push_back(
-        cache_.origin + (triple(numbers + kPatchOrigin) + unscale * triple(corner)) / cache_.scale);
-    mesh_.normals.push_back(triple(corner + 3).normalized());
+    return cache_.origin +
+           (triple(numbers + kPatchOrigin) + unscale * triple(reals(corner))) / cache_.scale;
   }
 
   const PatchCache& cache_;
@@ -86,8 +121,6 @@ class MeshMaker {
 }  // namespace
 
 Mesh mesh_of(const PatchCache& cache) {
-  if (cache.crease_count > 0)
-    throw std::invalid_argument("a cache with creases does not keep all of its mesh");
   for (std::uint32_t face = 0; face < cache.mesh_face_count; ++face) {
     if (cache.first_patch(face) == kNone)
       throw std::invalid_argument("faces of the cache are not built");

@@ -402,10 +402,7 @@ void round_creases(Mesh& mesh, double radius) {
   const PlainArithmetic plain;
   if (!(radius > 0 && radius < std::numeric_limits<double>::infinity()))
     throw MeshError(mesh.source + ": the radius of creases must be positive and finite");
-  if (mesh.sharp.empty())
-    throw MeshError(mesh.source +
-                    ": no edge is a crease that a radius could round; say which are, as 'auto' or "
-                    "'40deg'");
+  if (mesh.sharp.empty()) return;
   const Topology topology = build_topology(mesh);
   if (std::optional<Mesh> rounded = Rounder(mesh, topology, radius / mesh.unit).round()) {
     mesh = std::move(*rounded);

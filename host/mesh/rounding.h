@@ -18,10 +18,10 @@ namespace gliss {
 // say which follow. The mesh is left with one unit normal a vertex (those that it has count as
 // they do for creases, others have NormalWeights::kSmooth), with the tangents of the arcs, and
 // without marks and smoothing groups. Vertices keep their numbers too: at a rounded one it is that
-// of the first of those that it becomes.
+// of the first of those that it becomes. A mesh without marks is left alone.
 //
-// Throws MeshError, and leaves the mesh as it is, where no edge is marked, and where the radius does
-// not fit within the faces beside the creases; what() names the face with the least room, and the largest radius for which
+// Throws MeshError, and leaves the mesh as it is, where the radius does not fit within the faces
+// beside the creases; what() names the face with the least room, and the largest radius for which
 // all faces have room. Time: linear, and for a face with creases the square of its sides.
 //
 // The rounding of an edge by a ball is that of Rossignac and Requicha (1984, Constant-radius

@@ -148,10 +148,12 @@ void correct_state(const PatchCache& cache, Method method, const RawHip<Real>& h
   using Triple = Eigen::Map<Eigen::Matrix<Real, 3, 1>>;
   const Triple offset(&raw.reals[kContactOffset]);
   const double distance = offset.template cast<double>().norm();
-  const double departure = method == Method::kGregory ? cache.winding->departure() : 0;
-  if (!(distance > departure)) return;  // NaN too
+  if (!(distance > 0)) return;  // NaN too
   const auto part = [&](int i) { return double{hip.parts[i]} + double{hip.parts[i + 3]}; };
-  const bool is_inside = cache.winding->is_inside({part(0), part(1), part(2)});
+  const Vec3 x(part(0), part(1), part(2));
+  const WindingTree& winding = *cache.winding;
+  if (method == Method::kGregory && winding.may_be_between(x, distance)) return;
+  const bool is_inside = winding.is_inside(x);
   if (is_inside == (raw.uints[kContactState] != 0)) return;
   raw.uints[kContactState] = is_inside;
   if (!is_inside) return;

@@ -44,7 +44,7 @@ template <class Real>
 GLISS_EXPORT RawHip<Real> raw_hip(const PatchCache& cache, const Vec3& hip);
 
 // Gives the result of a search the state that the winding number says: of polygons that fold, by
-// gregory farther away than their patches depart from them.
+// gregory where the HIP lies between no patch and its polygon.
 template <class Real>
 GLISS_EXPORT void correct_state(const PatchCache& cache, Method method, const RawHip<Real>& hip,
                                 RawContact<Real>& raw);

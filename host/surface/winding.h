@@ -2,6 +2,7 @@
 // does not say it, and the winding number of the polygons does.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <vector>
 
 #include "gliss/surface/base_triangles.h"
@@ -17,8 +18,9 @@ class WindingTree {
 
   // True if a point of the mesh frame lies in the solid of the polygons.
   bool is_inside(const Vec3& x) const { return number_at(x) > (is_room_ ? -0.5 : 0.5); }
-  // No patch is farther than this from its base polygon, mesh frame.
-  double departure() const { return departure_; }
+  // True if a point of the mesh frame may lie between a patch and its base polygon. `distance`: no
+  // patch is nearer.
+  bool may_be_between(const Vec3& x, double distance) const;
 
  private:
   struct Child {
@@ -28,6 +30,8 @@ class WindingTree {
     std::uint32_t begin = 0, end = 0;                 // its triangles
     std::uint32_t node = 0;                           // its children are 2 node and 2 node + 1
     bool is_leaf = true;
+    Eigen::AlignedBox3d box;  // of its patches' own polygons
+    double departure = 0;     // of what departs most from one of these
   };
 
   double number_at(const Vec3& x) const;
@@ -36,8 +40,8 @@ class WindingTree {
 
   std::vector<BaseTriangle> triangles_;  // in the order of the tree
   std::vector<Child> children_;          // two of each node; the last is the root
-  double departure_ = 0;
-  bool is_room_ = false;  // the polygons enclose a negative volume
+  double departure_ = 0;                 // no patch is farther from its base polygon
+  bool is_room_ = false;                 // the polygons enclose a negative volume
 };
 
 }  // namespace gliss

@@ -28,7 +28,8 @@
 //   self-touching-face    a face that comes back to one of its vertices; cut there into several
 //   zero-length-side      a side whose ends are at one place; they become one vertex
 //   zero-area-face        a face that is a line or a point; removed, and of a triangle the corner
-//                         within its longest side joins the face beyond
+//                         within its longest side, but for a millionth of that, joins the face
+//                         beyond
 //   inside-out-part       a closed part of negative volume that is no cavity; turned outward, and
 //                         what lies in it with it; not with Orient::kFile
 //   repaired; an error with LoadOptions::strict and keep_non_manifold

@@ -73,12 +73,34 @@ std::vector<Polygon> put_into(const Mesh& mesh, std::uint32_t face, std::uint32_
   return {{at(0), at(1), at(2)}, {at(0), at(2), at(3)}};
 }
 
-// Marks the faces without area: [face], 1 for such; empty if there are none.
+// The longest of a triangle's sides.
+std::uint32_t longest_side(const Mesh& mesh, std::uint32_t face) {
+  std::uint32_t longest = mesh.face_begin[face];
+  for (const std::uint32_t c : {longest + 1, longest + 2}) {
+    if (side_length(mesh, face, c) > side_length(mesh, face, longest)) longest = c;
+  }
+  return longest;
+}
+
+// True if a triangle has a vertex in its longest side, away from the ends of that, but for a
+// millionth of it. No patch of such a triangle is smooth.
+bool is_cap(const Mesh& mesh, std::uint32_t face) {
+  constexpr double kHeight = 1e-6, kEnd = 1e-3;  // of the side
+  if (mesh.valence(face) != 3) return false;
+  const std::uint32_t longest = longest_side(mesh, face);
+  const auto at = [&](std::uint32_t corner) { return mesh.positions[mesh.corner_vertex[corner]]; };
+  const Vec3 side = at(next_corner(mesh, face, longest)) - at(longest),
+             way = at(prev_corner(mesh, face, longest)) - at(longest);
+  const double along = side.dot(way) / side.squaredNorm();
+  return along > kEnd && along < 1 - kEnd && (way - along * side).norm() < kHeight * side.norm();
+}
+
+// Marks the faces without area and the caps: [face], 1 for such; empty if there are none.
 std::vector<char> find_flat(const Mesh& mesh, Report& report) {
   std::vector<char> is_flat;
   for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
     report.poll();
-    if (!has_no_area(mesh, face)) continue;
+    if (!has_no_area(mesh, face) && !is_cap(mesh, face)) continue;
     is_flat.resize(mesh.face_count());
     is_flat[face] = 1;
   }
@@ -95,11 +117,7 @@ bool flatten_some(Mesh& mesh, const std::vector<char>& is_flat, Report& report) 
   for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
     report.poll();
     if (!is_flat[face] || mesh.valence(face) != 3) continue;
-    std::uint32_t longest = mesh.face_begin[face];
-    for (const std::uint32_t c : {longest + 1, longest + 2}) {
-      if (side_length(mesh, face, c) > side_length(mesh, face, longest)) longest = c;
-    }
-    const std::uint32_t beyond = other[longest];
+    const std::uint32_t longest = longest_side(mesh, face), beyond = other[longest];
     if (beyond == kNone) continue;
     const std::uint32_t neighbour = side_face[beyond], middle = prev_corner(mesh, face, longest),
                         vertex = mesh.corner_vertex[middle];
@@ -111,7 +129,8 @@ bool flatten_some(Mesh& mesh, const std::vector<char>& is_flat, Report& report) 
       continue;
     }
     report.add(Severity::kRepaired, "zero-area-face", {.face = face, .vertex = vertex},
-               "has no area; removed, and its vertex {} joins face {}", vertex,
+               "has no area{}; removed, and its vertex {} joins face {}",
+               has_no_area(mesh, face) ? "" : " but for rounding", vertex,
                report.number_of(neighbour));
     const Corner corner = corner_of(mesh, middle);
     edit.replace(neighbour, put_into(mesh, neighbour, beyond, corner));

@@ -99,7 +99,13 @@ template <class Make>
 void build(OpenSurface& surface, const Opening& opening, Make make) {
   try {
     surface.mesh = make(&surface.findings);
-    if (opening.crease_radius > 0) round_creases(*surface.mesh, opening.crease_radius);
+    if (opening.crease_radius > 0) {
+      if (surface.mesh->sharp.empty() && opening.load.creases.are_usual())
+        throw py::value_error(
+            "crease_radius: no edge is a crease; add which edges it rounds, as crease='auto' or "
+            "crease='40deg'");
+      round_creases(*surface.mesh, opening.crease_radius);
+    }
     BuildOptions options;
     options.precision = opening.precision.value_or(Precision::kDouble);
     options.level = chosen_level(opening.level, opening.construction);

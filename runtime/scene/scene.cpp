@@ -146,6 +146,8 @@ ObjectDescription read_object(TomlTable table, std::size_t number, std::vector<s
   table.get_positive("radius", object.crease_radius, parse_length);
   if (object.crease_radius > 0 && mesh.empty())
     table.fail("radius", "a cache has the creases that it was baked with");
+  if (object.crease_radius > 0 && object.creases.none)
+    table.fail("radius", "rounds the edges that crease names, and there is no crease");
   table.get("method", object.method, kMethodNames);
   table.get("solver", object.solver, kSolverNames);
   table.get("iterations", object.max_iterations, 1, 10000);

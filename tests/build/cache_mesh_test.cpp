@@ -35,9 +35,25 @@ TEST(CacheMesh, has_the_polygons_and_normals_of_the_cache) {
   }
 }
 
-TEST(CacheMesh, is_not_to_be_had_of_creases_and_of_single_faces) {
-  const PatchCache creased = test::cache_of(test::with_creases(test::cube()));
-  EXPECT_THROW(mesh_of(creased), std::invalid_argument);
+TEST(CacheMesh, has_the_creases_across_which_normals_differ) {
+  for (const Mesh& mesh : {test::with_creases(test::l_solid()), test::with_creases(cylinder().mesh),
+                           test::with_creases(fin().mesh)}) {
+    const PatchCache cache = test::cache_of(mesh);
+    const Mesh made = mesh_of(cache);
+    EXPECT_EQ(made.sharp, mesh.sharp) << mesh.source;
+    const PatchCache again = build_cache(made);
+    std::visit(
+        [&](const auto& s) {
+          const auto& own = std::get<Surface<double>>(again.surface).control;
+          ASSERT_EQ(own.size(), s.control.size());
+          for (std::size_t i = 0; i < own.size(); ++i)
+            ASSERT_NEAR(own[i], static_cast<double>(s.control[i]), 1e-9) << mesh.source;
+        },
+        cache.surface);
+  }
+}
+
+TEST(CacheMesh, is_not_to_be_had_of_single_faces) {
   BuildOptions few;
   few.faces = {0, 1};
   EXPECT_THROW(mesh_of(build_cache(test::with_normals(fin().mesh), few)), std::invalid_argument);

@@ -208,6 +208,25 @@ TEST_F(Slips, a_simulated_hand_says_how_far_off_it_was_and_that_it_began_inside)
                         "at most 0.2 N\n"));
 }
 
+TEST_F(Slips, a_simulated_hand_that_damps_less_than_a_stiff_wall_asks_for_is_told) {
+  const auto scene = [&](const char* stiffness, const char* delay, int rate) {
+    folder_.write(
+        "stiff.toml",
+        fmt::format("[[object]]\nmesh = \"torus.obj\"\nunit = \"mm\"\nstiffness = "
+                    "\"{}N/mm\"\n[loop]\nrate = {}\n[sim]\ndelay = \"{}ms\"\nhand_damping = 4\n"
+                    "waypoints = [[\"45mm\", 0, 0], [\"38mm\", 0, 0]]\n",
+                    stiffness, rate, delay));
+    return told("run stiff.toml --no-wait");
+  };
+  EXPECT_THAT(
+      scene("2", "2", 1000),
+      HasSubstr("object '1': 2000 N/m at 1000 ticks a second, with 2 ms of delay, ask for 5 "
+                "N s/m of damping, and the hand has 4: it will swing; cure: "));
+  EXPECT_THAT(scene("1.5", "2", 1000), Not(HasSubstr("it will swing")));
+  EXPECT_THAT(scene("2", "0", 1000), Not(HasSubstr("it will swing")));
+  EXPECT_THAT(scene("2", "1", 200), HasSubstr("it will swing"));
+}
+
 TEST_F(Slips, a_file_that_is_named_as_a_cache_and_is_none_ends_with_code_3) {
   folder_.write("x.gliss", "hello\n");
   EXPECT_THAT(refusal("info x.gliss", 3), HasSubstr("x.gliss: not a gliss cache"));

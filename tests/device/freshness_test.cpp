@@ -70,7 +70,9 @@ class DirectDevice : public HapticDevice {
 // Behind a UDP port, in a thread.
 class UdpEnd {
  public:
-  explicit UdpEnd(Hand& hand) : thread_([this, &hand] { speak(hand); }) {}
+  // `replays`: once the hand has fallen silent it says again what it has said, stamped as new.
+  explicit UdpEnd(Hand& hand, bool replays = false)
+      : thread_([this, &hand, replays] { speak(hand, replays); }) {}
   ~UdpEnd() {
     over_ = true;
     thread_.join();
@@ -78,19 +80,22 @@ class UdpEnd {
   std::uint16_t port() const { return peer_.socket.port(); }
 
  private:
-  void speak(Hand& hand) {
+  void speak(Hand& hand, bool replays) {
     while (!over_ && !peer_.receive<udp::ForceDatagram>()) std::this_thread::sleep_for(100us);
     peer_.socket.connect(peer_.from);
     hand.begin();
-    for (std::uint64_t sequence = 1; !over_ && hand.speaks(); ++sequence) {
-      DeviceState state;
-      state.sequence = sequence;
-      state.measured = hand.stamp();
-      state.position = hand.position();
-      peer_.socket.send(udp::encode(udp::datagram_of({}, state, 1).state));
-      std::this_thread::sleep_for(700us);
+    std::uint64_t last = 0;
+    for (; !over_ && hand.speaks(); std::this_thread::sleep_for(700us)) say(++last, hand);
+    for (std::uint64_t i = 0; !over_; ++i, std::this_thread::sleep_for(700us)) {
+      if (replays) say(last - i % last, hand);
     }
-    while (!over_) std::this_thread::sleep_for(1ms);  // alive, and silent
+  }
+  void say(std::uint64_t sequence, const Hand& hand) {
+    DeviceState state;
+    state.sequence = sequence;
+    state.measured = hand.stamp();
+    state.position = hand.position();
+    peer_.socket.send(udp::encode(udp::datagram_of({}, state, 1).state));
   }
 
   test::Peer peer_;
@@ -161,6 +166,14 @@ INSTANTIATE_TEST_SUITE_P(Stamps, Freshness,
                          ::testing::Values(0ns, -1s, 1ms, 1s,
                                            Nanoseconds(1'000'000'000'000'000'000)),
                          [](const auto& info) { return std::to_string(info.index); });
+
+TEST(UdpFreshness, of_a_device_whose_states_are_replayed) {
+  expect_fresh(0ns, [](Hand& hand) {
+    UdpEnd end(hand, true);
+    UdpDevice device(end.port());
+    return drive(device, hand);
+  });
+}
 
 // Its messages have no stamps.
 TEST(HaplyFreshness, of_a_device_behind_haplys_service) {

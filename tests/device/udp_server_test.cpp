@@ -122,6 +122,24 @@ TEST(UdpServer, takes_the_force_away_before_it_is_20_ms_old) {
   EXPECT_EQ(served.server.counts().peers, 2u);
 }
 
+// Forces that were sent already come again, stamped as if they were new.
+TEST(UdpServer, takes_the_force_away_under_datagrams_that_are_replayed) {
+  Served served;
+  Peer loop(served.server);
+  for (std::uint64_t sequence = 1; sequence <= 5; ++sequence) {
+    if (sequence > 1) served.step();
+    served.push(loop, sequence);
+  }
+  for (std::uint64_t i = 0; i < 40; ++i) {
+    for (std::uint64_t sequence = 1; sequence <= 5; ++sequence)
+      loop.force({2, 0, 0}, sequence, served.now);
+    served.step();
+    EXPECT_EQ(served.device.last == Vec3::Zero(), i * 1ms >= kLastTick) << i;
+  }
+  EXPECT_EQ(served.server.counts().ignored, 200u);
+  EXPECT_EQ(served.server.counts().watchdog_trips, 1u);
+}
+
 // The queue holds what was sent first, as after a process stood still.
 TEST(UdpServer, takes_no_force_that_waited_for_long) {
   Served served;

@@ -76,7 +76,7 @@ PatchCache region_of(const Mesh& whole, std::uint32_t count, Precision precision
   options.level.construction = Construction::kPaper;
   options.faces.resize(count);
   std::iota(options.faces.begin(), options.faces.end(), 0u);
-  return build_cache(whole, options, report);
+  return unlimited_cache(whole, options, report);
 }
 
 namespace {

@@ -196,7 +196,8 @@ TEST(Rounding, any_marks_leave_a_sound_mesh) {
 }
 
 TEST(Rounding, what_has_nothing_to_round_stays) {
-  EXPECT_THROW(with_rounding(torus().mesh, 1e-3, {.angle = 100 * kDegree}), MeshError);
+  const Mesh smooth = torus().mesh;
+  EXPECT_EQ(hash_of(with_rounding(smooth, 1e-3, {.angle = 100 * kDegree})), hash_of(smooth));
   // One edge that ends within the mesh at both ends fades at both.
   const Mesh shape = test::cube(), mesh = with_rounded_edges(shape, 0.1, {{0, 1}});
   EXPECT_EQ(hash_of(mesh), hash_of(shape));

@@ -85,10 +85,13 @@ TEST_F(TopologyTest, newell_normal_is_twice_the_area) {
 }
 
 TEST_F(TopologyTest, vertex_normals_do_not_depend_on_how_faces_are_cut) {
-  Mesh quads = load("cube.obj", kCube);
-  Mesh cut = load("cut.obj", std::string(kCubeVertices) +
-                                 "f 4 3 2 1\nf 5 6 7\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 2 3 7 6\n"
-                                 "f 3 4 8 7\nf 4 1 5 8\n");
+  const LoadOptions smooth{.creases = {.none = true}};
+  Mesh quads = load("cube.obj", kCube, smooth);
+  Mesh cut = load("cut.obj",
+                  std::string(kCubeVertices) +
+                      "f 4 3 2 1\nf 5 6 7\nf 5 7 8\nf 1 2 6\nf 1 6 5\nf 2 3 7 6\n"
+                      "f 3 4 8 7\nf 4 1 5 8\n",
+                  smooth);
   add_vertex_normals(quads);
   add_vertex_normals(cut);
   EXPECT_EQ(quads.corner_normal, quads.corner_vertex);
@@ -104,7 +107,8 @@ TEST_F(TopologyTest, a_reflex_corner_weighs_more_than_a_straight_one) {
                       "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\n"
                       "v 0 0 1\nv 2 0 1\nv 2 1 1\nv 1 1 1\nv 1 2 1\nv 0 2 1\n"
                       "f 6 5 4 3 2 1\nf 7 8 9 10 11 12\nf 1 2 8 7\nf 2 3 9 8\nf 3 4 10 9\n"
-                      "f 4 5 11 10\nf 5 6 12 11\nf 6 1 7 12\n");
+                      "f 4 5 11 10\nf 5 6 12 11\nf 6 1 7 12\n",
+                      {.creases = {.none = true}});
   add_vertex_normals(l_shape);
   EXPECT_NEAR((l_shape.normals[9] - Vec3(1, 1, 3).normalized()).norm(), 0, 1e-15);
 }

@@ -391,5 +391,57 @@ TEST(Effects, are_finite_whatever_the_hand_does) {
   }
 }
 
+// Depth exactly 0, or as near to it as a number comes: no way leads from the HIP to its nearest
+// point. It comes from the open or begins there, rests, slides on beneath, and comes back.
+TEST(Effects, of_a_hand_that_rests_on_the_surface_are_numbers) {
+  EffectOptions effects{.damping = 5, .viscosity = 2, .magnet = {0.5, 2e-3}};
+  for (const Mesh& mesh : {effects_ball(), test::with_creases(cube(2, 20).mesh), test::sheet()}) {
+    for (const Method method : {Method::kGregory, Method::kShaded, Method::kFlat}) {
+      for (const TextureOptions& texture : {grating(5e-5, 1e-3), noise(5e-5, 1e-3)}) {
+        effects.texture = texture;
+        QueryOptions query;
+        query.method = method;
+        query.friction = {0.5, 0.3};
+        const PatchCache cache = test::cache_of(mesh);
+        std::vector<Vec3> places(
+            mesh.positions.begin(),
+            mesh.positions.begin() + std::min<std::size_t>(8, mesh.positions.size()));
+        for (std::uint32_t face = 0; face < std::min<std::size_t>(8, mesh.face_count()); ++face) {
+          for (const double t : {0.0, 0.5, 1.0}) {
+            const DomainPoint side = on_side(face, mesh.valence(face), 0, 0.5);
+            const Vec3 x = evaluate(cache, {face, t * side.xi, t * side.eta}).position;
+            places.push_back(nearest(cache, x, query).scp);
+          }
+        }
+        for (const Vec3& on : places) {
+          const Vec3 out = nearest(cache, on, query).normal, way = out.unitOrthogonal();
+          for (const bool begins_there : {true, false}) {
+            Touched touched(mesh, effects, query);
+            const auto feel = [&](const Vec3& hip) {
+              const Vec3 force = touched.tick(hip);
+              const Contact& c = touched.contact();
+              EXPECT_TRUE(force.allFinite() && c.push.allFinite() && c.scp.allFinite() &&
+                          std::isfinite(c.residual_angle))
+                  << method_name(method) << " at " << on.transpose();
+              EXPECT_NEAR(c.normal.norm(), 1, 1e-6);
+              EXPECT_TRUE(std::isfinite(touched.tracker().cone_share()));
+              EXPECT_TRUE(touched.tracker().foot(hip, c).moves.allFinite());
+              return force.norm();
+            };
+            if (!begins_there) {
+              for (int i = 10; i > 0; --i) feel(on + 0.01 * i * out);
+            }
+            for (int i = 0; i < 10; ++i) EXPECT_LT(feel(on), 1e-9);
+            for (int i = 1; i <= 10; ++i) feel(on - 0.01 * i * out + 0.01 * i * way);
+            for (int i = 9; i >= 0; --i) feel(on - 0.01 * i * out + 0.01 * i * way);
+            for (int i = 0; i < 10; ++i) feel(on);
+            EXPECT_LT(feel(on), 1e-9);
+          }
+        }
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace gliss

@@ -6,10 +6,12 @@
 #include "gliss/contact/tracker.h"
 #include "gliss/generate/generate.h"
 #include "gliss/query/trace.h"
+#include "gliss/study/walk.h"
 #include "gliss/surface/names.h"
 #include "tests/oracle/union_oracle.h"
 #include "tests/support/open_meshes.h"
 #include "tests/support/random_meshes.h"
+#include "tests/support/sharp_meshes.h"
 #include "tests/support/surfaces.h"
 
 namespace gliss {
@@ -335,6 +337,42 @@ TEST(OneContact, survives_a_position_that_is_no_number) {
   const Contact after = tracker.tick({0, 0, 9.5});
   EXPECT_TRUE(after.touching);
   EXPECT_LT((after.push - before.push).norm(), 1e-9);
+}
+
+// The cache is another one sixty times a second, as of a host that loads it again and again: the
+// contact goes on with the bytes that it has, and on one of another level it moves no farther than
+// the two surfaces are apart.
+TEST(OneContact, goes_on_where_its_cache_is_swapped) {
+  for (const Mesh& mesh :
+       {test::with_normals(goldberg(4).mesh), test::with_normals(irregular(torus(24, 12), 3).mesh),
+        test::with_creases(cube(3, 20).mesh)}) {
+    const PatchCache one = test::cache_of(mesh), same = one;
+    BuildOptions coarse;
+    coarse.level = {Level::kTable, kTableCells};
+    const PatchCache other = build_cache(mesh, coarse);
+    WalkOptions walk{.depth = walk_depth(mesh), .walkers = 4, .ticks = 2000};
+    for (const Walk& way : walk_paths(mesh, build_topology(mesh), walk)) {
+      for (const Method method : {Method::kGregory, Method::kShaded, Method::kFlat}) {
+        for (const double friction : {0.0, 0.5}) {
+          QueryOptions query;
+          query.method = method;
+          query.friction = {friction, 0.6 * friction};
+          ContactTracker still(one, query), swapped(one, query), changed(one, query);
+          for (std::size_t i = 0; i < way.hips.size(); ++i) {
+            const bool odd = i / 16 % 2 == 1;
+            if (i % 16 == 0) swapped.move_to(odd ? same : one), changed.move_to(odd ? other : one);
+            const Contact want = still.tick(way.hips[i]), got = swapped.tick(way.hips[i]),
+                          near = changed.tick(way.hips[i]);
+            ASSERT_EQ(got.push, want.push) << method_name(method) << " " << i;
+            ASSERT_EQ(got.scp, want.scp);
+            ASSERT_EQ(got.flags, want.flags);
+            ASSERT_EQ(near.touching, want.touching) << method_name(method) << " " << i;
+            ASSERT_LT((near.push - want.push).norm(), 0.05 * walk.depth);
+          }
+        }
+      }
+    }
+  }
 }
 
 }  // namespace

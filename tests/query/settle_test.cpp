@@ -42,7 +42,7 @@ std::vector<Mesh> leaping_meshes() {
 PatchCache fair_cache_of(const Mesh& mesh) {
   BuildOptions options;
   options.level.construction = Construction::kFair;
-  return build_cache(mesh, options);
+  return test::unlimited_cache(mesh, options);
 }
 
 TEST(Settle, changes_no_byte_where_nothing_leaps) {

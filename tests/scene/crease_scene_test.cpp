@@ -19,14 +19,16 @@ TEST(CreaseScene, objects_have_the_creases_that_the_scene_says) {
   const Scene scene = files.read(
       "[[object]]\nmesh = 'prism.obj'\nunit = 'mm'\ncrease = '40deg,edges:edges.txt'\n"
       "[[object]]\nmesh = 'prism.obj'\nunit = 'mm'\nconstruction = 'fair'\ncrease = '20deg'\n"
+      "[[object]]\nmesh = 'prism.obj'\nunit = 'mm'\ncrease = 'none'\n"
       "[[object]]\nmesh = 'prism.obj'\nunit = 'mm'\n");
   EXPECT_NE(std::find(scene.files.begin(), scene.files.end(), files.folder / "edges.txt"),
             scene.files.end());
   const std::vector<SceneObject> objects = open_objects(scene);
-  ASSERT_EQ(objects.size(), 3u);
+  ASSERT_EQ(objects.size(), 4u);
   EXPECT_EQ(objects[0].cache->crease_count, 24u);
   EXPECT_EQ(objects[1].cache->crease_count, 36u);
   EXPECT_EQ(objects[2].cache->crease_count, 0u);
+  EXPECT_EQ(objects[3].cache->crease_count, 24u);  // the edges that turn by 90 degrees
 }
 
 TEST(CreaseScene, objects_have_the_radius_that_the_scene_says) {

@@ -12,6 +12,7 @@
 #include "gliss/query/contact_tracker.h"
 #include "gliss/study/tessellate.h"
 #include "gliss/surface/names.h"
+#include "gliss/validate/validate.h"
 #include "tests/extremes/extremes.h"
 #include "tests/oracle/crossing_oracle.h"
 #include "tests/support/open_meshes.h"
@@ -343,6 +344,61 @@ TEST_F(SharedWalk, loses_contact_only_where_the_surface_was_crossed) {
 TEST_F(SharedWalk, that_settles_gives_no_work_but_what_it_took) {
   for_each_mesh(
       [](const std::string& name, const Mesh& mesh) { expect_no_work(name, mesh, 5000); });
+}
+
+// One triangle in a hundred has a vertex on one of its sides, but for `height` of that side: a
+// triangle as flat as that lies between them.
+Mesh with_collinear_triangles(const Mesh& mesh, double height) {
+  oracle::Rng rng(9);
+  Mesh cut;
+  cut.unit = mesh.unit;
+  cut.source = mesh.source;
+  cut.positions = mesh.positions;
+  const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    cut.corner_vertex.insert(cut.corner_vertex.end(), {a, b, c});
+    cut.face_begin.push_back(static_cast<std::uint32_t>(cut.corner_vertex.size()));
+  };
+  for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
+    const std::uint32_t* v = &mesh.corner_vertex[mesh.face_begin[face]];
+    const auto k = static_cast<std::uint32_t>(rng() % 300);
+    if (k >= 3 || height == 0) {
+      add(v[0], v[1], v[2]);
+      continue;
+    }
+    const std::uint32_t a = v[k], b = v[(k + 1) % 3], c = v[(k + 2) % 3];
+    const auto middle = static_cast<std::uint32_t>(cut.positions.size());
+    const Vec3 A = mesh.positions[a], side = mesh.positions[b] - A, to_c = mesh.positions[c] - A;
+    const Vec3 in = (to_c - to_c.dot(side) / side.squaredNorm() * side).normalized();
+    cut.positions.push_back(A + 0.5 * side + height * side.norm() * in);
+    add(a, middle, c), add(middle, b, c), add(a, b, middle);
+  }
+  return cut;
+}
+
+// Such triangles are mended: a patch of one would turn its normal within no width.
+TEST(Walk, feels_no_triangle_that_is_nearly_collinear) {
+  const Mesh ball = with_collinear_triangles(irregular(goldberg(8), 4).mesh, 0);
+  const std::vector<Walk> walks = walks_on(test::with_normals(ball), options_of(ball, 40, 2500));
+  for (const double height : {1e-9, 1e-12}) {
+    Mesh mesh = with_collinear_triangles(ball, height);
+    const std::size_t faces = mesh.face_count();
+    EXPECT_GT(faces, ball.face_count() + 20);
+    std::vector<Finding> findings;
+    validate(mesh, {}, &findings);
+    ASSERT_EQ(findings.size(), 1u);
+    EXPECT_EQ(findings[0].code, "zero-area-face");
+    EXPECT_EQ(mesh.face_count(), faces);
+    for (const Precision precision : {Precision::kDouble, Precision::kFloat}) {
+      const PatchCache cache = test::cache_of(mesh, precision),
+                       without = test::cache_of(test::with_normals(ball), precision);
+      for (const Method method : {Method::kGregory, Method::kShaded, Method::kFlat}) {
+        const FeltWalks felt = feel_walks(cache, test::leaping(method), walks, walk_depth(ball)),
+                        want = feel_walks(without, test::leaping(method), walks, walk_depth(ball));
+        EXPECT_EQ(felt.jumps(), want.jumps()) << method_name(method) << " " << height;
+        EXPECT_EQ(felt.lost, 0u);
+      }
+    }
+  }
 }
 
 }  // namespace

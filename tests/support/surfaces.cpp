@@ -50,7 +50,7 @@ Mesh with_normals(Mesh mesh) {
 }
 
 Mesh load_shared(const std::string& name) {
-  return with_normals(load_mesh(shared_path(name + ".obj")));
+  return with_normals(load_mesh(shared_path(name + ".obj"), {.creases = {.none = true}}));
 }
 
 double size_of(const Mesh& mesh) {
@@ -59,13 +59,17 @@ double size_of(const Mesh& mesh) {
   return (high - low).norm();
 }
 
+PatchCache unlimited_cache(Mesh mesh, const BuildOptions& options, BuildReport* report) {
+  add_vertex_normals(mesh, normal_weights(options.level.construction));
+  return build_cache(mesh, build_topology(mesh), options, report);
+}
 PatchCache cache_of(const Mesh& mesh, Precision precision, bool tame, BuildReport* report,
                     Construction construction) {
   BuildOptions options;
   options.precision = precision;
   options.level.construction = construction;
   options.tame = tame;
-  return build_cache(mesh, options, report);
+  return unlimited_cache(mesh, options, report);
 }
 PatchCache paper_cache_of(const Mesh& mesh, Precision precision, bool tame, BuildReport* report) {
   return cache_of(mesh, precision, tame, report, Construction::kPaper);

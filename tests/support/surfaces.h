@@ -63,6 +63,10 @@ Mesh load_shared(const std::string& name);
 // The diagonal of its box.
 double size_of(const Mesh& mesh);
 
+// Patches as vertex normals alone have them, as the oracles do: thin parts bulge, which makes them
+// harder to touch than what complete_mesh makes of them.
+PatchCache unlimited_cache(Mesh mesh, const BuildOptions& options = {},
+                           BuildReport* report = nullptr);
 PatchCache cache_of(const Mesh& mesh, Precision precision = Precision::kDouble, bool tame = true,
                     BuildReport* report = nullptr,
                     Construction construction = Level{}.construction);

@@ -118,5 +118,89 @@ TEST(Continuity, random_neighbours_meet_with_one_normal) {
   test::record("random neighbours", "gap {:.2g}, angle {:.2g}", gap.value, angle.value);
 }
 
+// `n` quads or triangles round a vertex, which a border runs through where they do not close.
+Mesh fan_round_vertex(std::uint32_t n, bool of_quads, bool closes) {
+  Mesh mesh;
+  mesh.source = fmt::format("{} {} round {} vertex", n, of_quads ? "quads" : "triangles",
+                            closes ? "a" : "a border's");
+  const std::uint32_t per = of_quads ? 2 : 1, ring = per * n + (closes ? 0 : 1);
+  mesh.positions.emplace_back(0, 0, 0);
+  for (std::uint32_t i = 0; i < ring; ++i) {
+    const double turn = (closes ? 2 : 1.5) * std::numbers::pi * i / (per * n);
+    const double reach = of_quads && i % 2 == 1 ? 14 : 10;
+    mesh.positions.emplace_back(reach * std::cos(turn), reach * std::sin(turn),
+                                -0.02 * reach * reach);
+  }
+  for (std::uint32_t i = 0; i < n; ++i) {
+    mesh.corner_vertex.push_back(0);
+    for (std::uint32_t k = 0; k <= per; ++k) mesh.corner_vertex.push_back(1 + (per * i + k) % ring);
+    mesh.face_begin.push_back(static_cast<std::uint32_t>(mesh.corner_vertex.size()));
+  }
+  return test::with_normals(mesh);
+}
+
+// A heptagon with quads along its sides and triangles between them.
+Mesh polygon_in_a_rim(std::uint32_t n) {
+  Mesh mesh;
+  mesh.source = fmt::format("a face of {} sides in a rim", n);
+  for (const double reach : {6.0, 11.0}) {
+    for (std::uint32_t i = 0; i < (reach < 10 ? n : 2 * n); ++i) {
+      const double turn =
+          2 * std::numbers::pi * (reach < 10 ? i : i / 2 + 0.3 * (i % 2) - 0.15) / n;
+      mesh.positions.emplace_back(reach * std::cos(turn), reach * std::sin(turn),
+                                  -0.02 * reach * reach);
+    }
+  }
+  const auto add = [&](const std::vector<std::uint32_t>& face) {
+    mesh.corner_vertex.insert(mesh.corner_vertex.end(), face.begin(), face.end());
+    mesh.face_begin.push_back(static_cast<std::uint32_t>(mesh.corner_vertex.size()));
+  };
+  std::vector<std::uint32_t> middle;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const std::uint32_t next = (i + 1) % n;
+    middle.push_back(i);
+    add({i, n + 2 * i, n + 2 * i + 1});
+    add({next, i, n + 2 * i + 1, n + 2 * next});
+  }
+  add(middle);
+  return test::with_normals(mesh);
+}
+
+// Where subdivision surfaces had corners without a tangent plane, and normals that differ from
+// patch to patch (OpenSubdiv 177, 179, 215, 364).
+TEST(Continuity, has_a_tangent_plane_at_every_corner_of_odd_fans) {
+  std::vector<Mesh> meshes;
+  for (const std::uint32_t n : {5u, 7u, 10u}) {
+    meshes.push_back(polygon_in_a_rim(n));
+    for (const bool of_quads : {false, true}) {
+      for (const bool closes : {false, true})
+        meshes.push_back(fan_round_vertex(n, of_quads, closes));
+    }
+  }
+  for (const Mesh& mesh : meshes) {
+    for (const Construction construction : {Construction::kFair, Construction::kPaper}) {
+      BuildReport report;
+      const PatchCache cache =
+          test::cache_of(mesh, Precision::kDouble, true, &report, construction);
+      double least = 1;
+      for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
+        const std::uint32_t n = mesh.valence(face);
+        for (std::uint32_t k = 0; k < n; ++k) {
+          const SurfacePoint p = evaluate(cache, on_side(face, n, k, 0));
+          least = std::min(least, p.d_xi.cross(p.d_eta).norm() / (p.d_xi.norm() * p.d_eta.norm()));
+        }
+      }
+      EXPECT_GT(least, 0.05) << mesh.source;
+      const Crossing found = cross_all_edges(mesh, cache, report);
+      EXPECT_EQ(found.bent_edges, 0) << mesh.source;
+      EXPECT_LE(found.gap.value, 1e-14) << mesh.source;
+      EXPECT_LE(std::max(found.sound_angle.value, found.tamed_angle.value), 1e-10) << mesh.source;
+      test::record(fmt::format("{} {}", mesh.source, construction == Construction::kFair),
+                   "least sine {:.2g}, angle {:.2g}, {:.2g}", least, found.sound_angle.value,
+                   found.tamed_angle.value);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace gliss

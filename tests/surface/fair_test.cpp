@@ -23,7 +23,7 @@ PatchCache fair_cache(const Mesh& mesh, Precision precision = Precision::kDouble
   options.precision = precision;
   options.tame = tame;
   options.level.construction = Construction::kFair;
-  return build_cache(mesh, options, report);
+  return test::unlimited_cache(mesh, options, report);
 }
 
 // Meshes that meet every branch of the construction, and the share of their triangles that may
@@ -37,7 +37,7 @@ std::vector<FairCase> cases() {
   Rng rng(19);
   std::vector<FairCase> made;
   const auto add = [&](const std::string& name, Mesh mesh, double folded) {
-    validate(mesh);
+    validate(mesh, {.creases = {.none = true}});
     made.push_back({name, std::move(mesh), folded});
   };
   add("sheet", test::random_sheet(rng, {}), 0);
@@ -590,7 +590,7 @@ TEST_P(FairTest, a_region_has_the_bytes_of_the_whole) {
     options.faces = faces_around(mesh, topology, centre, 2);
     options.like = &whole;
     ASSERT_LT(options.faces.size(), mesh.face_count() / 2);
-    const PatchCache region = build_cache(mesh, options);
+    const PatchCache region = test::unlimited_cache(mesh, options);
     for (const std::uint32_t f : options.faces) {
       EXPECT_EQ(test::kind_of(region, f), test::kind_of(whole, f));
       EXPECT_EQ(region.rho_min[region.first_patch(f)], whole.rho_min[whole.first_patch(f)]);

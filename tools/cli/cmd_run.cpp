@@ -309,6 +309,22 @@ void tell_untouched_objects(const RunOptions& options, const Scene& scene,
                  boxes, "name the columns x_mm,y_mm,z_mm");
 }
 
+// Says where the force is so late, by half a tick and the delay of what is read, that it asks for
+// more damping than a simulated hand has (docs/scenes.md).
+void tell_swinging_hand(const RunOptions& options, const Scene& scene, const LoopOptions& rules) {
+  if (options.quiet || options.device != "sim") return;
+  const double tick = in_seconds(rules.period), delay = in_seconds(scene.sim->delay);
+  for (const ObjectDescription& object : scene.objects) {
+    const double asked = object.stiffness * (tick / 2 + delay);
+    if (asked <= scene.sim->hand_damping) continue;
+    tell(fmt::format(
+        "gliss: {}: {:g} N/m at {:g} ticks a second, with {:g} ms of delay, ask for "
+        "{:.3g} N s/m of damping, and the hand has {:g}: it will swing; cure: a lower "
+        "stiffness, a higher rate or less delay\n",
+        object.place, object.stiffness, 1 / tick, 1e3 * delay, asked, scene.sim->hand_damping));
+  }
+}
+
 std::vector<Attribute> provenance(const RunOptions& options, const Scene& scene,
                                   const HapticDevice& device) {
   return {{"program", "gliss"},
@@ -329,6 +345,7 @@ void run(const RunOptions& options) {
     tell_soft_spring(options, objects[i].stiffness, scene.objects[i].surface);
   const auto device = open_device(options.device, scene, stop_if_interrupted);
   LoopOptions rules = loop_options(scene, device->info());
+  tell_swinging_hand(options, scene, rules);
   if (options.no_wait && device->info().real_time)
     throw InputError(fmt::format("--no-wait: {} lives in real time", device->info().name));
   std::optional<RecordingFile> recording;

@@ -138,7 +138,12 @@ void check_kept(const std::vector<std::string>& names, const InputTable& table,
 }
 
 void round_creases(const SurfaceOptions& options, Mesh& mesh) {
-  if (options.crease_radius > 0) gliss::round_creases(mesh, options.crease_radius);
+  if (!(options.crease_radius > 0)) return;
+  if (mesh.sharp.empty() && options.creases.are_usual())
+    throw InputError(
+        "--crease-radius: no edge is a crease; add which edges it rounds, as '--crease auto' or "
+        "'--crease 40deg'");
+  gliss::round_creases(mesh, options.crease_radius);
 }
 
 Mesh read_mesh(const SurfaceOptions& options, bool tells_of_creases) {
@@ -186,10 +191,9 @@ PatchCache build(const Mesh& mesh, const SurfaceOptions& options, const Engine& 
                  BuildOptions build_options, BuildReport* report) {
   build_options.precision = options.precision.value_or(Precision::kDouble);
   build_options.level = chosen_level(options.level, options.construction);
-  std::optional<Watch> watch(std::in_place, options, "build",
-                             build_options.faces.empty() ? mesh.face_count()
-                                                         : build_options.faces.size(),
-                             "faces");
+  std::optional<Watch> watch(
+      std::in_place, options, "build",
+      build_options.faces.empty() ? mesh.face_count() : build_options.faces.size(), "faces");
   BuildBackend backend = engine.build_backend();
   backend.progress = [&](std::size_t faces) { watch->reach(faces); };
   PatchCache cache = build_cache(mesh, build_options, report, backend);
