@@ -18,7 +18,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kBulge = 4.0 / 27;   // the most of t (1 - t)^2
 constexpr double kShare = 16.0 / 81;  // of a length, that a bulge may have
-constexpr double kRounding = 1e-9;    // of a bulge
+constexpr double kMargin = 1e-9;      // of a bulge
 constexpr double kLeastSeen = 0.5;    // cosine between a corner and a normal that was turned
 constexpr std::size_t kGrain = 256;
 
@@ -150,7 +150,7 @@ bool Bulges::find_rooms(Bulge bulge) {
     for (std::uint32_t c = mesh_.face_begin[f]; c < mesh_.face_begin[f + 1]; ++c)
       most = std::max(most, reach[mesh_.corner_vertex[c]]);
     if (!(most > seen_[f])) return;
-    seen_[f] = (1 + kRounding) * most;
+    seen_[f] = (1 + kMargin) * most;
     room[f] = rays_->room(f, seen_[f]);
   });
   for (std::uint32_t c = 0; c < need.size(); ++c) {
@@ -243,7 +243,7 @@ std::optional<Vec3> Bulges::turned(const Vec3& normal, const Surroundings& aroun
       if (reach < least_reach * e.length) continue;
       const double most = std::min(1.5, reach / e.length),
                    angle = std::asin(std::clamp(lean, -1.0, 1.0));
-      if (!(std::abs(angle) > most * (1 + kRounding))) continue;
+      if (!(std::abs(angle) > most * (1 + kMargin))) continue;
       Vec3 step = std::tan(std::copysign(most, angle) - angle) * away;
       step -= around.crease * around.crease.dot(step);
       n = (n + step).stableNormalized();
@@ -261,7 +261,7 @@ std::optional<Vec3> Bulges::turned(const Vec3& normal, const Surroundings& aroun
     return most;
   };
   std::optional<Vec3> best;
-  double least = cost(normal) * (1 - kRounding);
+  double least = cost(normal) * (1 - kMargin);
   for (const double share : {0.25, 0.5, 0.75, 1.0}) {
     const Vec3 m = (normal + share * (n - normal)).stableNormalized();
     if (const double here = cost(m); here <= least) least = here, best = m;
@@ -274,7 +274,7 @@ void Bulges::turn_normals() {
   std::vector<std::uint32_t> place(mesh_.normals.size(), kNone);  // [normal], among those to turn
   std::vector<std::vector<std::uint32_t>> corners;
   const auto is_wide = [&](std::uint32_t side, std::uint32_t corner) {
-    return lean_bulge(side, corner) > most(side, corner) * (1 + kRounding);
+    return lean_bulge(side, corner) > most(side, corner) * (1 + kMargin);
   };
   for (std::uint32_t c = 0; c < mesh_.corner_vertex.size(); ++c) {
     if (place[mesh_.corner_normal[c]] != kNone ||
@@ -303,7 +303,7 @@ bool Bulges::shorten(std::uint32_t side, std::vector<Vec3>& all) const {
   bool is_shortened = false;
   const auto limit = [&](Vec3& tangent, std::uint32_t corner) {
     const double bulge = kBulge * tangent.cross(direction).norm(), may = most(side, corner);
-    if (!(bulge > may * (1 + kRounding))) return;
+    if (!(bulge > may * (1 + kMargin))) return;
     tangent *= may / bulge;
     is_shortened = true;
   };

@@ -14,12 +14,12 @@
 namespace gliss {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kOpen = std::numeric_limits<double>::infinity();
 constexpr double kTouching = 1e-6;  // of half the mesh; faces that near lie on each other
 constexpr double kAcross = 0.5;     // cosine
 
 Box box_of(const Mesh& mesh) {
-  Box box{Vec3::Constant(kInfinity), Vec3::Constant(-kInfinity)};
+  Box box{Vec3::Constant(kOpen), Vec3::Constant(-kOpen)};
   for (const std::uint32_t v : mesh.corner_vertex) {
     box.low = box.low.cwiseMin(mesh.positions[v]);
     box.high = box.high.cwiseMax(mesh.positions[v]);
@@ -78,7 +78,7 @@ double FaceRays::room(std::uint32_t face, double reach) const {
     for (const Vec3& way : {normal, Vec3(-normal)})
       room = std::min(room, hit(middle, way, face, room));
   }
-  return room < reach * scale_ ? room / scale_ : kInfinity;
+  return room < reach * scale_ ? room / scale_ : kOpen;
 }
 
 double FaceRays::hit(const Vec3& from, const Vec3& direction, std::uint32_t face,
@@ -122,7 +122,7 @@ double FaceRays::hit(const Vec3& from, const Vec3& direction, std::uint32_t face
       }
     }
   }
-  return is_hit ? nearest : kInfinity;
+  return is_hit ? nearest : kOpen;
 }
 
 }  // namespace gliss
