@@ -122,7 +122,7 @@ class CacheBuilder {
     if (options_.like == nullptr) {
       find_open_parts(cache_);
       find_folds(cache_);
-      if (!base_only_) find_departures(cache_, *tables_, backend_.parallel);
+      if (!base_only_) find_departures(cache_, sag_, backend_.parallel);
     }
     return std::move(cache_);
   }
@@ -512,6 +512,7 @@ class CacheBuilder {
                       sides = layout_.side_begin.back(), before = patches - finished.size();
     grow(boxes, patches, done);
     grow(cache_.rho_min, patches, done);
+    sag_.resize(patches);
     grow(s.form, patches, done);
     grow(s.patch, patches * kPatchReals, done);
     grow(s.corner, sides * 6, done);
@@ -615,6 +616,7 @@ class CacheBuilder {
     numbers[kPatchCurvature] = static_cast<Real>(d.tiles.curvature);
     boxes[patch] = {d.frame->origin + d.shape.box.low / d.frame->scale,
                     d.frame->origin + d.shape.box.high / d.frame->scale};
+    sag_[patch] = d.shape.sampled_sag / d.frame->scale;
     cache_.rho_min[patch] = std::min(d.shape.rho_min / (d.frame->scale * cache_.scale),
                                      std::numeric_limits<double>::max());
   }
@@ -628,6 +630,7 @@ class CacheBuilder {
   std::shared_ptr<const ValenceTables> tables_;
   std::optional<FairSides> fair_;
   std::vector<std::uint32_t> faces_;
+  std::vector<double> sag_;  // [patch], of its samples, mesh frame
   PatchLayout layout_;
   bool has_fans_ = false;  // of the surface so far
   BuildReport report_;

@@ -18,8 +18,10 @@ constexpr double kOpen = std::numeric_limits<double>::infinity();
 constexpr double kTouching = 1e-6;  // of half the mesh; faces that near lie on each other
 constexpr double kAcross = 0.5;     // cosine
 
+const Box kNothing{Vec3::Constant(kOpen), Vec3::Constant(-kOpen)};
+
 Box box_of(const Mesh& mesh) {
-  Box box{Vec3::Constant(kOpen), Vec3::Constant(-kOpen)};
+  Box box = kNothing;
   for (const std::uint32_t v : mesh.corner_vertex) {
     box.low = box.low.cwiseMin(mesh.positions[v]);
     box.high = box.high.cwiseMax(mesh.positions[v]);
@@ -29,16 +31,19 @@ Box box_of(const Mesh& mesh) {
 
 }  // namespace
 
-void FaceRays::add(std::uint32_t face, const BaseTriangle& t, std::vector<Box>& boxes) {
-  triangles_.push_back({t[0], t[1] - t[0], t[2] - t[0], face});
-  boxes.push_back({t[0].cwiseMin(t[1]).cwiseMin(t[2]), t[0].cwiseMax(t[1]).cwiseMax(t[2])});
+void FaceRays::add(const BaseTriangle& t, Box& face) {
+  triangles_.push_back({t[0], t[1] - t[0], t[2] - t[0]});
+  for (const Vec3& corner : t) {
+    face.low = face.low.cwiseMin(corner);
+    face.high = face.high.cwiseMax(corner);
+  }
 }
 
 FaceRays::FaceRays(const Mesh& mesh, const ParallelFor& parallel) {
   const Box all = box_of(mesh);
   const Vec3 origin = all.low + 0.5 * (all.high - all.low);
   scale_ = 2 / (all.high - all.low).maxCoeff();
-  std::vector<Box> boxes;
+  std::vector<Box> boxes(mesh.face_count(), kNothing);
   std::vector<Vec3> corners;
   std::vector<std::uint32_t> cut;
   for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
@@ -47,21 +52,23 @@ FaceRays::FaceRays(const Mesh& mesh, const ParallelFor& parallel) {
       corners.push_back((mesh.positions[mesh.corner_vertex[c]] - origin) * scale_);
     triangulate(corners, newell_normal(mesh, face), cut);
     for (std::size_t t = 0; t < cut.size(); t += 3)
-      add(face, {corners[cut[t]], corners[cut[t + 1]], corners[cut[t + 2]]}, boxes);
+      add({corners[cut[t]], corners[cut[t + 1]], corners[cut[t + 2]]}, boxes[face]);
     end_face();
   }
   build_hierarchy(boxes, node_, child_, parallel);
 }
 
 FaceRays::FaceRays(const PatchCache& cache, const ParallelFor& parallel) : scale_(cache.scale) {
-  std::vector<Box> boxes;
+  std::vector<Box> boxes(cache.mesh_face_count, kNothing);
   std::visit(
       [&](const auto& s) {
         std::uint32_t patch = 0;
         for (std::uint32_t face = 0; face < cache.mesh_face_count; ++face) {
           for (; patch < cache.patch_count() && cache.patch_face[patch] == face; ++patch)
-            for_polygon_triangles(s, patch, [&](const BaseTriangle& t) { add(face, t, boxes); });
+            for_polygon_triangles(s, patch, [&](const BaseTriangle& t) { add(t, boxes[face]); });
           end_face();
+          const bool is_built = first_[face] < first_[face + 1];
+          if (!is_built) boxes[face] = {Vec3::Zero(), Vec3::Zero()};
         }
       },
       cache.surface);
@@ -75,8 +82,7 @@ double FaceRays::room(std::uint32_t face, double reach) const {
     const Vec3 normal = from.ahead.cross(from.back).stableNormalized();
     if (normal.isZero(0)) continue;
     const Vec3 middle = from.start + (from.ahead + from.back) / 3;
-    for (const Vec3& way : {normal, Vec3(-normal)})
-      room = std::min(room, hit(middle, way, face, room));
+    room = std::min(room, hit(middle, normal, face, room));
   }
   return room < reach * scale_ ? room / scale_ : kOpen;
 }
@@ -86,10 +92,9 @@ double FaceRays::hit(const Vec3& from, const Vec3& direction, std::uint32_t face
   double nearest = reach;
   bool is_hit = false;
   const auto meet = [&](const Triangle& t) {  // Moeller and Trumbore 1997
-    if (t.face == face) return;
     const Vec3 p = direction.cross(t.back), s = from - t.start, q = s.cross(t.ahead);
     const double det = t.ahead.dot(p), u = s.dot(p) / det, v = direction.dot(q) / det,
-                 way = t.back.dot(q) / det;
+                 way = std::abs(t.back.dot(q) / det);
     if (!(u >= 0 && v >= 0 && u + v <= 1 && way > kTouching && way < nearest)) return;
     if (!(std::abs(det) > kAcross * t.ahead.cross(t.back).norm())) return;
     nearest = way;
@@ -98,7 +103,7 @@ double FaceRays::hit(const Vec3& from, const Vec3& direction, std::uint32_t face
   const Vec3 inverse = direction.cwiseInverse();
   // Boxes are wider than what they hold (hierarchy.h), so that no ray runs along a face of one.
   const auto is_met = [&](const double* box) {
-    double begin = 0, end = nearest;
+    double begin = -nearest, end = nearest;
     for (int i = 0; i < 3; ++i) {
       const double low = (box[i] - from[i]) * inverse[i],
                    high = (box[3 + i] - from[i]) * inverse[i];
@@ -116,7 +121,9 @@ double FaceRays::hit(const Vec3& from, const Vec3& direction, std::uint32_t face
     for (std::size_t place = 2 * at; place < 2 * at + 2; ++place) {
       if (!is_met(&node_[6 * place])) continue;
       if (child_[place] & kNodeLeaf) {
-        meet(triangles_[child_[place] & ~kNodeLeaf]);
+        const std::uint32_t other = child_[place] & ~kNodeLeaf;
+        if (other == face) continue;
+        for (std::uint32_t t = first_[other]; t < first_[other + 1]; ++t) meet(triangles_[t]);
       } else {
         open[left++] = child_[place];
       }

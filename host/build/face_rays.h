@@ -27,18 +27,17 @@ class FaceRays {
  private:
   struct Triangle {
     Vec3 start, ahead, back;  // its first corner, and from there to the others; scaled
-    std::uint32_t face;
   };
-  void add(std::uint32_t face, const BaseTriangle& triangle, std::vector<Box>& boxes);
+  void add(const BaseTriangle& triangle, Box& face);
   void end_face() { first_.push_back(static_cast<std::uint32_t>(triangles_.size())); }
-  // The way to the next other face, at most `reach`, else infinity. Scaled; direction of unit
-  // length.
+  // The way along or against a direction to the next other face, at most `reach`, else infinity.
+  // Scaled; direction of unit length.
   double hit(const Vec3& from, const Vec3& direction, std::uint32_t face, double reach) const;
 
   double scale_ = 1;
   std::vector<Triangle> triangles_;      // face by face
   std::vector<std::uint32_t> first_{0};  // [face + 1], of the triangles
-  LargeArray<double> node_;              // of hierarchy.h
+  LargeArray<double> node_;              // of hierarchy.h, over the faces
   LargeArray<std::uint32_t> child_;
 };
 

@@ -103,7 +103,8 @@ PatchShape shape_from(const double* reals) {
   shape.high = triple(kShapeAlongHigh) + margin;
   shape.bend = triple(kShapeBend);
   if (!shape.bend.allFinite()) shape.bend.setZero();
-  shape.sag = std::sqrt(reals[kShapeSag2]) + slack;
+  shape.sampled_sag = std::sqrt(reals[kShapeSag2]);
+  shape.sag = shape.sampled_sag + slack;
   shape.unseen = std::sqrt(spacing2) * curvature;
   shape.rho_min = curvature > 0 ? 1 / curvature : std::numeric_limits<double>::infinity();
   // Polygons lie in [-1, 1]^3 of their frame: where cross tangents have hardly a direction, patches

@@ -50,6 +50,7 @@ struct PatchShape {
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();
   Vec3 bend = Vec3::Zero();  // n . (G_xixi, G_xieta, G_etaeta) at the centre
   double sag = 0;            // distance from the base polygon that no point of the patch exceeds
+  double sampled_sag = 0;    // the same of the samples alone
   double rho_min = 0;        // least radius of curvature
   double turn = 1;           // least cosine between the patch's normal and the base polygon's
   double unseen = 0;         // rad, by which the normal may turn between two samples
