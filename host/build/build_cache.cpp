@@ -382,7 +382,7 @@ class CacheBuilder {
     return draft_patch(face, all_corners(static_cast<std::uint32_t>(face.position.size())));
   }
 
-  // How far the patch of a face should leave its polygon, mesh frame.
+  // The most by which the patch of a face should leave its polygon, mesh frame.
   double most_sag(std::uint32_t face) const {
     return mesh_.most_sag.empty() ? std::numeric_limits<double>::infinity()
                                   : mesh_.most_sag[face] * cache_.scale;

@@ -50,7 +50,7 @@ class Bulges {
     double length;
     double lean;  // sine that needs no turn
   };
-  // What lies around a vertex, between its creases.
+  // The faces round a vertex, between two creases or all round.
   struct Surroundings {
     std::vector<Edge> edges;
     std::vector<Vec3> ring;      // vertices of the faces, from there

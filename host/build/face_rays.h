@@ -12,7 +12,7 @@
 
 namespace gliss {
 
-// Does not change: any number of threads may ask. Takes 150 bytes a triangle.
+// Does not change: any number of threads may ask.
 class FaceRays {
  public:
   // The polygons of a validated mesh, cut into triangles, or those of a cache.

@@ -54,7 +54,7 @@ enum class PatchKind : std::uint8_t {
   kBent,   // folded or degenerate beyond that: boundary curves as they were, boundary normals not
 };
 
-// How far the patch of a face leaves its polygon, and the room that it has there: the way from the
+// A patch's largest distance from its polygon, and the room that it has there: the way from the
 // middle of the polygon, along its normal or against it, to the next one that lies across, through
 // the solid or a gap. Lengths in the mesh's unit.
 struct Departure {
