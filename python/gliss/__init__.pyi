@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 __all__ = [
-    "CacheError", "Contact", "Contacts", "DeviceError", "Hand", "Loop", "MeshError", "Results", "SceneError",
+    "CacheError", "Contact", "Contacts", "Departure", "DeviceError", "Hand", "Loop", "MeshError", "Results", "SceneError",
     "Surface", "SurfacePoints", "Sweep", "Trace", "Triangles", "__version__", "load",
 ]
 

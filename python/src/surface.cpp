@@ -100,7 +100,8 @@ void build(OpenSurface& surface, const Opening& opening, Make make) {
   try {
     surface.mesh = make(&surface.findings);
     if (opening.crease_radius > 0) {
-      if (surface.mesh->sharp.empty() && opening.load.creases.are_usual())
+      const CreaseRules& rules = opening.load.creases;
+      if (surface.mesh->sharp.empty() && (rules.none || rules.are_usual()))
         throw py::value_error(
             "crease_radius: no edge is a crease; add which edges it rounds, as crease='auto' or "
             "crease='40deg'");

@@ -69,7 +69,7 @@ SLIPS = [  # the call, the error, and words of its text
     (lambda s: gliss.Surface(CUBE, QUADS, threads="all"), TypeError, "threads: expected a whole number"),
     (lambda s: gliss.Surface(CUBE, QUADS, strict=3), TypeError, "strict: expected True or False, found 3"),
     (lambda s: gliss.Surface(CUBE, QUADS, crease=40), TypeError, "crease: expected text, found 40"),
-    (lambda s: gliss.Surface(CUBE, QUADS, crease_radius="1mm"), ValueError, "add which edges it rounds"),
+    (lambda s: gliss.Surface(CUBE, QUADS, crease="none", crease_radius="1mm"), ValueError, "add which edges it rounds"),
     (lambda s: gliss.Surface(CUBE, QUADS, crease="sharp"), ValueError, "sharp"),
     (lambda s: gliss.Surface(CUBE, QUADS, backend="opencl", opencl_device="no such"), gliss.DeviceError, "no such"),
     (lambda s: gliss.Surface(CUBE, QUADS, opencl_device="some"), ValueError, "opencl-device"),

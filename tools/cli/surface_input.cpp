@@ -139,7 +139,7 @@ void check_kept(const std::vector<std::string>& names, const InputTable& table,
 
 void round_creases(const SurfaceOptions& options, Mesh& mesh) {
   if (!(options.crease_radius > 0)) return;
-  if (mesh.sharp.empty() && options.creases.are_usual())
+  if (mesh.sharp.empty() && (options.creases.none || options.creases.are_usual()))
     throw InputError(
         "--crease-radius: no edge is a crease; add which edges it rounds, as '--crease auto' or "
         "'--crease 40deg'");
