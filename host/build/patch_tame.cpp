@@ -108,7 +108,9 @@ struct Quality {
   // A change has to be worth it.
   bool is_better(const Quality& than) const {
     if (is_safe() != than.is_safe()) return is_safe();
-    return is_safe() ? sag < 0.5 * than.sag : turn > than.turn;
+    if (is_safe()) return sag < 0.5 * than.sag;
+    // The one that moves less wins if two are as bad.
+    return turn > than.turn || (turn == than.turn && !(sag >= than.sag));
   }
 };
 Quality quality_of(const PatchDraft& d) { return {d.shape.turn, d.shape.sag / d.frame.scale}; }
