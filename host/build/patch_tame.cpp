@@ -108,9 +108,7 @@ struct Quality {
   // A change has to be worth it.
   bool is_better(const Quality& than) const {
     if (is_safe() != than.is_safe()) return is_safe();
-    if (is_safe()) return sag < 0.5 * than.sag;
-    // The one that moves less wins if two are as bad.
-    return turn > than.turn || (turn == than.turn && !(sag >= than.sag));
+    return is_safe() ? sag < 0.5 * than.sag : turn > than.turn;
   }
 };
 Quality quality_of(const PatchDraft& d) { return {d.shape.turn, d.shape.sag / d.frame.scale}; }
@@ -138,8 +136,11 @@ std::optional<PatchDraft> bend(const PatchDraft& draft, Quality worst,
     }
     if (turn_at_rim(d, tables) < std::min(worst.turn, kSafeTurn)) continue;
     d.shape = examine(d, tables);
-    if (!quality_of(d).is_better(worst)) continue;
-    worst = quality_of(d);
+    const Quality quality = quality_of(d);
+    // The shorter one wins if two are as bad.
+    const bool is_as_bad = best && !quality.is_safe() && quality.turn == worst.turn;
+    if (!is_as_bad && !quality.is_better(worst)) continue;
+    worst = quality;
     best = std::move(d);
   }
   return best;
