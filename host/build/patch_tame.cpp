@@ -14,6 +14,7 @@ namespace {
 // A patch whose normal stays within 84 degrees of its polygon's neither folds nor nearly does.
 constexpr double kSafeTurn = 0.1;
 constexpr double kRounding = 1e-9;     // far above that of a cosine
+constexpr double kMostSag = 4;         // mesh frame: safe patches go no farther
 constexpr std::uint32_t kMaxFan = 64;  // faces of more sides are not cut from their centre: slivers
 static_assert(kMaxFan <= kFanCorner);
 constexpr double kFarthestCentre = 2;  // from the middle of a polygon in [-1, 1]^3
@@ -108,7 +109,9 @@ struct Quality {
   // A change has to be worth it.
   bool is_better(const Quality& than) const {
     if (is_safe() != than.is_safe()) return is_safe();
-    return is_safe() ? sag < 0.5 * than.sag : turn > than.turn;
+    if (!is_safe()) return turn > than.turn;
+    // Triangles without area have no distance to speak of.
+    return than.sag < kMostSag && sag < 0.5 * than.sag;
   }
 };
 Quality quality_of(const PatchDraft& d) { return {d.shape.turn, d.shape.sag / d.frame.scale}; }
