@@ -14,7 +14,7 @@ namespace {
 // A patch whose normal stays within 84 degrees of its polygon's neither folds nor nearly does.
 constexpr double kSafeTurn = 0.1;
 constexpr double kRounding = 1e-9;     // far above that of a cosine
-constexpr double kMostSag = 4;         // mesh frame: safe patches go no farther
+constexpr double kMostSag = 4;         // mesh frame: no sound patch goes farther
 constexpr std::uint32_t kMaxFan = 64;  // faces of more sides are not cut from their centre: slivers
 static_assert(kMaxFan <= kFanCorner);
 constexpr double kFarthestCentre = 2;  // from the middle of a polygon in [-1, 1]^3
@@ -109,12 +109,14 @@ struct Quality {
   // A change has to be worth it.
   bool is_better(const Quality& than) const {
     if (is_safe() != than.is_safe()) return is_safe();
-    if (!is_safe()) return turn > than.turn;
-    // Triangles without area have no distance to speak of.
-    return than.sag < kMostSag && sag < 0.5 * than.sag;
+    return is_safe() ? sag < 0.5 * than.sag : turn > than.turn;
   }
 };
-Quality quality_of(const PatchDraft& d) { return {d.shape.turn, d.shape.sag / d.frame.scale}; }
+// One whose slopes shoot out between samples is as bad as any.
+Quality quality_of(const PatchDraft& d) {
+  const double sag = d.shape.sag / d.frame.scale;
+  return {sag < kMostSag ? d.shape.turn : -1, sag};
+}
 
 // The same boundary curves, with cross tangents in the plane of the polygon, shorter and shorter:
 // without any, a corner interpolator is the sum of its two curves. The best, if it is better than
@@ -258,7 +260,7 @@ void share_triangles(const FaceCorners& face, const std::vector<std::uint32_t>& 
 Quality quality_of(const std::vector<PatchDraft>& drafts) {
   Quality all{1, 0};
   for (const PatchDraft& d : drafts) {
-    all.turn = std::min(all.turn, d.shape.turn);
+    all.turn = std::min(all.turn, quality_of(d).turn);
     all.sag = std::max(all.sag, quality_of(d).sag);
   }
   return all;
