@@ -85,7 +85,7 @@ TEST(LazyMesh, builds_the_bytes_of_the_whole_cache) {
   for (const Mesh& mesh :
        {knot().mesh, test::with_normals(fin().mesh), irregular(torus(), 1).mesh}) {
     const LazyMesh lazy(mesh);
-    const PatchCache whole = test::cache_of(mesh);
+    const PatchCache whole = build_cache(mesh);
     const auto& all = std::get<1>(whole.surface);
     Rng rng(1);
     for (int i = 0; i < 20; ++i) {
