@@ -113,6 +113,7 @@
 
 // Numbers of a hierarchy node: the boxes of its two children, mesh frame, low and high corner each.
 #define NODE_REALS 12
+#define HIERARCHY_DEPTH 64     // levels, at most
 #define NODE_LEAF 0x80000000u  // a child with this bit is a patch
 
 // A patch lies in a solid part other than its own, or may do so in places; else nowhere.

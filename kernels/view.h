@@ -3,8 +3,6 @@
 // two into [-1, 1]); and each patch's local frame (its own origin, a number of the mesh frame; its
 // own power of two).
 
-#define HIERARCHY_DEPTH 64
-
 typedef struct {
   GLOBAL scalar* domain;       // tables of the valences in use (domain.h)
   GLOBAL uint* domain_begin;   // [valence], where its table begins

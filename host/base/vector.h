@@ -21,6 +21,11 @@ struct Box {
   bool contains(const Vec3& x) const {
     return (low.array() <= x.array()).all() && (x.array() <= high.array()).all();
   }
+  // Widens it until it contains x.
+  void hold(const Vec3& x) {
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+  }
 };
 
 inline constexpr std::uint32_t kNone = 0xFFFFFFFFu;

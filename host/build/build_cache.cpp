@@ -146,11 +146,7 @@ class CacheBuilder {
       cache_.crease_count = options_.like->crease_count;
       return;
     }
-    Box box{mesh_.positions[mesh_.corner_vertex[0]], mesh_.positions[mesh_.corner_vertex[0]]};
-    for (const std::uint32_t v : mesh_.corner_vertex) {
-      box.low = box.low.cwiseMin(mesh_.positions[v]);
-      box.high = box.high.cwiseMax(mesh_.positions[v]);
-    }
+    const Box box = box_of(mesh_);
     cache_.origin = box.low + 0.5 * (box.high - box.low);
     int exponent = 0;
     std::frexp(0.5 * (box.high - box.low).maxCoeff(), &exponent);
@@ -195,7 +191,7 @@ class CacheBuilder {
   // True if a side has tangents of its own.
   bool is_sharp(std::uint32_t face) const {
     for (std::uint32_t s = mesh_.face_begin[face]; s < mesh_.face_begin[face + 1]; ++s)
-      if (mesh_frame().has_tangents(s)) return true;
+      if (mesh_.has_tangents(s)) return true;
     return false;
   }
   // True if a backend builds its patch from corners alone; else it is drafted here.

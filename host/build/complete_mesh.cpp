@@ -25,6 +25,10 @@ constexpr std::size_t kGrain = 256;
 struct Tangents {
   Vec3 start, end;
 };
+// The bulges of both ends of a side.
+struct Ends {
+  double start = 0, end = 0;
+};
 
 // Finds what bulges too much, and how much it may.
 class Bulges {
@@ -71,9 +75,6 @@ class Bulges {
   bool is_crease(std::uint32_t side) const {
     return !mesh_.sharp.empty() && mesh_.sharp[side] != 0;
   }
-  bool has_tangents(std::uint32_t side) const {
-    return !mesh_.tangents.empty() && !mesh_.tangents[2 * std::size_t{side}].isZero(0);
-  }
 
   template <class Body>
   void for_faces(Body body) const {
@@ -84,10 +85,15 @@ class Bulges {
 
   void find_widths();
   template <class Bulge>
-  bool find_rooms(Bulge bulge);
+  std::vector<Ends> bulges_of(Bulge bulge) const;
+  bool find_rooms(const std::vector<Ends>& bulges);
   double width(std::uint32_t side, std::uint32_t corner) const;
   double most(std::uint32_t side, std::uint32_t corner) const;
-  double lean_bulge(std::uint32_t side, std::uint32_t corner) const;
+  bool is_wide(double bulge, std::uint32_t side, std::uint32_t corner) const {
+    return bulge > most(side, corner) * (1 + kMargin);
+  }
+  Ends lean_bulges(std::uint32_t side) const;
+  Ends tangent_bulges(std::uint32_t side, const Tangents& t) const;
   std::optional<Tangents> tangents(std::uint32_t side) const;
   Surroundings surroundings(const std::vector<std::uint32_t>& corners) const;
   static std::optional<Vec3> turned(const Vec3& normal, const Surroundings& around);
@@ -122,17 +128,26 @@ void Bulges::find_widths() {
   }
 }
 
-// Finds the rooms of vertices where the end of a side needs them. bulge(side, corner): of that end
-// of it. False where none does.
+// [side], bulge(side).
 template <class Bulge>
-bool Bulges::find_rooms(Bulge bulge) {
+std::vector<Ends> Bulges::bulges_of(Bulge bulge) const {
+  std::vector<Ends> bulges(mesh_.corner_vertex.size());
+  for_faces([&](std::uint32_t f) {
+    for (std::uint32_t s = mesh_.face_begin[f]; s < mesh_.face_begin[f + 1]; ++s)
+      bulges[s] = bulge(s);
+  });
+  return bulges;
+}
+
+// Finds the rooms of vertices where the end of a side needs them. False where none does.
+bool Bulges::find_rooms(const std::vector<Ends>& bulges) {
   std::vector<double> need(mesh_.corner_vertex.size(), 0);  // [corner], of both its sides
   for_faces([&](std::uint32_t f) {
     for (std::uint32_t c = mesh_.face_begin[f]; c < mesh_.face_begin[f + 1]; ++c) {
-      for (const std::uint32_t side : {c, prev_side(mesh_, topology_, c)}) {
-        const double needs = bulge(side, c) / kShare;
-        if (needs > width(side, c)) need[c] = std::max(need[c], needs);
-      }
+      const std::uint32_t before = prev_side(mesh_, topology_, c);
+      const double starts = bulges[c].start / kShare, ends = bulges[before].end / kShare;
+      if (starts > width(c, c)) need[c] = starts;
+      if (ends > width(before, c)) need[c] = std::max(need[c], ends);
     }
   });
   std::vector<double> reach(mesh_.positions.size(), 0);  // [vertex]
@@ -170,15 +185,22 @@ double Bulges::most(std::uint32_t side, std::uint32_t corner) const {
   return kShare * std::max(width(side, corner), room_[mesh_.corner_vertex[corner]]);
 }
 
-// The bulge of a tangent as long as the side, at right angles to the normal of a corner.
-double Bulges::lean_bulge(std::uint32_t side, std::uint32_t corner) const {
-  if (has_tangents(side)) return 0;
-  return kBulge * std::abs(normal(corner).dot(edge_of(mesh_, topology_, side)));
+// The bulges of tangents as long as the side, at right angles to the normals of its corners.
+Ends Bulges::lean_bulges(std::uint32_t side) const {
+  if (mesh_.has_tangents(side)) return {};
+  const Vec3 edge = edge_of(mesh_, topology_, side);
+  return {kBulge * std::abs(normal(side).dot(edge)),
+          kBulge * std::abs(normal(next(side)).dot(edge))};
+}
+
+Ends Bulges::tangent_bulges(std::uint32_t side, const Tangents& t) const {
+  const Vec3 direction = edge_of(mesh_, topology_, side).stableNormalized();
+  return {kBulge * t.start.cross(direction).norm(), kBulge * t.end.cross(direction).norm()};
 }
 
 // The tangents of a side, of its own or of eq. 8; none where they are to stay.
 std::optional<Tangents> Bulges::tangents(std::uint32_t side) const {
-  if (has_tangents(side)) {
+  if (mesh_.has_tangents(side)) {
     if (mesh_.sharp.empty()) return {};
     return Tangents{mesh_.tangents[2 * std::size_t{side}],
                     mesh_.tangents[2 * std::size_t{side} + 1]};
@@ -250,7 +272,8 @@ std::optional<Vec3> Bulges::turned(const Vec3& normal, const Surroundings& aroun
       has_moved = true;
     }
   }
-  // As far as the face that leans most leans less; infinity where a corner would not be seen.
+  // A normal costs what the face that leans most leans to it; infinity where it sees a corner too
+  // little.
   const auto cost = [&](const Vec3& m) {
     double most = 0;
     for (std::size_t i = 0; i < around.normals.size(); ++i) {
@@ -270,15 +293,15 @@ std::optional<Vec3> Bulges::turned(const Vec3& normal, const Surroundings& aroun
 }
 
 void Bulges::turn_normals() {
-  if (!find_rooms([&](std::uint32_t s, std::uint32_t c) { return lean_bulge(s, c); })) return;
+  const std::vector<Ends> bulges =
+      bulges_of([this](std::uint32_t side) { return lean_bulges(side); });
+  if (!find_rooms(bulges)) return;
   std::vector<std::uint32_t> place(mesh_.normals.size(), kNone);  // [normal], among those to turn
   std::vector<std::vector<std::uint32_t>> corners;
-  const auto is_wide = [&](std::uint32_t side, std::uint32_t corner) {
-    return lean_bulge(side, corner) > most(side, corner) * (1 + kMargin);
-  };
   for (std::uint32_t c = 0; c < mesh_.corner_vertex.size(); ++c) {
+    const std::uint32_t before = prev_side(mesh_, topology_, c);
     if (place[mesh_.corner_normal[c]] != kNone ||
-        !(is_wide(c, c) || is_wide(prev_side(mesh_, topology_, c), c)))
+        !(is_wide(bulges[c].start, c, c) || is_wide(bulges[before].end, before, c)))
       continue;
     place[mesh_.corner_normal[c]] = static_cast<std::uint32_t>(corners.size());
     corners.emplace_back();
@@ -299,16 +322,15 @@ void Bulges::turn_normals() {
 bool Bulges::shorten(std::uint32_t side, std::vector<Vec3>& all) const {
   std::optional<Tangents> t = tangents(side);
   if (!t) return false;
-  const Vec3 direction = edge_of(mesh_, topology_, side).stableNormalized();
+  const Ends bulges = tangent_bulges(side, *t);
   bool is_shortened = false;
-  const auto limit = [&](Vec3& tangent, std::uint32_t corner) {
-    const double bulge = kBulge * tangent.cross(direction).norm(), may = most(side, corner);
-    if (!(bulge > may * (1 + kMargin))) return;
-    tangent *= may / bulge;
+  const auto limit = [&](Vec3& tangent, double bulge, std::uint32_t corner) {
+    if (!is_wide(bulge, side, corner)) return;
+    tangent *= most(side, corner) / bulge;
     is_shortened = true;
   };
-  limit(t->start, side);
-  limit(t->end, next(side));
+  limit(t->start, bulges.start, side);
+  limit(t->end, bulges.end, next(side));
   if (!is_shortened) return false;
   const auto put = [&](std::uint32_t s, const Vec3& start, const Vec3& end) {
     all[2 * std::size_t{s}] = start;
@@ -321,14 +343,11 @@ bool Bulges::shorten(std::uint32_t side, std::vector<Vec3>& all) const {
 }
 
 void Bulges::shorten_tangents() {
-  const auto bulge = [&](std::uint32_t side, std::uint32_t corner) {
+  const auto bulges = [this](std::uint32_t side) {
     const std::optional<Tangents> t = tangents(side);
-    if (!t) return 0.0;
-    return kBulge * (corner == side ? t->start : t->end)
-                        .cross(edge_of(mesh_, topology_, side).stableNormalized())
-                        .norm();
+    return t ? tangent_bulges(side, *t) : Ends{};
   };
-  if (!find_rooms(bulge)) return;
+  if (!find_rooms(bulges_of(bulges))) return;
   std::vector<Vec3> all = mesh_.tangents;
   all.resize(2 * mesh_.corner_vertex.size(), Vec3::Zero());
   std::atomic<bool> any = false;

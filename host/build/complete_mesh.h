@@ -1,5 +1,5 @@
-// What patches are made from besides positions: vertex normals and the tangents of sides, such that
-// no patch leaves its polygon by more than the mesh around has room for.
+// Makes what patches need besides positions: vertex normals and the tangents of sides, such that no
+// patch leaves its polygon by more than the mesh around has room for.
 #pragma once
 
 #include "gliss/base/export.h"

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "gliss/build/hierarchy.h"
+#include "gliss/build/mesh_frame.h"
 #include "gliss/mesh/topology.h"
 #include "gliss/mesh/triangulate.h"
 #include "gliss/surface/layout.h"
@@ -20,36 +21,24 @@ constexpr double kAcross = 0.5;     // cosine
 
 const Box kNothing{Vec3::Constant(kOpen), Vec3::Constant(-kOpen)};
 
-Box box_of(const Mesh& mesh) {
-  Box box = kNothing;
-  for (const std::uint32_t v : mesh.corner_vertex) {
-    box.low = box.low.cwiseMin(mesh.positions[v]);
-    box.high = box.high.cwiseMax(mesh.positions[v]);
-  }
-  return box;
-}
-
 }  // namespace
 
 void FaceRays::add(const BaseTriangle& t, Box& face) {
   triangles_.push_back({t[0], t[1] - t[0], t[2] - t[0]});
-  for (const Vec3& corner : t) {
-    face.low = face.low.cwiseMin(corner);
-    face.high = face.high.cwiseMax(corner);
-  }
+  for (const Vec3& corner : t) face.hold(corner);
 }
 
 FaceRays::FaceRays(const Mesh& mesh, const ParallelFor& parallel) {
   const Box all = box_of(mesh);
-  const Vec3 origin = all.low + 0.5 * (all.high - all.low);
   scale_ = 2 / (all.high - all.low).maxCoeff();
+  const MeshFrame frame{mesh, all.low + 0.5 * (all.high - all.low), scale_};
   std::vector<Box> boxes(mesh.face_count(), kNothing);
   std::vector<Vec3> corners;
   std::vector<std::uint32_t> cut;
   for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
     corners.clear(), cut.clear();
     for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c)
-      corners.push_back((mesh.positions[mesh.corner_vertex[c]] - origin) * scale_);
+      corners.push_back(frame.position(c));
     triangulate(corners, newell_normal(mesh, face), cut);
     for (std::size_t t = 0; t < cut.size(); t += 3)
       add({corners[cut[t]], corners[cut[t + 1]], corners[cut[t + 2]]}, boxes[face]);
@@ -112,8 +101,7 @@ double FaceRays::hit(const Vec3& from, const Vec3& direction, std::uint32_t face
     }
     return begin <= end;
   };
-  constexpr std::size_t kDepth = 64;  // of the hierarchy, at most
-  std::array<std::uint32_t, kDepth + 2> open;
+  std::array<std::uint32_t, kHierarchyDepth + 2> open;
   std::size_t left = 0;
   if (!child_.empty()) open[left++] = 0;
   while (left > 0) {

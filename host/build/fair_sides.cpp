@@ -53,7 +53,7 @@ void FairSides::put_corner(std::uint32_t side, double* reals) const {
 // 3 or 4 if both of its faces are triangles, or quads, that have the same normals at its ends, or
 // if it is a triangle's at a border; else 0, as at creases.
 std::uint32_t FairSides::joined_valence(std::uint32_t side) const {
-  if (frame_.has_tangents(side)) return 0;
+  if (mesh_.has_tangents(side)) return 0;
   const std::uint32_t n = mesh_.valence(topology_.side_face[side]),
                       twin = topology_.side_twin[side];
   if (twin == kNone) return n == 3 ? 3 : 0;
@@ -99,7 +99,7 @@ FairEdge<double> FairSides::edge(std::uint32_t side, std::uint32_t joined) const
   FairEdge<double> e;
   put_corner(side, e.start);
   put_corner(next_side(mesh_, topology_, side), e.end);
-  if (frame_.has_tangents(side)) {
+  if (mesh_.has_tangents(side)) {
     for (std::uint32_t i = 0; i < 2; ++i)
       std::copy_n(frame_.tangent(side, i).data(), 3, e.tangents + 3 * i);
   }
@@ -143,7 +143,7 @@ bool FairSides::add_edges(std::size_t i, std::vector<FairEdge<double>>& edges) c
   for (std::uint32_t side = first; side != kNone;) {
     if (normal(side) != normal(first)) return false;
     // The arc of a rounded crease, which bends where the faces beside it do not.
-    if (!mesh_.strips.empty() && frame_.has_tangents(side)) return false;
+    if (!mesh_.strips.empty() && mesh_.has_tangents(side)) return false;
     edges.push_back(edge(side, joined_valence(side)));
     const std::uint32_t last = prev_side(mesh_, topology_, side);
     side = next_around(mesh_, topology_, side);

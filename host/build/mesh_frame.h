@@ -18,10 +18,6 @@ struct MeshFrame {
   Vec3 normal(std::uint32_t side) const {
     return mesh.normals[mesh.corner_normal[side]].normalized();
   }
-  // True if a side has tangents of its own (Mesh::tangents).
-  bool has_tangents(std::uint32_t side) const {
-    return !mesh.tangents.empty() && !mesh.tangents[2 * side].isZero(0);
-  }
   // Mesh::tangents of a side, at its start (0) or end (1).
   Vec3 tangent(std::uint32_t side, std::uint32_t end) const {
     return mesh.tangents[2 * side + end] * scale;

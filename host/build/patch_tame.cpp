@@ -67,15 +67,21 @@ void examine_closely(PatchDraft& d, const ValenceTables& tables) {
   if (d.shape.turn > kSafeTurn) d.shape.turn = std::min(d.shape.turn, closer_turn(d, tables));
 }
 
+// The same boundary, with cross tangents shortened; not examined.
+PatchDraft eased(const PatchDraft& draft, double amount) {
+  PatchDraft d = draft;
+  if (d.kind == PatchKind::kPlain) d.kind = PatchKind::kEased;
+  kernels<double>().ease_patch(d.control.data(), d.valence(), amount);
+  return d;
+}
+
 // The same boundary, with cross tangents shortened until the patch is safe; none where it never is.
 // Cross tangents stay as they were where they have no direction to speak of.
 std::optional<PatchDraft> ease(const PatchDraft& draft, const ValenceTables& tables) {
   if (draft.shape.turn > kSafeTurn) return draft;
   if (draft.soundness < kTurnsAbout || draft.form != kFormPaper) return std::nullopt;
   for (const double amount : {0.25, 0.5, 0.75, 0.9}) {
-    PatchDraft d = draft;
-    if (d.kind == PatchKind::kPlain) d.kind = PatchKind::kEased;
-    kernels<double>().ease_patch(d.control.data(), d.valence(), amount);
+    PatchDraft d = eased(draft, amount);
     if (!(turn_at_rim(d, tables) > kSafeTurn)) continue;
     examine_closely(d, tables);
     if (d.shape.turn > kSafeTurn) return d;
@@ -205,9 +211,9 @@ std::vector<PatchDraft> split(const FaceCorners& face, const Cuts& cuts,
     d.shape.turn = -1;
     if (!is_degenerate(d.soundness) && turn_at_rim(d, tables) > kSafeTurn)
       d.shape = examine(d, tables);
-    std::optional<PatchDraft> eased = ease(d, tables);
-    if (!eased || !keeps_normals(*eased, *eased, tables)) return {};
-    parts.push_back(*std::move(eased));
+    std::optional<PatchDraft> safe = ease(d, tables);
+    if (!safe || !keeps_normals(*safe, *safe, tables)) return {};
+    parts.push_back(*std::move(safe));
   }
   return parts;
 }
@@ -260,8 +266,9 @@ void share_triangles(const FaceCorners& face, const std::vector<std::uint32_t>& 
 Quality quality_of(const std::vector<PatchDraft>& drafts) {
   Quality all{1, 0};
   for (const PatchDraft& d : drafts) {
-    all.turn = std::min(all.turn, quality_of(d).turn);
-    all.sag = std::max(all.sag, quality_of(d).sag);
+    const Quality one = quality_of(d);
+    all.turn = std::min(all.turn, one.turn);
+    all.sag = std::max(all.sag, one.sag);
   }
   return all;
 }
@@ -287,9 +294,9 @@ std::vector<PatchDraft> find_tamer(const FaceCorners& face, PatchDraft exact,
   // It keeps the boundary normals as they are if that gives a safe surface.
   std::vector<PatchDraft> parts;
   if (face.is_fair() && n > 4) parts = relaxed(exact, tables);
-  if (std::optional<PatchDraft> eased = ease(exact, tables);
-      parts.empty() && eased && keeps_normals(*eased, *eased, tables))
-    parts = {*std::move(eased)};
+  if (std::optional<PatchDraft> safe = ease(exact, tables);
+      parts.empty() && safe && keeps_normals(*safe, *safe, tables))
+    parts = {*std::move(safe)};
   for (std::size_t i = 0; i < fans.size() && parts.empty(); ++i)
     parts = split(fans[i], fan, tables);
   if (n > 3 && parts.empty()) parts = split(face, ears, tables);
@@ -315,9 +322,7 @@ std::vector<PatchDraft> draft_flatter(const FaceCorners& face, PatchDraft exact,
   if (is_degenerate(exact.soundness) || exact.form != kFormPaper) return {};
   std::vector<PatchDraft> best;
   for (const double amount : {0.0, 0.25, 0.5, 0.75, 0.9}) {
-    PatchDraft d = exact;
-    d.kind = PatchKind::kEased;
-    kernels<double>().ease_patch(d.control.data(), d.valence(), amount);
+    PatchDraft d = eased(exact, amount);
     d.shape = examine(d, tables);
     if (!(d.shape.turn > kSafeTurn) || !keeps_normals(d, exact, tables)) continue;
     best = {std::move(d)};

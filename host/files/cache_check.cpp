@@ -16,9 +16,6 @@
 namespace gliss {
 namespace {
 
-// HIERARCHY_DEPTH: one entry of the walker's stack for each level.
-constexpr std::uint32_t kWalkDepth = 64;
-
 // Frames: meshes lie in [-1, 1]^3 of theirs, polygons of theirs. Patches are as large, but for
 // those that nothing could tame, and split faces may have a centre beside them.
 constexpr double kFarthestCorner = 8;        // mesh frame
@@ -292,7 +289,7 @@ class Check {
     for (std::size_t i = 0; i < s_.child.size(); ++i) {
       const std::uint32_t child = s_.child[i];
       const std::size_t parent = i / 2;
-      require(level[parent] != 0 && level[parent] < kWalkDepth, "child", i,
+      require(level[parent] != 0 && level[parent] < kHierarchyDepth, "child", i,
               "its node is not reached, or too deep");
       if (child & kNodeLeaf) {
         const std::uint32_t patch = child & ~kNodeLeaf;

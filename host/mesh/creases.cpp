@@ -302,7 +302,7 @@ class SharpEdges {
 
 CreaseRules parse_creases(std::string_view text) {
   constexpr std::string_view kEdges = "edges:";
-  const std::string_view all = text;
+  if (text == "none") return {.none = true};
   CreaseRules rules;
   while (true) {
     const std::size_t comma = text.find(',');
@@ -315,8 +315,6 @@ CreaseRules parse_creases(std::string_view text) {
       rules.groups = true;
     } else if (word.starts_with(kEdges) && word.size() > kEdges.size()) {
       rules.edges = word.substr(kEdges.size());
-    } else if (all == "none") {
-      rules.none = true;
     } else if (word == "none") {
       throw UnitError("creases: 'none' stands alone");
     } else {
@@ -359,9 +357,10 @@ void mark_creases(Mesh& mesh, const Topology& topology, const CreaseRules& rules
     throw MeshError(mesh.source + ": creases by normals, but the mesh has no normals");
   if (rules.groups && mesh.face_group.empty())
     throw MeshError(mesh.source + ": creases by groups, but the mesh names no smoothing groups");
-  mesh.sharp.assign(mesh.corner_vertex.size(), 0);
+  mesh.sharp.clear();
   mesh.tangents.clear();
-  if (rules.none) return mesh.sharp.clear();
+  if (rules.none) return;
+  mesh.sharp.assign(mesh.corner_vertex.size(), 0);
   const bool is_usual = rules.are_usual() && sides.empty();
   const bool by_normals = rules.normals || (is_usual && !mesh.normals.empty());
   const double none = std::numbers::pi;  // no edge turns by more

@@ -50,12 +50,20 @@ struct Mesh {
 
   std::size_t face_count() const { return face_begin.size() - 1; }
   std::uint32_t valence(std::size_t face) const { return face_begin[face + 1] - face_begin[face]; }
+  // True if a side has `tangents` of its own.
+  bool has_tangents(std::size_t side) const {
+    return !tangents.empty() && !tangents[2 * side].isZero(0);
+  }
 };
 
 // A mesh that cannot be used; what() names file, line, face or edge.
 struct GLISS_EXPORT MeshError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
+
+// The box of a face, and of all faces, of which there are some.
+GLISS_EXPORT Box box_of(const Mesh& mesh, std::size_t face);
+GLISS_EXPORT Box box_of(const Mesh& mesh);
 
 // XXH3 of the mesh's unit, positions, normals, faces with their corners, and sharp sides. Tangents,
 // groups and strips are left out.

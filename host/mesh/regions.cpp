@@ -1,7 +1,6 @@
 #include "gliss/mesh/regions.h"
 
 #include <algorithm>
-#include <limits>
 #include <unordered_set>
 
 namespace gliss {
@@ -9,12 +8,7 @@ namespace gliss {
 std::vector<std::uint32_t> faces_in_box(const Mesh& mesh, const Box& box) {
   std::vector<std::uint32_t> faces;
   for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
-    Box face{Vec3::Constant(std::numeric_limits<double>::infinity()),
-             Vec3::Constant(-std::numeric_limits<double>::infinity())};
-    for (std::uint32_t s = mesh.face_begin[f]; s < mesh.face_begin[f + 1]; ++s) {
-      face.low = face.low.cwiseMin(mesh.positions[mesh.corner_vertex[s]]);
-      face.high = face.high.cwiseMax(mesh.positions[mesh.corner_vertex[s]]);
-    }
+    const Box face = box_of(mesh, f);
     if ((face.low.array() <= box.high.array()).all() &&
         (face.high.array() >= box.low.array()).all())
       faces.push_back(f);

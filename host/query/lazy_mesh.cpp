@@ -11,12 +11,8 @@ namespace {
 double largest_face(const Mesh& mesh) {
   double most = 0;
   for (std::size_t f = 0; f < mesh.face_count(); ++f) {
-    Vec3 low = mesh.positions[mesh.corner_vertex[mesh.face_begin[f]]], high = low;
-    for (std::uint32_t c = mesh.face_begin[f]; c < mesh.face_begin[f + 1]; ++c) {
-      low = low.cwiseMin(mesh.positions[mesh.corner_vertex[c]]);
-      high = high.cwiseMax(mesh.positions[mesh.corner_vertex[c]]);
-    }
-    most = std::max(most, (high - low).norm());
+    const Box box = box_of(mesh, f);
+    most = std::max(most, (box.high - box.low).norm());
   }
   return most;
 }

@@ -49,6 +49,7 @@ inline constexpr double kGentleCosine = GENTLE_COSINE;
 inline constexpr std::uint32_t kHasCreases = SURFACE_CREASES, kHasFans = SURFACE_FANS;
 inline constexpr std::uint32_t kFanPiece = FAN_PIECE, kFanBits = FAN_BITS, kFanCorner = FAN_CORNER;
 inline constexpr std::uint32_t kNodeLeaf = NODE_LEAF;
+inline constexpr std::size_t kHierarchyDepth = HIERARCHY_DEPTH;
 inline constexpr std::uint32_t kPatchBuried = PATCH_BURIED, kPatchMixed = PATCH_MIXED;
 inline constexpr std::uint32_t kPartMask = PART_MASK;
 inline constexpr std::size_t kPartUints = PART_UINTS;

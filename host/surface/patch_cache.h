@@ -58,7 +58,7 @@ enum class PatchKind : std::uint8_t {
 // middle of the polygon, along its normal or against it, to the next one that lies across, through
 // the solid or a gap. Lengths in the mesh's unit.
 struct Departure {
-  double distance = 0;                                    // the farthest of a grid of points
+  double distance = 0;                                    // of its farthest sample
   double room = std::numeric_limits<double>::infinity();  // infinity: there is no other
   std::uint32_t face = 0;
 

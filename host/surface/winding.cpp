@@ -11,8 +11,6 @@ namespace gliss {
 
 namespace {
 
-constexpr std::size_t kDepth = 64;  // of the hierarchy, at most (HIERARCHY_DEPTH of kernels/view.h)
-
 // The width of a patch's own polygon where it is a piece round a centre: so far that is from the
 // face's polygon at most. Mesh frame.
 template <class Real>
@@ -76,7 +74,7 @@ void WindingTree::gather(const Surface<Real>& s, std::uint32_t named, std::size_
 
 bool WindingTree::may_be_between(const Vec3& x, double distance) const {
   if (distance > departure_) return false;
-  std::array<std::size_t, kDepth + 2> open{children_.size() - 1};
+  std::array<std::size_t, kHierarchyDepth + 2> open{children_.size() - 1};
   std::size_t left = 1;
   while (left > 0) {
     const Child& c = children_[open[--left]];
@@ -91,7 +89,7 @@ bool WindingTree::may_be_between(const Vec3& x, double distance) const {
 double WindingTree::number_at(const Vec3& x) const {
   constexpr double kFar = 3;  // radii; then a dipole is off by a hundredth of its angle or so
   double angle = 0;
-  std::array<std::size_t, kDepth + 2> open{children_.size() - 1};
+  std::array<std::size_t, kHierarchyDepth + 2> open{children_.size() - 1};
   std::size_t left = 1;
   while (left > 0) {
     const Child& c = children_[open[--left]];

@@ -210,12 +210,7 @@ void PartPairs::find_boxes() {
   if (!boxes_.empty()) return;
   for (std::uint32_t face = 0; face < mesh_.face_count(); ++face) {
     report_.poll();
-    Box box{corner(mesh_.face_begin[face]), corner(mesh_.face_begin[face])};
-    for (std::uint32_t c = mesh_.face_begin[face]; c < mesh_.face_begin[face + 1]; ++c) {
-      box.low = box.low.cwiseMin(corner(c));
-      box.high = box.high.cwiseMax(corner(c));
-    }
-    boxes_.push_back(box);
+    boxes_.push_back(box_of(mesh_, face));
   }
   for (const std::vector<std::uint32_t>& faces : faces_) {
     Box all = boxes_[faces.front()];

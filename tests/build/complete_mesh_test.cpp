@@ -20,12 +20,6 @@ namespace {
 
 using test::add_face;
 
-Mesh bare(Mesh mesh) {
-  mesh.normals.clear();
-  mesh.corner_normal.clear();
-  return mesh;
-}
-
 // A box as six quads, or as twelve triangles.
 Mesh box(const Vec3& size, bool in_triangles = false) {
   Mesh mesh = test::cube();
@@ -128,7 +122,7 @@ TEST(CompleteMesh, smooth_shapes_are_left_alone) {
                                  test::random_sphere(rng, 200, 10),
                                  test::random_ellipsoid(rng, 200, {20, 12, 8})};
   for (const Mesh& mesh : meshes) {
-    for (const Mesh& given : {mesh, bare(mesh)}) {
+    for (const Mesh& given : {mesh, test::without_normals(mesh)}) {
       for (const Construction construction : {Construction::kFair, Construction::kPaper}) {
         Mesh complete = given, plain = given;
         complete_mesh(complete, construction);

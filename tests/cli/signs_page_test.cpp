@@ -12,7 +12,7 @@
 namespace gliss::test {
 namespace {
 
-// What a shell writes that finds the program as `gliss`.
+// Runs a shell that finds the program as `gliss`; returns what it writes.
 std::string output_of(const std::string& commands, const ScratchFolder& folder) {
   const std::string program = kProgram, file = folder.write("page.sh", commands);
   const std::string line = fmt::format("cd '{}' && PATH=\"{}:$PATH\" sh -e '{}' > output 2> errors",

@@ -90,17 +90,6 @@ void evaluate_all(const PatchCache& cache) {
 
 double size_of(const Box& box) { return (box.high - box.low).norm(); }
 
-// The box of the vertices that faces use.
-Box box_of(const Mesh& mesh) {
-  const Vec3& any = mesh.positions[mesh.corner_vertex[0]];
-  Box box{any, any};
-  for (const std::uint32_t v : mesh.corner_vertex) {
-    box.low = box.low.cwiseMin(mesh.positions[v]);
-    box.high = box.high.cwiseMax(mesh.positions[v]);
-  }
-  return box;
-}
-
 // Near HIPs, of which contacts must be finite, and any.
 void track_all(const PatchCache& cache, const Mesh& mesh, bool tame, Input& input) {
   QueryOptions options;

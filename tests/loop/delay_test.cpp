@@ -1,5 +1,5 @@
-// What late positions and slow loops do to a hand: the force is of where the hand was, so that a
-// stiff wall gives it energy.
+// Late positions and slow loops: the force is that of where the hand was, so that a stiff wall
+// gives energy to the hand.
 #include "gliss/device/sim_device.h"
 #include "gliss/generate/generate.h"
 #include "gliss/loop/loop.h"
@@ -65,13 +65,13 @@ Ride ride(const SceneObject& object, const SimOptions& sim, Nanoseconds period, 
   return result;
 }
 
-// What the hand damps holds against the delay of the force: k (T / 2 + delay), T a tick (Colgate
-// and Schenkel 1997; Diolaiti, Niemeyer, Barbagli and Salisbury 2006).
+// The damping that the hand needs against the delay of the force: k (T / 2 + delay), T a tick
+// (Colgate and Schenkel 1997; Diolaiti, Niemeyer, Barbagli and Salisbury 2006).
 double asked_for(double stiffness, Nanoseconds period, Nanoseconds delay) {
   return stiffness * (in_seconds(period) / 2 + in_seconds(delay));
 }
 
-// With friction as without it. A guard limits force and rate, and these stay below: it does not
+// Friction makes no difference. A guard limits force and rate, and these stay below: it does not
 // speak.
 TEST(Delay, of_positions_gives_energy_once_the_hand_damps_less_than_it_asks_for) {
   for (const double friction : {0.0, 0.5}) {

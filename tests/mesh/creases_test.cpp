@@ -17,6 +17,7 @@ using test::cube;
 using test::in_triangles;
 using test::kDegree;
 using test::with_creases;
+using test::without_normals;
 
 using CreasesTest = MeshFiles;
 
@@ -95,12 +96,6 @@ TEST_F(CreasesTest, edges_are_marked_where_faces_turn_by_more_than_the_angle) {
   EXPECT_EQ(creases_of(with_creases(prism(12).mesh, {.angle = 20 * kDegree})), 36u);
   EXPECT_EQ(creases_of(with_creases(test::ridge(), {.angle = 80 * kDegree})), 4u);
   EXPECT_EQ(creases_of(with_creases(test::l_solid())), 22u);
-}
-
-Mesh without_normals(Mesh mesh) {
-  mesh.normals.clear();
-  mesh.corner_normal.clear();
-  return mesh;
 }
 
 // The usual rule: what is meant to be sharp, and what is not.

@@ -1,4 +1,4 @@
-// Whether hands are in solids: by everything that says so, against the solids themselves.
+// Asks everything that says whether a hand is in a solid, and compares with the solids themselves.
 #include <gtest/gtest.h>
 
 #include <cstdlib>

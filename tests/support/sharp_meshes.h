@@ -49,6 +49,12 @@ inline Mesh boxes(const std::vector<std::array<int, 3>>& cells) {
   return mesh;
 }
 
+inline Mesh without_normals(Mesh mesh) {
+  mesh.normals.clear();
+  mesh.corner_normal.clear();
+  return mesh;
+}
+
 inline Mesh cube() { return boxes({{0, 0, 0}}); }
 // An L: its concave edge is x = y = 1.
 inline Mesh l_solid() { return boxes({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}); }

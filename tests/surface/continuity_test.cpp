@@ -166,7 +166,7 @@ Mesh polygon_in_a_rim(std::uint32_t n) {
   return test::with_normals(mesh);
 }
 
-// Where subdivision surfaces had corners without a tangent plane, and normals that differ from
+// Subdivision surfaces had corners there without a tangent plane, and normals that differ from
 // patch to patch (OpenSubdiv 177, 179, 215, 364).
 TEST(Continuity, has_a_tangent_plane_at_every_corner_of_odd_fans) {
   std::vector<Mesh> meshes;

@@ -47,9 +47,9 @@ CheckedSurface build_surface(const SurfaceOptions& options, const Mesh& mesh) {
   surface.tightest = departure_json(cache.tightest, cache.unit);
   for (const std::uint32_t face : surface.report.flagged_faces)
     surface.kinds.push_back(name_of(kPatchKindNames, cache.kind[cache.first_patch(face)]));
-  Mesh complete = mesh;
-  const Topology topology = complete_mesh(complete, cache.level.construction);
-  surface.rough_edges = rough_edges(complete, topology, cache);
+  Mesh with_normals = mesh;
+  add_vertex_normals(with_normals, normal_weights(cache.level.construction));
+  surface.rough_edges = rough_edges(with_normals, build_topology(with_normals), cache);
   return surface;
 }
 
