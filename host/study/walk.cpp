@@ -18,6 +18,7 @@ constexpr double kAbove = 0.02;                   // of the diagonal: where a wa
 constexpr double kRise = 0.2;                     // of a step: at most so far towards the depth
 constexpr double kKeep = 0.98;                    // of the turn a tick, ...
 constexpr double kWander = 0.002;                 // ... and its change, rad
+constexpr double kDeepest = 3;                    // depths: deeper, it is through a thin part
 constexpr int kTries = 1000;                      // to find a start
 constexpr std::size_t kMostWalks = 1000;          // a walker
 constexpr int kRound = 4000, kRoundBegins = 400;  // ticks of a closed loop
@@ -67,13 +68,13 @@ class Walker {
     return false;
   }
 
-  // Ticks that it took, until the guide loses contact or there are enough.
+  // Ticks that it took, until the guide loses contact, or the depth, or there are enough.
   std::size_t slide(ContactTracker& guide, Contact contact, std::size_t ticks, Walk& walk) {
     const double step = options_.step * options_.depth;
     Vec3 direction = random_.vector();
     double turn = 0;
     std::size_t taken = 0;
-    while (taken < ticks && contact.touching) {
+    while (taken < ticks && contact.touching && -contact.distance < kDeepest * options_.depth) {
       turn = kKeep * turn + kWander * random_.normal();
       direction = turned(direction, contact.normal, turn);
       if (!direction.allFinite()) break;

@@ -37,9 +37,10 @@ struct Walk {
 // Walks that know the base mesh alone, so that every surface made from it gets the very same HIPs.
 // A walk starts above a point chosen by area. A guide, which is a tracker of force shading, tells
 // normal and depth; the HIP moves by `step` along a tangent that wanders, and by at most a fifth of
-// that towards the depth. A walk ends where the guide loses contact, and its walker starts again
-// elsewhere until it has all its ticks. Deterministic by the seed, on any number of threads; the
-// walks of fewer walkers are the first of those of more. The mesh must have vertex normals.
+// that towards the depth. A walk ends where the guide loses contact, or is held three times as deep
+// because the HIP has gone through a thin part, and its walker starts again elsewhere until it has
+// all its ticks. Deterministic by the seed, on any number of threads; the walks of fewer walkers
+// are the first of those of more. The mesh must have vertex normals.
 GLISS_EXPORT std::vector<Walk> walk_paths(const Mesh& mesh, const Topology& topology,
                                           const WalkOptions& options,
                                           const ParallelFor& parallel = serial_for);
