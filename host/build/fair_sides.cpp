@@ -37,6 +37,13 @@ FairSides::FairSides(const MeshFrame& frame, const Topology& topology,
     vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
     has_shape_.resize(vertices_.size(), 1);
   }
+  if (vertices_.empty()) {
+    std::vector<char> flat(mesh_.face_count());
+    parallel(flat.size(), kVertexGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t f = begin; f < end; ++f) flat[f] = is_flat(static_cast<std::uint32_t>(f));
+    });
+    flat_ = std::move(flat);
+  }
   const auto is_triangle = [&](std::uint32_t f) { return mesh_.valence(f) == 3; };
   if (vertices_.empty() && std::any_of(faces.begin(), faces.end(), is_triangle))
     find_turns(parallel);
@@ -50,15 +57,32 @@ void FairSides::put_corner(std::uint32_t side, double* reals) const {
   std::copy_n(frame_.normal(side).data(), 3, reals + 3);
 }
 
+// True if the face lies, with its normals, in a plane.
+bool FairSides::is_flat(std::uint32_t face) const {
+  constexpr double kFlat = 1e-5;  // sine
+  if (!flat_.empty()) return flat_[face] != 0;
+  const std::uint32_t begin = mesh_.face_begin[face], end = mesh_.face_begin[face + 1];
+  for (std::uint32_t c = begin; c < end; ++c) {
+    const Vec3 normal = frame_.normal(c), at = frame_.position(c);
+    for (std::uint32_t d = begin; d < end; ++d) {
+      const Vec3 way = frame_.position(d) - at;
+      if (std::abs(normal.dot(way)) > kFlat * way.norm()) return false;
+    }
+  }
+  return true;
+}
+
 // 3 or 4 if both of its faces are triangles, or quads, that have the same normals at its ends, or
-// if it is a triangle's at a border; else 0, as at creases.
+// if it is a triangle's at a border; else 0, as at creases, and beside a flat face.
 std::uint32_t FairSides::joined_valence(std::uint32_t side) const {
   if (mesh_.has_tangents(side)) return 0;
-  const std::uint32_t n = mesh_.valence(topology_.side_face[side]),
+  const std::uint32_t face = topology_.side_face[side], n = mesh_.valence(face),
                       twin = topology_.side_twin[side];
-  if (twin == kNone) return n == 3 ? 3 : 0;
-  const bool is_joined = n <= 4 && mesh_.valence(topology_.side_face[twin]) == n &&
-                         shares_normals(mesh_, topology_, side);
+  if (twin == kNone) return n == 3 && !is_flat(face) ? 3 : 0;
+  const std::uint32_t beyond = topology_.side_face[twin];
+  const bool is_joined = n <= 4 && mesh_.valence(beyond) == n &&
+                         shares_normals(mesh_, topology_, side) && !is_flat(face) &&
+                         !is_flat(beyond);
   return is_joined ? n : 0;
 }
 

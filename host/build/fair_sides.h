@@ -15,8 +15,9 @@ namespace gliss {
 
 // Knows the shape operators of the vertices of some faces. A side between two triangles or two
 // quads, or of a triangle at a border, is a fair one; any other is that of the paper, so that
-// triangles and quads join whatever lies beside them. Any number of threads may ask it. Keeps
-// references to the mesh and its topology.
+// triangles and quads join whatever lies beside them. So is one of a face that lies, with its
+// normals, in a plane: there that is straight, and the face stays flat. Any number of threads may
+// ask it. Keeps references to the mesh and its topology.
 class FairSides {
  public:
   // `faces`: those whose sides will be asked for.
@@ -28,6 +29,7 @@ class FairSides {
 
  private:
   void put_corner(std::uint32_t side, double* reals) const;  // position, unit normal
+  bool is_flat(std::uint32_t face) const;
   std::uint32_t joined_valence(std::uint32_t side) const;
   void find_turns(const ParallelFor& parallel);
   FairWings<double> wings(std::uint32_t side) const;
@@ -42,6 +44,7 @@ class FairSides {
   const Topology& topology_;
   // [side], the turn of an edge between two triangles, at the lesser of its sides; empty: not kept.
   LargeArray<Vec3> turn_;
+  std::vector<char> flat_;                  // [face]; empty: not kept
   std::vector<std::uint32_t> vertices_;     // ascending; empty: all
   std::vector<FairVertex<double>> shapes_;  // [vertices_]
   std::vector<char> has_shape_;             // [vertices_]

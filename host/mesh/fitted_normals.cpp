@@ -12,60 +12,123 @@
 namespace gliss {
 namespace {
 
-using Vec5 = Eigen::Matrix<double, 5, 1>;
-using Mat5 = Eigen::Matrix<double, 5, 5>;
+// The vertices around one, ring by ring of edges.
+struct Around {
+  std::vector<Vec3> ways;       // from the vertex to them, over the least of their lengths
+  std::vector<double> cosines;  // of their normals to the vertex's
+  std::size_t rings[2] = {};    // so many lie within one edge, and within two
+};
 
-// The coefficients a, b, c, p, q of the quadric across a unit normal; lengths in the least distance
-// of the vertices around.
-struct Quadric {
+constexpr int kQuadric = 5, kCubic = 9;  // terms
+
+// The normal equations of the height over the plane across a unit normal, with the terms of
+// fitted_normals: the first kQuadric of a quadric, all kCubic of a cubic.
+template <int kTerms>
+struct Heights {
+  using Vector = Eigen::Matrix<double, kTerms, 1>;
+  using Matrix = Eigen::Matrix<double, kTerms, kTerms>;
+
   Vec3 x, y, normal;
-  Vec5 coefficient;
+  Matrix terms_by_terms = Matrix::Zero();  // its lower half
+  Vector terms_by_height = Vector::Zero();
+  double height_by_height = 0;
 
-  Vec5 terms(const Vec3& d) const {
+  // `weight` [way].
+  Heights(std::span<const Vec3> ways, std::span<const double> weight, const Vec3& across)
+      : x(across.unitOrthogonal()), y(across.cross(x)), normal(across) {
+    for (std::size_t i = 0; i < ways.size(); ++i) {
+      const Vector t = terms(ways[i]);
+      const double height = ways[i].dot(normal);
+      terms_by_terms.template selfadjointView<Eigen::Lower>().rankUpdate(t, weight[i]);
+      terms_by_height += weight[i] * height * t;
+      height_by_height += weight[i] * height * height;
+    }
+  }
+  Vector terms(const Vec3& d) const {
     const double u = d.dot(x), v = d.dot(y);
-    return {u, v, d.squaredNorm() / 2, (u * u - v * v) / 2, u * v};
+    Vector all;
+    all.template head<kQuadric>() << u, v, d.squaredNorm() / 2, (u * u - v * v) / 2, u * v;
+    if constexpr (kTerms == kCubic)
+      all.template tail<kCubic - kQuadric>() << u * u * u, u * u * v, u * v * v, v * v * v;
+    return all;
   }
 };
 
-// False if the vertices around do not determine it.
-bool fit_quadric(const std::vector<Vec3>& around, const Vec3& normal, Quadric& quadric) {
-  constexpr double kDetermined = 1e-8;  // least pivot over the largest, of squares
-  quadric.normal = normal;
-  quadric.x = normal.unitOrthogonal();
-  quadric.y = normal.cross(quadric.x);
-  Mat5 squares = Mat5::Zero();
-  Vec5 heights = Vec5::Zero();
-  for (const Vec3& d : around) {
-    const double nearness = 1 / d.squaredNorm();
-    const double weight = nearness * nearness * nearness;
-    const Vec5 terms = quadric.terms(d);
-    squares += weight * terms * terms.transpose();
-    heights += weight * d.dot(normal) * terms;
+// The polynomial of the first kTerms.
+template <int kTerms>
+struct Fit {
+  bool is_determined = false;
+  Eigen::Matrix<double, kTerms, 1> coefficient;
+  double error = 0;  // sum of weighted squares
+
+  template <int kAll>
+  explicit Fit(const Heights<kAll>& heights) {
+    constexpr double kDetermined = 1e-8;  // least pivot over the largest
+    // Terms of third order cost so much of their squares, so that they vanish where the vertices do
+    // not tell them from the others.
+    constexpr double kCost = 0.02;
+    Eigen::Matrix<double, kTerms, kTerms> squares =
+        heights.terms_by_terms.template topLeftCorner<kTerms, kTerms>();
+    squares.diagonal().template tail<kTerms - kQuadric>() *= 1 + kCost;
+    const Eigen::LDLT<Eigen::Matrix<double, kTerms, kTerms>> solver(squares);
+    const auto& pivots = solver.vectorD();
+    if (!(pivots.minCoeff() > kDetermined * pivots.maxCoeff())) return;
+    const auto right = heights.terms_by_height.template head<kTerms>();
+    coefficient = solver.solve(right);
+    error = heights.height_by_height - right.dot(coefficient);
+    is_determined = coefficient.allFinite();
   }
-  const Eigen::LDLT<Mat5> solver(squares);
-  const Vec5 pivots = solver.vectorD();
-  if (!(pivots.minCoeff() > kDetermined * pivots.maxCoeff())) return false;
-  quadric.coefficient = solver.solve(heights);
-  return quadric.coefficient.allFinite();
+  template <int kAll>
+  Vec3 normal(const Heights<kAll>& heights) const {
+    return (heights.normal - coefficient[0] * heights.x - coefficient[1] * heights.y).normalized();
+  }
+};
+
+// Turns the normal of a quadric to that of a cubic, as far as that is nearer by more than its terms
+// explain: noise has no third order.
+Vec3 refined(const Around& around, std::vector<double>& weight, const Vec3& normal) {
+  // A cubic needs neighbours on its side of a tube.
+  double first = 0, count = 0;
+  for (std::size_t i = 0; i < around.rings[0]; ++i) first += around.cosines[i];
+  const double share = share_between(0.6, 0.85, first / static_cast<double>(around.rings[0]));
+  if (!(share > 0)) return normal;
+  for (std::size_t i = 0; i < weight.size(); ++i) {
+    const double seen = std::max(0.0, around.cosines[i]);
+    weight[i] *= seen * seen;
+    count += seen > 0;
+  }
+  if (count <= kCubic) return normal;
+  const Heights<kCubic> heights(around.ways, weight, normal);
+  const Fit<kQuadric> quadric(heights);
+  const Fit<kCubic> cubic(heights);
+  if (!quadric.is_determined || !cubic.is_determined) return normal;
+  const double left = cubic.error / (count - kCubic) / (quadric.error / (count - kQuadric));
+  return left >= 0 ? blend(normal, cubic.normal(heights), share * share_between(0.9, 0.6, left))
+                   : normal;
 }
 
-FittedNormal fit_normal(const std::vector<Vec3>& around, const Vec3& start) {
+FittedNormal fit_normal(const Around& around, std::vector<double>& weight, const Vec3& start) {
   constexpr int kPasses = 2;
-  const FittedNormal none = {start, std::numeric_limits<double>::infinity()};
-  FittedNormal fitted = none;
-  for (int pass = 0; pass < kPasses; ++pass) {
-    Quadric quadric;
-    if (!fit_quadric(around, fitted.normal, quadric)) return none;
-    double sum = 0;
-    for (const Vec3& d : around) {
-      const double off = d.dot(quadric.normal) - quadric.terms(d).dot(quadric.coefficient);
-      sum += off * off / d.squaredNorm();
-    }
-    fitted.normal =
-        (quadric.normal - quadric.coefficient[0] * quadric.x - quadric.coefficient[1] * quadric.y)
-            .normalized();
-    fitted.error = std::sqrt(sum / static_cast<double>(around.size()));
+  weight.clear();
+  for (const Vec3& d : around.ways) {
+    const double nearness = 1 / d.squaredNorm();
+    weight.push_back(nearness * nearness * nearness);
   }
+  const std::span<const Vec3> near = std::span(around.ways).first(around.rings[1]);
+  FittedNormal fitted{start, 0};
+  for (int pass = 0; pass < kPasses; ++pass) {
+    const Heights<kQuadric> heights(near, weight, fitted.normal);
+    const Fit<kQuadric> quadric(heights);
+    if (!quadric.is_determined) return {start, std::numeric_limits<double>::infinity()};
+    fitted.normal = quadric.normal(heights);
+    if (pass + 1 < kPasses) continue;
+    for (const Vec3& d : near) {
+      const double off = d.dot(heights.normal) - heights.terms(d).dot(quadric.coefficient);
+      fitted.error += off * off / d.squaredNorm();
+    }
+  }
+  fitted.error = std::sqrt(fitted.error / static_cast<double>(near.size()));
+  fitted.normal = refined(around, weight, fitted.normal);
   return fitted;
 }
 
@@ -74,12 +137,17 @@ class Neighbours {
  public:
   // Arrays of a thread that asks.
   struct Work {
+    Around around;
     std::vector<std::uint32_t> vertices, groups;
-    std::vector<Vec3> ways;
+    std::vector<double> weight;
   };
 
-  Neighbours(const Mesh& mesh, std::span<const std::uint32_t> group, std::size_t count)
-      : mesh_(mesh), group_(group), edges_(group.size()), begin_(count + 1, 0) {
+  Neighbours(const Mesh& mesh, std::span<const std::uint32_t> group, std::span<const Vec3> normals)
+      : mesh_(mesh),
+        group_(group),
+        normals_(normals),
+        edges_(group.size()),
+        begin_(normals.size() + 1, 0) {
     for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
       for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c)
         edges_[c] = {{next_corner(mesh, face, c), prev_corner(mesh, face, c)}};
@@ -91,38 +159,38 @@ class Neighbours {
     for (std::uint32_t c = 0; c < group.size(); ++c) corners_[next[group[c]]++] = c;
   }
 
-  // The ways from a group's vertex to those that one edge or two lead to, over the least of their
-  // lengths. A neighbour where more than kMostCorners meet leads no farther. None if the corners
-  // of the group do not go all round the vertex.
-  const std::vector<Vec3>& around(std::uint32_t g, Work& work) const {
-    constexpr std::size_t kMostCorners = 64;
-    auto& [vertices, groups, ways] = work;
-    ways.clear();
-    if (corners(g).empty()) return ways;
-    vertices.clear();
-    groups.clear();
-    for_ends(g, [&](std::uint32_t end) {
-      vertices.push_back(mesh_.corner_vertex[end]);
-      groups.push_back(group_[end]);
-    });
-    keep_one_each(groups);
-    if (groups.size() != corners(g).size()) return ways;
-    for (const std::uint32_t neighbour : groups) {
-      if (corners(neighbour).size() > kMostCorners) continue;
-      for_ends(neighbour, [&](std::uint32_t end) { vertices.push_back(mesh_.corner_vertex[end]); });
-    }
-    keep_one_each(vertices);
-    const Vec3& at = mesh_.positions[mesh_.corner_vertex[corners(g).front()]];
+  // Finds the vertices that one edge or two lead to from a group's, and three where two lead to
+  // few. A neighbour where more than kMostCorners meet leads no farther. None if the corners of the
+  // group do not go all round the vertex.
+  const Around& around(std::uint32_t g, Work& work) const {
+    constexpr std::size_t kMostCorners = 64, kFew = 16;
+    auto& [around, vertices, groups, weight] = work;
+    around = {std::move(around.ways), std::move(around.cosines)};
+    around.ways.clear(), around.cosines.clear();
+    if (corners(g).empty()) return around;
+    const std::uint32_t centre = mesh_.corner_vertex[corners(g).front()];
+    vertices.assign(1, centre), groups.assign(1, g);
     double least = std::numeric_limits<double>::infinity();
-    for (const std::uint32_t v : vertices) {
-      const Vec3 way = mesh_.positions[v] - at;
-      const double length = way.stableNorm();
-      if (length == 0) continue;  // the vertex itself, or one that lies on it
-      ways.push_back(way);
-      least = std::min(least, length);
+    for (std::size_t ring = 0, begin = 0; ring < 3; ++ring) {
+      for (const std::size_t end = groups.size(); begin < end; ++begin) {
+        if (ring > 0 && corners(groups[begin]).size() > kMostCorners) continue;
+        for_ends(groups[begin], [&](std::uint32_t end_corner) {
+          const std::uint32_t v = mesh_.corner_vertex[end_corner], to = group_[end_corner];
+          if (std::find(vertices.begin(), vertices.end(), v) != vertices.end()) return;
+          vertices.push_back(v), groups.push_back(to);
+          const Vec3 way = mesh_.positions[v] - mesh_.positions[centre];
+          if (way.isZero(0)) return;  // it lies on the vertex
+          around.ways.push_back(way);
+          around.cosines.push_back(normals_[to].dot(normals_[g]));
+          least = std::min(least, way.stableNorm());
+        });
+      }
+      if (ring == 0 && groups.size() - 1 != corners(g).size()) break;
+      if (ring < 2) around.rings[ring] = around.ways.size();
+      if (ring == 1 && around.ways.size() >= kFew) break;
     }
-    for (Vec3& way : ways) way /= least;
-    return ways;
+    for (Vec3& way : around.ways) way /= least;
+    return around;
   }
 
  private:
@@ -137,13 +205,9 @@ class Neighbours {
     }
   }
 
-  static void keep_one_each(std::vector<std::uint32_t>& numbers) {
-    std::sort(numbers.begin(), numbers.end());
-    numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
-  }
-
   const Mesh& mesh_;
   std::span<const std::uint32_t> group_;
+  std::span<const Vec3> normals_;                    // [group]
   std::vector<std::array<std::uint32_t, 2>> edges_;  // [corner], the corners that its edges lead to
   std::vector<std::uint32_t> begin_, corners_;       // [group], [begin_]
 };
@@ -151,15 +215,16 @@ class Neighbours {
 }  // namespace
 
 std::vector<FittedNormal> fitted_normals(const Mesh& mesh, std::span<const std::uint32_t> group,
-                                         std::size_t count, std::span<const Vec3> start,
-                                         const ParallelFor& parallel) {
+                                         std::span<const Vec3> start, const ParallelFor& parallel) {
   constexpr std::size_t kGrain = 1024;
-  const Neighbours neighbours(mesh, group, count);
-  std::vector<FittedNormal> fitted(count);
-  parallel(count, kGrain, [&](std::size_t begin, std::size_t end) {
+  const Neighbours neighbours(mesh, group, start);
+  std::vector<FittedNormal> fitted(start.size());
+  parallel(start.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     Neighbours::Work work;
-    for (std::size_t g = begin; g < end; ++g)
-      fitted[g] = fit_normal(neighbours.around(static_cast<std::uint32_t>(g), work), start[g]);
+    for (std::size_t g = begin; g < end; ++g) {
+      const Around& around = neighbours.around(static_cast<std::uint32_t>(g), work);
+      fitted[g] = fit_normal(around, work.weight, start[g]);
+    }
   });
   return fitted;
 }

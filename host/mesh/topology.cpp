@@ -153,16 +153,6 @@ std::vector<Vec3> max_normals(const Mesh& mesh, Groups group, std::size_t count)
   return normals;
 }
 
-// Rises from 0 at `none` to 1 at `all`, smoothly.
-double share_between(double none, double all, double value) {
-  const double x = std::clamp((value - none) / (all - none), 0.0, 1.0);
-  return x * x * (3 - 2 * x);
-}
-
-Vec3 blend(const Vec3& from, const Vec3& to, double share) {
-  return (from + share * (to - from)).stableNormalized();
-}
-
 // Turns Max's normals to those of quadrics through the vertices around. Returns how far each
 // quadric was believed, 0 to 1.
 std::vector<double> turn_to_quadrics(const Mesh& mesh, Groups group,
@@ -188,8 +178,7 @@ std::vector<double> turn_to_quadrics(const Mesh& mesh, Groups group,
 void smooth_normals(const Mesh& mesh, Groups group, std::vector<Vec3>& normals,
                     const ParallelFor& parallel) {
   std::vector<Vec3> smooth = max_normals(mesh, group, normals.size());
-  const std::vector<FittedNormal> fitted =
-      fitted_normals(mesh, group, normals.size(), smooth, parallel);
+  const std::vector<FittedNormal> fitted = fitted_normals(mesh, group, smooth, parallel);
   const std::vector<double> believed = turn_to_quadrics(mesh, group, fitted, smooth);
   std::vector<double> agreed(normals.size(), 1), seen(normals.size(), 1);  // least cosines
   for_corners(mesh, group, [&](std::uint32_t g, const Vec3& ahead, const Vec3& back) {

@@ -207,10 +207,22 @@ class Fair {
   V normal(std::uint32_t corner) const {
     return mesh_.normals[mesh_.corner_normal[corner]].cast<Real>().normalized();
   }
+  /// A face in a plane with all its normals: its sides are straight.
+  bool is_flat(std::uint32_t face) const {
+    for (std::uint32_t c = mesh_.face_begin[face]; c < mesh_.face_begin[face + 1]; ++c) {
+      for (std::uint32_t d = mesh_.face_begin[face]; d < mesh_.face_begin[face + 1]; ++d) {
+        const V way = position(d) - position(c);
+        if (std::abs(normal(c).dot(way)) > Real(1e-5L) * way.norm()) return false;
+      }
+    }
+    return true;
+  }
   bool is_fair(std::uint32_t s) const {
     const std::uint32_t t = twin(s);
+    if (is_flat(face_of(s))) return false;
     if (!of_triangle(s) || t == kNone) return of_triangle(s);
-    return of_triangle(t) && normal(s) == normal(next(t)) && normal(next(s)) == normal(t);
+    return !is_flat(face_of(t)) && of_triangle(t) && normal(s) == normal(next(t)) &&
+           normal(next(s)) == normal(t);
   }
 
   // ---- Steps 1 and 2 ----

@@ -348,6 +348,40 @@ void record(const std::string& name, const Curvatures& fair, const Curvatures& p
                fair.p99, fair.largest, paper.median, paper.p99, paper.largest);
 }
 
+// Faces that lie in a plane with all their normals, beside others that bend away from it.
+TEST(Fair, flat_faces_stay_flat_beside_bends) {
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    Rng rng(seed);
+    Mesh mesh = test::random_sheet(rng, {.cells = 10, .wave = 0, .has_quads = seed == 3});
+    mesh.normals.clear();
+    mesh.corner_normal.clear();
+    for (Vec3& p : mesh.positions) p.z() = 0.15 * std::pow(std::max(0.0, p.x() - 5), 2);
+    const PatchCache cache = fair_cache(mesh);
+    const Mesh made = test::with_normals(mesh);
+    std::size_t flat = 0;
+    double tilt = 0, height = 0;
+    for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
+      bool is_flat = true;
+      for (std::uint32_t c = mesh.face_begin[f]; c < mesh.face_begin[f + 1]; ++c) {
+        const Vec3& n = made.normals[made.corner_normal[c]];
+        is_flat = is_flat && mesh.positions[mesh.corner_vertex[c]].z() == 0 &&
+                  std::hypot(n.x(), n.y()) < 1e-9;
+      }
+      if (!is_flat) continue;
+      ++flat;
+      for (int i = 0; i < 20; ++i) {
+        const SurfacePoint p =
+            at(cache, f, oracle::random_inside<double>(rng, static_cast<int>(mesh.valence(f))));
+        tilt = std::max(tilt, std::hypot(p.normal.x(), p.normal.y()));
+        height = std::max(height, std::abs(p.position.z()));
+      }
+    }
+    EXPECT_GE(flat, 50u);
+    EXPECT_LE(tilt, 1e-9) << seed;
+    EXPECT_LE(height, 1e-9) << seed;
+  }
+}
+
 TEST(Fair, random_spheres_are_as_curved_as_spheres) {
   for (const std::uint64_t seed : {1u, 2u, 3u, 4u}) {
     Rng rng(seed);
