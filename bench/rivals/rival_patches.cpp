@@ -57,7 +57,7 @@ Vec3 pn_at(const Corners& c, const Vec3& l) {
 // and n_1.(d + b) = 0. Of all such b it takes the shortest, a combination of the normals; and none,
 // a straight side, where the normals are parallel, which two conditions on one number are.
 Vec3 nagata_bend(const Corner& from, const Corner& to) {
-  constexpr double kParallel = 3e-4;  // square of their sine: 1 degree
+  constexpr double kParallel = 3e-6;  // square of their sine: 0.1 degrees
   const Vec3 d = to.point - from.point, &m = from.normal, &n = to.normal;
   const double c = m.dot(n), off = 1 - c * c, at_m = m.dot(d), at_n = -n.dot(d);
   if (off < kParallel) return Vec3::Zero();
