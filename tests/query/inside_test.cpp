@@ -10,6 +10,7 @@
 #include "gliss/surface/base_triangles.h"
 #include "gliss/surface/names.h"
 #include "gliss/validate/validate.h"
+#include "tests/oracle/brute_force.h"
 #include "tests/oracle/union_oracle.h"
 #include "tests/support/require.h"
 #include "tests/support/sharp_meshes.h"
