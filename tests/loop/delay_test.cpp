@@ -66,7 +66,7 @@ Ride ride(const SceneObject& object, const SimOptions& sim, Nanoseconds period, 
 }
 
 // The damping that the hand needs against the delay of the force: k (T / 2 + delay), T a tick
-// (Colgate and Schenkel 1997; Diolaiti, Niemeyer, Barbagli and Salisbury 2006).
+// (docs/scenes.md, "Stiff walls").
 double asked_for(double stiffness, Nanoseconds period, Nanoseconds delay) {
   return stiffness * (in_seconds(period) / 2 + in_seconds(delay));
 }
