@@ -20,7 +20,7 @@ Vec3 flat_at(const Corners& c, const Vec3& l) {
   return l[0] * c[0].point + l[1] * c[1].point + l[2] * c[2].point;
 }
 
-// With q the point of the flat triangle and l its barycentric coordinates,
+// The point is, with q that of the flat triangle and l its barycentric coordinates,
 //   (1 - alpha) q + alpha sum l_i pi_i(q),
 // pi_i(q) = q - ((q - p_i).n_i) n_i being q on the tangent plane of corner i.
 Vec3 phong_at(const Corners& c, const Vec3& l) {

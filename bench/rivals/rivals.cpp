@@ -280,7 +280,8 @@ bool expect(bool holds, const std::string& what) {
   return holds;
 }
 
-// With exact normals on a sphere the distance falls with a power of the length of a side.
+// True if, on a sphere with exact normals, the distance falls with the power of the length of a
+// side that is known.
 bool check_order(std::size_t surface) {
   const auto rms = [&](int faces) {
     const Generated given = made(shapes().front(), Kind::kTriangles, faces, 1);

@@ -21,10 +21,14 @@ struct Box {
   bool contains(const Vec3& x) const {
     return (low.array() <= x.array()).all() && (x.array() <= high.array()).all();
   }
-  // Widens it until it contains x.
+  // Widens it until it contains a point, or another box.
   void hold(const Vec3& x) {
     low = low.cwiseMin(x);
     high = high.cwiseMax(x);
+  }
+  void hold(const Box& other) {
+    low = low.cwiseMin(other.low);
+    high = high.cwiseMax(other.high);
   }
 };
 

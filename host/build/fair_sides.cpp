@@ -43,10 +43,9 @@ FairSides::FairSides(const MeshFrame& frame, const Topology& topology,
       for (std::size_t f = begin; f < end; ++f) flat[f] = is_flat(static_cast<std::uint32_t>(f));
     });
     flat_ = std::move(flat);
+    const auto is_triangle = [&](std::uint32_t f) { return mesh_.valence(f) == 3; };
+    if (std::any_of(faces.begin(), faces.end(), is_triangle)) find_turns(parallel);
   }
-  const auto is_triangle = [&](std::uint32_t f) { return mesh_.valence(f) == 3; };
-  if (vertices_.empty() && std::any_of(faces.begin(), faces.end(), is_triangle))
-    find_turns(parallel);
   shapes_.resize(has_shape_.size());
   parallel(shapes_.size(), kVertexGrain,
            [&](std::size_t begin, std::size_t end) { find_shapes(begin, end); });

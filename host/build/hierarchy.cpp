@@ -19,10 +19,7 @@ struct Range {
 Box box_of(const std::vector<Box>& boxes, const std::vector<std::uint32_t>& order,
            std::uint32_t begin, std::uint32_t end) {
   Box all = boxes[order[begin]];
-  for (std::uint32_t i = begin + 1; i < end; ++i) {
-    all.low = all.low.cwiseMin(boxes[order[i]].low);
-    all.high = all.high.cwiseMax(boxes[order[i]].high);
-  }
+  for (std::uint32_t i = begin + 1; i < end; ++i) all.hold(boxes[order[i]]);
   return all;
 }
 

@@ -157,8 +157,7 @@ class PartFinder {
       double volume = 0, size = 0;
       const Vec3 apex = box.low;
       for_patches(part, [&](std::uint32_t p) {
-        box.low = box.low.cwiseMin(boxes_[p].low);
-        box.high = box.high.cwiseMax(boxes_[p].high);
+        box.hold(boxes_[p]);
         for_triangles(p, apex, [&](const Triangle& t) {
           const double cone = t[0].dot(t[1].cross(t[2]));
           volume += cone;

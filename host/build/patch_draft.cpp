@@ -48,8 +48,7 @@ PatchFrame place_polygon(const FaceCorners& face, std::span<const std::uint32_t>
   Box box{face.position[face_corner[0]], face.position[face_corner[0]]};
   for (const std::uint32_t c : face_corner) {
     position.push_back(face.position[c]);
-    box.low = box.low.cwiseMin(position.back());
-    box.high = box.high.cwiseMax(position.back());
+    box.hold(position.back());
   }
   frame.origin = (0.5 * (box.low + box.high)).cast<float>().cast<double>();
   int exponent = 0;
@@ -76,8 +75,7 @@ PatchFrame place_polygon(const FaceCorners& face, std::span<const std::uint32_t>
 void PatchShape::hold(const Vec3& point, const PatchFrame& frame) {
   const Vec3 along(point.dot(frame.tangent), point.dot(frame.normal.cross(frame.tangent)),
                    point.dot(frame.normal));
-  box.low = box.low.cwiseMin(point);
-  box.high = box.high.cwiseMax(point);
+  box.hold(point);
   low = low.cwiseMin(along);
   high = high.cwiseMax(along);
 }

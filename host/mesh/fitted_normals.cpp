@@ -16,6 +16,7 @@ namespace {
 struct Around {
   std::vector<Vec3> ways;       // from the vertex to them, over the least of their lengths
   std::vector<double> cosines;  // of their normals to the vertex's
+  std::vector<double> weights;  // 1 / |way|^6
   std::size_t rings[2] = {};    // so many lie within one edge, and within two
 };
 
@@ -86,19 +87,19 @@ struct Fit {
 
 // Turns the normal of a quadric to that of a cubic, as far as that is nearer by more than its terms
 // explain: noise has no third order.
-Vec3 refined(const Around& around, std::vector<double>& weight, const Vec3& normal) {
+Vec3 refined(Around& around, const Vec3& normal) {
   // A cubic needs neighbours on its side of a tube.
   double first = 0, count = 0;
   for (std::size_t i = 0; i < around.rings[0]; ++i) first += around.cosines[i];
   const double share = share_between(0.6, 0.85, first / static_cast<double>(around.rings[0]));
   if (!(share > 0)) return normal;
-  for (std::size_t i = 0; i < weight.size(); ++i) {
+  for (std::size_t i = 0; i < around.ways.size(); ++i) {
     const double seen = std::max(0.0, around.cosines[i]);
-    weight[i] *= seen * seen;
+    around.weights[i] *= seen * seen;
     count += seen > 0;
   }
   if (count <= kCubic) return normal;
-  const Heights<kCubic> heights(around.ways, weight, normal);
+  const Heights<kCubic> heights(around.ways, around.weights, normal);
   const Fit<kQuadric> quadric(heights);
   const Fit<kCubic> cubic(heights);
   if (!quadric.is_determined || !cubic.is_determined) return normal;
@@ -107,17 +108,13 @@ Vec3 refined(const Around& around, std::vector<double>& weight, const Vec3& norm
                    : normal;
 }
 
-FittedNormal fit_normal(const Around& around, std::vector<double>& weight, const Vec3& start) {
+// Changes the weights.
+FittedNormal fit_normal(Around& around, const Vec3& start) {
   constexpr int kPasses = 2;
-  weight.clear();
-  for (const Vec3& d : around.ways) {
-    const double nearness = 1 / d.squaredNorm();
-    weight.push_back(nearness * nearness * nearness);
-  }
   const std::span<const Vec3> near = std::span(around.ways).first(around.rings[1]);
   FittedNormal fitted{start, 0};
   for (int pass = 0; pass < kPasses; ++pass) {
-    const Heights<kQuadric> heights(near, weight, fitted.normal);
+    const Heights<kQuadric> heights(near, around.weights, fitted.normal);
     const Fit<kQuadric> quadric(heights);
     if (!quadric.is_determined) return {start, std::numeric_limits<double>::infinity()};
     fitted.normal = quadric.normal(heights);
@@ -128,7 +125,7 @@ FittedNormal fit_normal(const Around& around, std::vector<double>& weight, const
     }
   }
   fitted.error = std::sqrt(fitted.error / static_cast<double>(near.size()));
-  fitted.normal = refined(around, weight, fitted.normal);
+  fitted.normal = refined(around, fitted.normal);
   return fitted;
 }
 
@@ -139,7 +136,6 @@ class Neighbours {
   struct Work {
     Around around;
     std::vector<std::uint32_t> vertices, groups;
-    std::vector<double> weight;
   };
 
   Neighbours(const Mesh& mesh, std::span<const std::uint32_t> group, std::span<const Vec3> normals)
@@ -162,11 +158,11 @@ class Neighbours {
   // Finds the vertices that one edge or two lead to from a group's, and three where two lead to
   // few. A neighbour where more than kMostCorners meet leads no farther. None if the corners of the
   // group do not go all round the vertex.
-  const Around& around(std::uint32_t g, Work& work) const {
+  Around& around(std::uint32_t g, Work& work) const {
     constexpr std::size_t kMostCorners = 64, kFew = 16;
-    auto& [around, vertices, groups, weight] = work;
-    around = {std::move(around.ways), std::move(around.cosines)};
-    around.ways.clear(), around.cosines.clear();
+    auto& [around, vertices, groups] = work;
+    around.ways.clear(), around.cosines.clear(), around.weights.clear();
+    around.rings[0] = around.rings[1] = 0;
     if (corners(g).empty()) return around;
     const std::uint32_t centre = mesh_.corner_vertex[corners(g).front()];
     vertices.assign(1, centre), groups.assign(1, g);
@@ -189,7 +185,11 @@ class Neighbours {
       if (ring < 2) around.rings[ring] = around.ways.size();
       if (ring == 1 && around.ways.size() >= kFew) break;
     }
-    for (Vec3& way : around.ways) way /= least;
+    for (Vec3& way : around.ways) {
+      way /= least;
+      const double nearness = 1 / way.squaredNorm();
+      around.weights.push_back(nearness * nearness * nearness);
+    }
     return around;
   }
 
@@ -221,10 +221,8 @@ std::vector<FittedNormal> fitted_normals(const Mesh& mesh, std::span<const std::
   std::vector<FittedNormal> fitted(start.size());
   parallel(start.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     Neighbours::Work work;
-    for (std::size_t g = begin; g < end; ++g) {
-      const Around& around = neighbours.around(static_cast<std::uint32_t>(g), work);
-      fitted[g] = fit_normal(around, work.weight, start[g]);
-    }
+    for (std::size_t g = begin; g < end; ++g)
+      fitted[g] = fit_normal(neighbours.around(static_cast<std::uint32_t>(g), work), start[g]);
   });
   return fitted;
 }

@@ -153,11 +153,10 @@ std::vector<Vec3> max_normals(const Mesh& mesh, Groups group, std::size_t count)
   return normals;
 }
 
-// Turns Max's normals to those of quadrics through the vertices around. Returns how far each
-// quadric was believed, 0 to 1.
-std::vector<double> turn_to_quadrics(const Mesh& mesh, Groups group,
-                                     std::span<const FittedNormal> fitted,
-                                     std::vector<Vec3>& normals) {
+// Turns Max's normals to those of polynomials through the vertices around. Returns how far each
+// fit was believed, 0 to 1.
+std::vector<double> turn_to_fits(const Mesh& mesh, Groups group,
+                                 std::span<const FittedNormal> fitted, std::vector<Vec3>& normals) {
   std::vector<double> spread(normals.size(), 0);  // of a group's corners
   for_corners(mesh, group, [&](std::uint32_t g, const Vec3& ahead, const Vec3& back) {
     spread[g] = std::max(spread[g], (ahead.cross(back).stableNormalized() - normals[g]).norm());
@@ -166,7 +165,7 @@ std::vector<double> turn_to_quadrics(const Mesh& mesh, Groups group,
   for (std::size_t g = 0; g < normals.size(); ++g) {
     const double turn = (fitted[g].normal - normals[g]).norm();
     if (turn == 0) continue;
-    // Far from the corners lie only quadrics through too few vertices or noise. Where the corners
+    // Far from the corners lie only fits to too few vertices or noise. Where the corners
     // agree the surface is flat, whatever comes farther off.
     believed[g] = share_between(0.35, 0.18, turn);
     normals[g] = blend(normals[g], fitted[g].normal, believed[g] * std::min(1.0, spread[g] / turn));
@@ -174,12 +173,12 @@ std::vector<double> turn_to_quadrics(const Mesh& mesh, Groups group,
   return believed;
 }
 
-// Moves normals towards those of the quadrics, where these fit.
+// Moves normals towards the fitted ones, where quadrics fit.
 void smooth_normals(const Mesh& mesh, Groups group, std::vector<Vec3>& normals,
                     const ParallelFor& parallel) {
   std::vector<Vec3> smooth = max_normals(mesh, group, normals.size());
   const std::vector<FittedNormal> fitted = fitted_normals(mesh, group, smooth, parallel);
-  const std::vector<double> believed = turn_to_quadrics(mesh, group, fitted, smooth);
+  const std::vector<double> believed = turn_to_fits(mesh, group, fitted, smooth);
   std::vector<double> agreed(normals.size(), 1), seen(normals.size(), 1);  // least cosines
   for_corners(mesh, group, [&](std::uint32_t g, const Vec3& ahead, const Vec3& back) {
     const Vec3 corner = ahead.cross(back).stableNormalized();

@@ -41,8 +41,8 @@ enum class NormalWeights {
   // The mean of the face normals, weighted by the angle of the corner (Thuermer and Wuethrich
   // 1998). A vertex whose mean vanishes gets the normal of its largest face.
   kAngle,
-  // Where the surface is smooth, the normal of a cubic fitted to the vertices around, which is
-  // exact on spheres, started from and kept near the sum of e_1 x e_2 / (|e_1|^2 |e_2|^2) over the
+  // The normal of a cubic fitted to the vertices around, where the surface is smooth. It is exact
+  // on spheres, started from and kept near the sum of e_1 x e_2 / (|e_1|^2 |e_2|^2) over the
   // corners (Max 1999). Smooth is where a quadric fits, or the corners nearly agree. That of
   // kAngle elsewhere; a blend in between.
   kSmooth

@@ -34,11 +34,9 @@ Box PatchCache::bounds() const {
           const Vec3 at(numbers[0], numbers[1], numbers[2]);
           for (std::uint32_t side = s.side_begin[p]; side < s.side_begin[p + 1]; ++side) {
             const auto* c = &s.corner[6 * side];
-            const Vec3 x =
-                origin +
-                (at + Vec3(c[0], c[1], c[2]) * static_cast<double>(numbers[kPatchUnscale])) / scale;
-            box.low = box.low.cwiseMin(x);
-            box.high = box.high.cwiseMax(x);
+            box.hold(origin +
+                     (at + Vec3(c[0], c[1], c[2]) * static_cast<double>(numbers[kPatchUnscale])) /
+                         scale);
           }
         }
         return box;

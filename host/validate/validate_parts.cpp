@@ -214,10 +214,7 @@ void PartPairs::find_boxes() {
   }
   for (const std::vector<std::uint32_t>& faces : faces_) {
     Box all = boxes_[faces.front()];
-    for (const std::uint32_t face : faces) {
-      all.low = all.low.cwiseMin(boxes_[face].low);
-      all.high = all.high.cwiseMax(boxes_[face].high);
-    }
+    for (const std::uint32_t face : faces) all.hold(boxes_[face]);
     part_boxes_.push_back(all);
   }
 }

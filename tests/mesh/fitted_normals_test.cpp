@@ -61,8 +61,8 @@ TEST(FittedNormals, halve_the_error_on_irregular_tori_and_ellipsoids) {
   }
 }
 
-// With the size of faces the mean by angles falls by the first power on irregular meshes, a quadric
-// by the second, and a cubic by the third.
+// The error falls with the size of faces: that of means by angles by the first power on irregular
+// meshes, a quadric's by the second, a cubic's by the third.
 TEST(FittedNormals, fall_with_the_third_power_of_the_size_of_faces) {
   for (const bool is_irregular : {false, true}) {
     const auto error = [&](int frequency) {
