@@ -358,7 +358,7 @@ FN_LARGE contact follow_contact(surface_view view, hip_point h, contact last,
   foot f = start_foot(view, h, ahead_of(view, last), options.spent);
   f.d.bend = last.bend;
   track_foot(view, h, &f, brief, none);
-  if (may_be_top(view, &f)) leave_top(view, h, &f, brief, none);
+  if (may_be_top(view, &f)) leave_top(view, h, &f, options, none);
   if (!f.d.converged)  // the hand did something else
     return track_contact(view, h, last, options);
   contact c = within_reach(h, contact_of_foot(view, f, options.spent));

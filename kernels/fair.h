@@ -2,40 +2,34 @@
 // between three of them and the Gregory quad between four. On the host only; lanes are sides, or
 // patches of one valence.
 //
-// A side knows its two ends alone, as in the paper, but for three things that it shares with the
-// face beyond: its normals turn about the edge at mid-side by the angle at which the cross sections
-// of both faces lean least (fair_turn); at a vertex all sides have the curvature and the twist of
-// one shape operator (solve_fit); and so their curves are of degree 5 and their normals of degree 4
-// (fair_side). Between two quads curves are cubic and normals quadratic: there the shape operators
-// say how the normal turns at mid-side (smooth_turn). Normals along a side are those of C' x T for
-// T = k C' + h m, as in ribbon.h, so that patches join with G1 continuity whatever k and h are.
+// A side knows its two ends alone, as in the paper, but for what it shares with the face beyond: at
+// a vertex all sides have the curvature and the twist of one shape operator (solve_fit), so that
+// their curves are of degree 5 and their normals of degree 3 (fair_side). Between two quads curves
+// are cubic and normals quadratic: there the shape operators say how the normal turns at mid-side
+// (smooth_turn). Normals along a side are those of C' x T for T = k C' + h m, as in ribbon.h, so
+// that patches join with G1 continuity whatever k and h are.
 
-// How far a mid-side normal turns (rad), how much sides bend and twist for the vertex's sake:
-// beyond, they do more harm than good. Below FAIR_SMOOTH_TURN a turn fades. Between two quads it is
-// at most FAIR_MOST_SMOOTH_TURN.
-#define FAIR_MOST_TURN K(0.625f)
-#define FAIR_SMOOTH_TURN K(0.1875f)
-#define FAIR_MOST_SMOOTH_TURN K(0.15625f)
+// How much sides bend and twist for the vertex's sake: beyond, they do more harm than good. Between
+// two quads a mid-side normal turns by at most FAIR_MOST_SMOOTH_TURN (rad).
 #define FAIR_MOST_BEND K(2.5f)
 #define FAIR_MOST_TWIST K(1.25f)
+#define FAIR_MOST_SMOOTH_TURN K(0.15625f)
 // The least cosine between a corner's normal and the face's that counts in full (fair_middle).
 #define FAIR_STEEP K(0.25f)
 
 FN real clamp_to(real x, real most) { return larger(smaller(x, most), -most); }
 
-// A cubic curve and a quadratic normal along it: what is known of a side before its vertices are.
+// A cubic curve with a normal at each end: what is known of a side before its vertices are.
 typedef struct {
   real3 p0, p1, n0, n1;  // ends
   real3 edge, t0, t1;    // p1 - p0, C'(0), C'(1)
-  real3 turn;            // n(t) = (1 - t) n_0 + t n_1 + t (1 - t) turn
   real sound;
 } fair_curve;
 
 // Tangents of eq. 7 and 8. `by_arc`: as long as those of the circle with their directions, which is
 // longer than the edge, whose length they have in the paper. At a crease `own` are those that both
 // faces share.
-FN fair_curve fair_curve_of(corner start, corner end, mask by_arc, real3 turn,
-                            crease_tangents own) {
+FN fair_curve fair_curve_of(corner start, corner end, mask by_arc, crease_tangents own) {
   fair_curve r;
   r.p0 = start.p;
   r.p1 = end.p;
@@ -50,7 +44,6 @@ FN fair_curve fair_curve_of(corner start, corner end, mask by_arc, real3 turn,
              longer = pick(by_arc, arc, one);
   r.t0 = pick3(is_own, own.start, mul3(longer, ends.ts));
   r.t1 = pick3(is_own, own.end, mul3(longer, ends.te));
-  r.turn = turn;
   return r;
 }
 
@@ -62,57 +55,6 @@ FN real3 second_at_start(fair_curve c) {
 FN real3 second_at_end(fair_curve c) {
   const real two = splat(K(2)), four = splat(K(4)), six = splat(K(6));
   return sub3(fma3(two, c.t0, mul3(four, c.t1)), mul3(six, c.edge));
-}
-
-// One face beside an edge, over its height h above the edge: how its cross section leans, and what
-// a turn of the normal by 1 does to that.
-typedef struct {
-  real lean, gain;
-} fair_section;
-
-// The cross section runs from the edge, where it is tangent to the plane across the normal, to the
-// corner beyond. alpha is the slope of its chord, beta how far the normal has turned when it gets
-// there: 2 alpha + beta is 0 for any quadratic surface, whose sections are arcs.
-FN fair_section fair_section_of(fair_curve side, corner beyond) {
-  const real tiny = splat(TINY), length = larger(norm3(side.edge), tiny);
-  const real3 e = mul3(K(1) / length, side.edge);
-  const real two = splat(K(2)), three = splat(K(3)),
-             t = larger(smaller(dot3(sub3(beyond.p, side.p0), e) / length, splat(K(0.75f))),
-                        splat(K(0.25f)));
-  // The side's cubic at t, its tangent c, the normal n there and b across both.
-  const real3 c2 = cubic_2(side.edge, side.t0, side.t1), c3 = cubic_3(side.edge, side.t0, side.t1);
-  const real3 at = fma3(t, fma3(t, fma3(t, c3, c2), side.t0), side.p0),
-              along = fma3(t, fma3(three * t, c3, mul3(two, c2)), side.t0),
-              second = fma3(K(6) * t, c3, mul3(two, c2));
-  const real3 c = unit3(along), l = fma3(t, sub3(side.n1, side.n0), side.n0);
-  const real3 n = unit3(fma3(-dot3(l, c), c, l)), b = cross3(c, n);
-  const real bend = -dot3(n, second) / larger(dot3(along, along), tiny);
-  const real twist = dot3(sub3(side.n1, side.n0), b) / length;
-  // The corner lies `aside` along the side and `across` it. What the side's own bend and twist
-  // explain is taken away.
-  const real3 r = sub3(beyond.p, at);
-  const real aside = dot3(r, c), across = dot3(r, b),
-             sign = pick(across < splat(K(0)), splat(K(-1)), splat(K(1)));
-  const real h = larger(sign * across, K(1e-6f) * length);
-  const real alpha = (dot3(n, r) + aside * (K(0.5f) * bend * aside + twist * across)) / h;
-  const real beta = sign * (dot3(beyond.n, b) - twist * aside);
-  const fair_section f = {sign * (K(2) * alpha + beta) / h, K(2) / h};
-  return f;
-}
-
-// The `turn` of a side between two triangles, whose corners beyond it are `left` and `right`: by
-// the angle at which the sections of both together lean least, each the more the lower it is. On a
-// smooth surface that angle is noise, which it is not allowed to add.
-FN real3 fair_turn(corner start, corner end, corner left, corner right) {
-  const crease_tangents as_asked = {zero3(), zero3()};
-  const mask by_arc = splat(K(1)) > splat(K(0));
-  const fair_curve side = fair_curve_of(start, end, by_arc, zero3(), as_asked);
-  const fair_section a = fair_section_of(side, left), b = fair_section_of(side, right);
-  real angle = clamp_to(-(a.lean + b.lean) / (a.gain + b.gain), splat(FAIR_MOST_TURN));
-  const real x = smaller(fabs(angle) / FAIR_SMOOTH_TURN, splat(K(1)));
-  angle *= x * x * (K(3) - K(2) * x);
-  const real3 sum = add3(start.n, end.n);
-  return mul3(K(2) * norm3(sum) * angle, unit3(cross3(side.edge, sum)));
 }
 
 // A symmetric operator on the plane across a vertex's normal: what the normal turns by along a
@@ -163,7 +105,7 @@ FN side_shape side_shape_of(fair_curve side, real3 x, real3 y) {
   const real3 t = mul3(K(1) / speed, side.t0), b = cross3(side.n0, t);
   const side_shape r = {dot3(t, x), dot3(t, y),
                         -dot3(side.n0, second_at_start(side)) / (speed * speed),
-                        dot3(b, add3(sub3(side.n1, side.n0), side.turn)) / speed};
+                        dot3(b, sub3(side.n1, side.n0)) / speed};
   return r;
 }
 
@@ -217,13 +159,14 @@ FN real3 sum_of(scalar f, scalar g, real3 a, real3 b) {
   return fma3(splat(f), a, mul3(splat(g), b));
 }
 
-// The side with the shape operators of its ends, or without.
-FN void fair_side(fair_curve c, shape_operator s0, shape_operator s1, mask shaped,
+// The side with the shape operators of its ends, or without: its normal is then
+// (1 - t) n_0 + t n_1 + t (1 - t) turn.
+FN void fair_side(fair_curve c, shape_operator s0, shape_operator s1, mask shaped, real3 turn,
                   control_out out) {
   const real3 rise = sub3(c.n1, c.n0), e = unit3(c.edge);
   const real none = splat(K(0));
-  fair_change a = fair_change_of(s0, c.n0, e, c.t0, second_at_start(c), add3(rise, c.turn)),
-              b = fair_change_of(s1, c.n1, e, c.t1, second_at_end(c), sub3(rise, c.turn));
+  fair_change a = fair_change_of(s0, c.n0, e, c.t0, second_at_start(c), rise),
+              b = fair_change_of(s1, c.n1, e, c.t1, second_at_end(c), rise);
   a.bend = pick(shaped, a.bend, none);
   a.twist = pick(shaped, a.twist, none);
   b.bend = pick(shaped, b.bend, none);
@@ -236,14 +179,13 @@ FN void fair_side(fair_curve c, shape_operator s0, shape_operator s1, mask shape
   curve[3] = add3(curve[3], sum_of(K(-3), K(1), p, q));
   curve[4] = sum_of(K(3), K(-2), p, q);
   curve[5] = sum_of(K(-1), K(1), p, q);
-  // n + f(t) x - f(1-t) y,  f(t) = t (1-t)^2 (1-2t)
+  // n + x t (1-t)^2 - y t^2 (1-t)
   const real3 x = mul3(a.twist, cross3(c.n0, unit3(c.t0))),
               y = mul3(b.twist, cross3(c.n1, unit3(c.t1)));
-  // f(t) = t - 4 t^2 + 5 t^3 - 2 t^4,  f(1-t) = -t^2 + 3 t^3 - 2 t^4
-  real3 normal[5] = {c.n0, add3(add3(rise, c.turn), x), sub3(sum_of(K(-4), K(1), x, y), c.turn),
-                     sum_of(K(5), K(-3), x, y), sum_of(K(-2), K(2), x, y)};
+  const real3 normal[4] = {c.n0, add3(add3(rise, turn), x), sub3(sum_of(K(-2), K(-1), x, y), turn),
+                           add3(x, y)};
   for (int i = 0; i < 6; ++i) put3(out, FAIR_CURVE + i, curve[i]);
-  for (int i = 0; i < 5; ++i) put3(out, FAIR_NORMAL + i, normal[i]);
+  for (int i = 0; i < 4; ++i) put3(out, FAIR_NORMAL + i, normal[i]);
   out[FAIR_SOUND] = c.sound;
 }
 
@@ -260,7 +202,7 @@ FN real3 bezier_point(const real3* power, int count, int degree, int i) {
 
 // A side's C, C', T and, but for flat ones, m in powers of t.
 typedef struct {
-  real3 curve[6], slope[5], t[6], m[5];
+  real3 curve[6], slope[5], t[6], m[4];
   real turned;  // the least share of T that points into the face, at the ends: never below 0 unless
                 // the patch doubles back along the side
 } fair_tangent;
@@ -286,17 +228,21 @@ FN fair_tangent fair_tangent_of(control_data side, real3 start, real3 end, GLOBA
   }
   const real3 e = unit3(edge);
   real3 m1 = zero3();
-  for (int i = 0; i < 5; ++i) {
+  for (int i = 0; i < 4; ++i) {
     r.m[i] = cross3(load3(side, FAIR_NORMAL + i), e);
     m1 = add3(m1, r.m[i]);
   }
   const ribbon_part a = ribbon_part_of(start, r.curve[1], r.m[0]),
                     b = ribbon_part_of(end, last, m1);
   const real dk = b.k - a.k, dh = b.h - a.h;
-  for (int i = 0; i < 6; ++i) {
-    r.t[i] = mul3(splat(K(0)), edge);
-    if (i < 5) r.t[i] = fma3(a.k, r.slope[i], mul3(a.h, r.m[i]));
-    if (i > 0) r.t[i] = add3(r.t[i], fma3(dk, r.slope[i - 1], mul3(dh, r.m[i - 1])));
+  for (int i = 0; i < 6; ++i) r.t[i] = zero3();
+  for (int i = 0; i < 5; ++i) {
+    r.t[i] = fma3(a.k, r.slope[i], r.t[i]);
+    r.t[i + 1] = mul3(dk, r.slope[i]);
+  }
+  for (int i = 0; i < 4; ++i) {
+    r.t[i] = fma3(a.h, r.m[i], r.t[i]);
+    r.t[i + 1] = fma3(dh, r.m[i], r.t[i + 1]);
   }
   r.turned =
       smaller(a.h / larger(norm3(start), splat(TINY)), b.h / larger(norm3(end), splat(TINY)));
@@ -373,7 +319,7 @@ FN_LARGE real fair_polygon(control_data sides, int n, scalar apothem, control_ou
   for (int k = 0; k < n; ++k) {
     fair_tangent f = fair_tangent_at(sides, n, k, 0, K(1));
     const real3 start = f.t[0], end = power_sum(f.t, 6, one);
-    const real3 slope = power_sum(f.slope, 5, half), m = power_sum(f.m, 5, half),
+    const real3 slope = power_sum(f.slope, 5, half), m = power_sum(f.m, 4, half),
                 away = sub3(middle, power_sum(f.curve, 6, half));
     const ribbon_part straight = ribbon_part_of(power_sum(f.t, 6, half), slope, m),
                       wanted = ribbon_part_of(mul3(splat(K(1) / way), away), slope, m);

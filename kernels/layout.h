@@ -45,9 +45,9 @@
 // A side as the construction gives it, in any frame: the curve C and the normal n in powers of t,
 // and its soundness (build.h).
 #define FAIR_CURVE 0   // 6 triples
-#define FAIR_NORMAL 6  // 5 triples
-#define FAIR_SOUND 33  // 1 number
-#define FAIR_REALS 34
+#define FAIR_NORMAL 6  // 4 triples
+#define FAIR_SOUND 30  // 1 number
+#define FAIR_REALS 31
 
 // Table of a valence: cos(pi / n) as high and low part, then for each k the outward normal m_k of
 // side k (x, y, their low parts) and the corner C_k (x, y).

@@ -174,34 +174,46 @@ FN foot begin_foot(surface_view view, hip_point h, domain_point at, track_option
   f.d.bend = start_bend(view, f, options);
   return f;
 }
+
 // True if a foot may have become a top, as where the HIP goes straight through a ball: no step was
-// needed, or one of rounding, and deeper than the radius of curvature ways lead down from there.
+// needed, or one of rounding, or an edge holds it, as in a plane of symmetry. Deeper than the
+// radius of curvature ways lead down from there, at a corner from any depth.
 FN int may_be_top(surface_view view, const foot* f) {
-  if (f->d.evaluations > K(1) || f->d.before2 >= K(0x1p-30f) || !f->d.converged ||
-      (f->flags & (FOOT_BORDER | FOOT_CREASE)))
-    return 0;
+  if (!f->d.converged || (f->flags & FOOT_BORDER)) return 0;
   const real curvature = numbers_of(view, f->patch)[PATCH_CURVATURE];
-  return dot3(f->d.r, f->d.r) * curvature * curvature > K(1);
+  const int is_deep = dot3(f->d.r, f->d.r) * curvature * curvature > K(1),
+            stays = f->d.evaluations <= K(1) && f->d.before2 < K(0x1p-30f);
+  if (!is_deep && !stays && !(f->flags & FOOT_CREASE)) return 0;
+  const int n = valence_of(view, f->patch);
+  const held_sides held = sides_at(domain_of(view, n), n, f->d.xi, f->d.eta);
+  return held.b >= 0 || (is_deep && (stays || held.a >= 0));
 }
 
-// Moves a foot to the first of eight points round it that is nearer, and on from there.
+// Tracks a foot once more, for another HIP.
+FN void track_for(surface_view view, hip_point h, foot* f, track_options options,
+                  known_minimum known) {
+  const descent last = f->d;
+  begin_descent(&f->d);
+  move_descent(&f->d, make_vector(last.xi, last.eta), last.at, local_hip(view, h, f->patch),
+               numbers_of(view, f->patch)[PATCH_UNSCALE]);
+  f->d.bend = start_bend(view, *f, options);
+  track_foot(view, h, f, options, known);
+}
+
+// Moves a foot to where it comes back to after the HIP has gone a little aside, if that is nearer.
 FN_LARGE void leave_top(surface_view view, hip_point h, foot* f, track_options options,
                         known_minimum known) {
-  const int n = valence_of(view, f->patch);
-  const real half_root = sqrt(K(0.5f));
-  domain_vector way = make_vector(K(0x1p-5f), K(0));
-  for (int i = 0; i < 8 && f->d.evaluations < (real)options.max_iterations; ++i) {
-    const domain_point at = {f->patch, f->d.xi + way.xi, f->d.eta + way.eta};
-    way = make_vector(half_root * (way.xi - way.eta), half_root * (way.xi + way.eta));
-    if (!is_inside(domain_of(view, n), n, make_vector(at.xi, at.eta))) continue;
-    f->d.evaluations += K(1);
-    foot aside = move_foot(view, h, *f, at, options.spent);
-    if (!(aside.d.distance2 < f->d.distance2)) continue;
-    aside.d.converged = 0;
-    aside.d.last2 = aside.d.before2 = -K(1);
-    aside.d.bend = start_bend(view, aside, options);
-    *f = aside;
-    track_foot(view, h, f, options, known);
+  const real3 back = unit3(f->d.r);
+  real3 way = mul3(K(0x1p-14f) * sqrt(f->d.distance2), unit3(f->d.at.g_xi));
+  for (int i = 0; i < 4; ++i) {
+    hip_point aside = h;
+    aside.low = add3(h.low, way);
+    way = cross3(back, way);
+    foot next = *f;
+    track_for(view, aside, &next, options, known);
+    track_for(view, h, &next, options, known);
+    if (!(next.d.distance2 < (K(1) - K(0x1p-18f)) * f->d.distance2)) continue;
+    *f = next;
     return;
   }
 }

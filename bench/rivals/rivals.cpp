@@ -1,5 +1,5 @@
 // Gliss's patches beside surfaces that others make from the same corners and normals, on shapes
-// that are known exactly: a table of Markdown. --check tests the others instead.
+// that are known exactly: tables of Markdown. --check tests the others instead.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -273,6 +273,39 @@ void print_table(const Options& options) {
   }
 }
 
+// By which power of the length of a side fair patches with exact normals come nearer from one size
+// to the next.
+void print_orders(std::uint64_t seed) {
+  constexpr std::array kFaces{320, 1280, 5120};
+  fmt::print(
+      "\n| fair, exact normals | order of distance, {0} to {1} | {1} to {2} "
+      "| of normals, {0} to {1} | {1} to {2} |\n|---|---|---|---|---|\n",
+      kFaces[0], kFaces[1], kFaces[2]);
+  for (const Shape& shape : shapes()) {
+    for (const auto& [kind, name] : kKinds) {
+      std::string distance, normals;
+      double faces = 0;
+      Figures last;
+      for (const int wanted : kFaces) {
+        const Generated given = made(shape, kind, wanted, seed);
+        const auto now = static_cast<double>(given.mesh.face_count());
+        const Figures figures = measure(surface_of(given.mesh, 0), given, {});
+        const auto order = [&](double from, double to) {
+          return fmt::format(" {:.1f} |", std::log(from / to) / std::log(std::sqrt(now / faces)));
+        };
+        if (faces > 0) {
+          distance += order(last.rms, figures.rms);
+          normals += order(last.normals, figures.normals);
+        }
+        faces = now;
+        last = figures;
+      }
+      fmt::print("| {}, {} |{}{}\n", shape.name, name, distance, normals);
+      std::fflush(stdout);
+    }
+  }
+}
+
 // Tests of the rivals.
 
 bool expect(bool holds, const std::string& what) {
@@ -357,4 +390,5 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   if (is_check) return check() ? 0 : 1;
   print_table(options);
+  print_orders(options.seed);
 }

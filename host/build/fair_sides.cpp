@@ -43,8 +43,6 @@ FairSides::FairSides(const MeshFrame& frame, const Topology& topology,
       for (std::size_t f = begin; f < end; ++f) flat[f] = is_flat(static_cast<std::uint32_t>(f));
     });
     flat_ = std::move(flat);
-    const auto is_triangle = [&](std::uint32_t f) { return mesh_.valence(f) == 3; };
-    if (std::any_of(faces.begin(), faces.end(), is_triangle)) find_turns(parallel);
   }
   shapes_.resize(has_shape_.size());
   parallel(shapes_.size(), kVertexGrain,
@@ -85,40 +83,7 @@ std::uint32_t FairSides::joined_valence(std::uint32_t side) const {
   return is_joined ? n : 0;
 }
 
-// Turns each edge once and not four times: if all faces are built.
-void FairSides::find_turns(const ParallelFor& parallel) {
-  turn_.resize(mesh_.corner_vertex.size());
-  parallel(mesh_.face_count(), kVertexGrain, [&](std::size_t begin, std::size_t end) {
-    std::vector<std::uint32_t> sides;
-    std::vector<FairWings<double>> edges;
-    for (std::size_t f = begin; f < end; ++f) {
-      if (mesh_.valence(f) != 3) continue;
-      for (std::uint32_t s = mesh_.face_begin[f]; s < mesh_.face_begin[f + 1]; ++s) {
-        const std::uint32_t twin = topology_.side_twin[s];
-        if (twin == kNone || s > twin || joined_valence(s) != 3) continue;
-        sides.push_back(s);
-        edges.push_back(wings(s));
-      }
-    }
-    std::vector<double> turns(3 * sides.size());
-    kernels<double>().fair_turns(edges.data(), edges.size(), turns.data());
-    for (std::size_t i = 0; i < sides.size(); ++i)
-      std::copy_n(&turns[3 * i], 3, turn_[sides[i]].data());
-  });
-}
-
-FairWings<double> FairSides::wings(std::uint32_t side) const {
-  const std::uint32_t next = next_side(mesh_, topology_, side), twin = topology_.side_twin[side];
-  FairWings<double> w;
-  put_corner(side, w.start);
-  put_corner(next, w.end);
-  put_corner(next_side(mesh_, topology_, next), w.left);
-  put_corner(prev_side(mesh_, topology_, twin), w.right);
-  return w;
-}
-
 FairEdge<double> FairSides::edge(std::uint32_t side, std::uint32_t joined) const {
-  const std::uint32_t twin = topology_.side_twin[side];
   FairEdge<double> e;
   put_corner(side, e.start);
   put_corner(next_side(mesh_, topology_, side), e.end);
@@ -127,14 +92,6 @@ FairEdge<double> FairSides::edge(std::uint32_t side, std::uint32_t joined) const
       std::copy_n(frame_.tangent(side, i).data(), 3, e.tangents + 3 * i);
   }
   e.by_arc = joined == 3;
-  if (joined != 3 || twin == kNone) return e;
-  const std::uint32_t lesser = std::min(side, twin);
-  if (turn_.empty()) {
-    const FairWings<double> w = wings(lesser);
-    kernels<double>().fair_turns(&w, 1, e.turn);
-  } else {
-    std::copy_n(turn_[lesser].data(), 3, e.turn);
-  }
   return e;
 }
 

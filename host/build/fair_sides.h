@@ -5,7 +5,6 @@
 #include <span>
 #include <vector>
 
-#include "gliss/base/large_array.h"
 #include "gliss/base/parallel.h"
 #include "gliss/build/mesh_frame.h"
 #include "gliss/mesh/topology.h"
@@ -31,8 +30,6 @@ class FairSides {
   void put_corner(std::uint32_t side, double* reals) const;  // position, unit normal
   bool is_flat(std::uint32_t face) const;
   std::uint32_t joined_valence(std::uint32_t side) const;
-  void find_turns(const ParallelFor& parallel);
-  FairWings<double> wings(std::uint32_t side) const;
   FairEdge<double> edge(std::uint32_t side, std::uint32_t joined) const;
   void find_shapes(std::size_t begin, std::size_t end);
   // Adds the edges that leave vertices_[i]; false: it has no shape that they agree on.
@@ -42,8 +39,6 @@ class FairSides {
   const MeshFrame frame_;
   const Mesh& mesh_;
   const Topology& topology_;
-  // [side], the turn of an edge between two triangles, at the lesser of its sides; empty: not kept.
-  LargeArray<Vec3> turn_;
   std::vector<char> flat_;                  // [face]; empty: not kept
   std::vector<std::uint32_t> vertices_;     // ascending; empty: all
   std::vector<FairVertex<double>> shapes_;  // [vertices_]

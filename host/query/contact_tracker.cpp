@@ -95,11 +95,18 @@ class ContactTracker::Tick {
     const Past& past = t_.past_;
     const WayEnd<Real> way =
         TickWay<Real>(kernel_, past.hip, past.clear, past.behind, hip_).go(end, begins_on_it);
-    // A contact that is not known to have ended is held.
-    if (!way.is_reached && t_.follows() && hold()) return contact(state_);
+    if (!way.is_reached && t_.follows() && !is_outside(end) && hold()) return contact(state_);
     const Contact found = accept(way.contact);
     if (!kernel_.is_touching(way.contact)) t_.past_ = {way.hip, way.clear, way.behind};
     return found;
+  }
+
+  // True if the HIP of a contact that has left it lies outside: no search knew a nearer point than
+  // where the contact went.
+  bool is_outside(const Raw& end) const {
+    if (kernel_.is_touching(end)) return false;
+    const double gone = (t_.past_.hip - hip_).norm();
+    return kernel_.is_sure(end) || kernel_.offset(end).norm() >= gone - kernel_.on_surface();
   }
 
   // Turns the contact to what is felt of it.
@@ -139,7 +146,8 @@ class ContactTracker::Tick {
   }
 
   // The tick ends with the SCP where it was, for what the tick may spend does not tell where it
-  // goes. False if the HIP has come out of there, or is four times as deep as at first.
+  // goes, nor if it has ended. False if the HIP has come out of there, or is four times as deep as
+  // at first.
   bool hold() {
     Raw same = kernel_.look_from(hip_, state_);
     double& at_first = t_.past_.held_push;

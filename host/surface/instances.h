@@ -63,12 +63,11 @@ struct RawHip {
 };
 
 // An edge from a vertex, as the fair construction sees it (kernels/fair.h): that and its far end
-// (position, unit normal), how its normal turns at mid-side, tangents at both ends of a crease or
-// zeros, and if other tangents have an arc's length.
+// (position, unit normal), tangents at both ends of a crease or zeros, and if other tangents have
+// an arc's length.
 template <class Real>
 struct FairEdge {
   Real start[6] = {}, end[6] = {};
-  Real turn[3] = {};
   Real tangents[6] = {};
   Real by_arc = {};  // 0 or 1
 };
@@ -77,12 +76,6 @@ struct FairEdge {
 template <class Real>
 struct FairVertex {
   Real x[3] = {}, y[3] = {}, shape[3] = {};
-};
-
-// An edge between two triangles and the corners beyond it, each a position and a unit normal.
-template <class Real>
-struct FairWings {
-  Real start[6], end[6], left[6], right[6];
 };
 
 // A side of a face, and the vertices of its ends. These bend it (`bends` is 1 and not 0), or tell
@@ -139,11 +132,9 @@ struct Kernels {
   std::size_t (*control_reals)(std::uint32_t form, std::uint32_t n);
   void (*to_form)(const Real* domain, const Real* corners, const Real* control, std::uint32_t from,
                   std::uint32_t form, std::uint32_t n, Real* out);
-  // The fair construction, in any frame, in double only. The turns of edges between two triangles,
-  // [count][3].
-  void (*fair_turns)(const FairWings<Real>* edges, std::size_t count, Real* turns);
-  // The shape operators of vertices from the edges that leave them, two at least each: those of
-  // vertex i are edges[begin[i]] to edges[begin[i + 1] - 1].
+  // The fair construction, in any frame, in double only. The shape operators of vertices from the
+  // edges that leave them, two at least each: those of vertex i are edges[begin[i]] to
+  // edges[begin[i + 1] - 1].
   void (*fair_vertices)(const FairEdge<Real>* edges, const std::uint32_t* begin, std::size_t count,
                         FairVertex<Real>* out);
   // Sides, [count][kFairReals].

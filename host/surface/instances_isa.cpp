@@ -67,7 +67,6 @@ const Kernels<GLISS_SCALAR>& GLISS_TABLE() {
       instance::bend_patch,
       instance::control_reals_of,
       instance::to_form_of,
-      GLISS_IN_DOUBLE(instance::packed::turns_of),
       GLISS_IN_DOUBLE(instance::packed::vertices_of),
       GLISS_IN_DOUBLE(instance::packed::sides_of),
       GLISS_IN_DOUBLE(instance::packed::fair_controls_of),

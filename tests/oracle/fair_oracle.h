@@ -5,13 +5,12 @@
 // triangle's, and its neighbour is a triangle with the same normals at both ends, or none. All
 // others keep the curve and the normal of Wu et al. (oracle.h, eq. 6 to 10). The steps, by side:
 //   1  end tangents of the length that makes plane arcs exact;
-//   2  a mid-edge normal, turned about the edge to what arcs across both faces ask for;
-//   3  a shape operator at each vertex, least squares over its sides;
-//   4  a quintic curve with the curvature of that shape operator;
-//   5  a quartic normal n with which n_c = C' x (n x e) has its twist;
-//   6  a cross tangent T = k C' + h m with m = n x e, k and h linear;
-//   7  a Gregory triangle of degree 6 with these sides; or
-//   8  a blend of one curved ribbon a side.
+//   2  a shape operator at each vertex, least squares over its sides;
+//   3  a quintic curve with the curvature of that shape operator;
+//   4  a cubic normal n with which n_c = C' x (n x e) has its twist;
+//   5  a cross tangent T = k C' + h m with m = n x e, k and h linear;
+//   6  a Gregory triangle of degree 6 with these sides; or
+//   7  a blend of one curved ribbon a side.
 // Every side is made from its own start to its own end: that both faces find one curve and one
 // normal is not assumed. It reads a mesh and its twins as data, and uses nothing else of Gliss.
 #pragma once
@@ -26,12 +25,9 @@ namespace gliss::oracle {
 
 /// Counts how often a clamp of the construction acted, by side end or face of a side.
 struct FairClamps {
-  int foot = 0, turn = 0, fade = 0, curvature = 0, twist = 0;
+  int curvature = 0, twist = 0;
 
   void operator+=(const FairClamps& other) {
-    foot += other.foot;
-    turn += other.turn;
-    fade += other.fade;
     curvature += other.curvature;
     twist += other.twist;
   }
@@ -48,8 +44,8 @@ class Fair {
     Poly C, n;
     V e;  ///< unit, from start to end
     bool is_fair = false;
-    bool is_clamped = false;  ///< by step 4 or 5, at either end
-    bool has_shape = false;   ///< steps 4 and 5 were taken
+    bool is_clamped = false;  ///< by step 3 or 4, at either end
+    bool has_shape = false;   ///< steps 3 and 4 were taken
   };
   /// A point of a patch and its derivatives by each barycentric coordinate, the others held.
   struct Point {
@@ -130,9 +126,8 @@ class Fair {
   }
 
  private:
-  /// The bounds of steps 2, 4 and 5; a turn below kFullTurn fades.
-  static constexpr Real kMostTurn = 0.625L, kFullTurn = 0.1875L, kMostBend = 2.5L,
-                        kMostTwist = 1.25L;
+  /// The bounds of steps 3 and 4.
+  static constexpr Real kMostBend = 2.5L, kMostTwist = 1.25L;
 
   /// The Bezier points of a triangle, by place(), and A - B at each corner.
   struct Net {
@@ -225,7 +220,7 @@ class Fair {
            normal(next(s)) == normal(t);
   }
 
-  // ---- Steps 1 and 2 ----
+  // ---- Step 1 ----
   Side first_side(std::uint32_t s) {
     const V p0 = position(s), p1 = position(next(s)), n0 = normal(s), n1 = normal(next(s));
     const Real L = (p1 - p0).norm();
@@ -238,41 +233,10 @@ class Fair {
     const V d0 = length * t0, d1 = length * t1;
     side.C = {p0, d0, 3 * (p1 - p0) - 2 * d0 - d1, 2 * (p0 - p1) + d0 + d1};
     side.n = {n0, n1 - n0};
-    if (!side.is_fair || twin(s) == kNone) return side;
-
-    Real above = 0, below = 0;
-    for (const std::uint32_t inner : {s, twin(s)}) {
-      const std::uint32_t corner = next(next(inner));
-      const V o = position(corner), n_o = normal(corner);
-      const Real foot = (o - p0).dot(e) / L;
-      const Real t = std::clamp(foot, Real(1) / 4, Real(3) / 4);
-      if (t != foot) ++clamps_.foot;
-      const V x = value(side.C, t), d = value(derivative(side.C), t);
-      const V dd = value(derivative(derivative(side.C)), t);
-      const V c = d.normalized(), l = (1 - t) * n0 + t * n1;
-      const V n = (l - l.dot(c) * c).normalized(), b = c.cross(n);
-      const Real k = -n.dot(dd) / d.squaredNorm(), w = (n1 - n0).dot(b) / L;
-      const V r = o - x;
-      const Real aside = r.dot(c), across = r.dot(b), h = std::abs(across);
-      const Real g = across < 0 ? -1 : 1;
-      const Real alpha = (n.dot(r) + k * aside * aside / 2 + w * aside * across) / h;
-      const Real beta = g * (n_o.dot(b) - w * aside);
-      above += g * (2 * alpha + beta) / h;
-      below += 2 / h;
-    }
-    const Real wanted = -above / below;
-    Real phi = std::clamp(wanted, -kMostTurn, kMostTurn);
-    if (phi != wanted) ++clamps_.turn;
-    if (const Real x = std::abs(phi) / kFullTurn; x < 1) {
-      phi *= x * x * (3 - 2 * x);
-      ++clamps_.fade;
-    }
-    const V nu = 4 * n_avg.norm() * phi * e.cross(n0 + n1).normalized();
-    side.n = {n0, n1 - n0 + nu, -nu};
     return side;
   }
 
-  // ---- Step 3 ----
+  // ---- Step 2 ----
   std::optional<Eigen::Matrix<Real, 3, 3>> shape_of(std::uint32_t v) const {
     // Rows of S = S11 x x' + S12 (x y' + y x') + S22 y y'.
     Eigen::Matrix<Real, 3, 3> A = Eigen::Matrix<Real, 3, 3>::Zero();
@@ -309,7 +273,7 @@ class Fair {
            S[2] * y * y.transpose();
   }
 
-  // ---- Steps 4 and 5 ----
+  // ---- Steps 3 and 4 ----
   Side last_side(std::uint32_t s, Side side) {
     const auto& S0 = shapes_[mesh_.corner_vertex[s]];
     const auto& S1 = shapes_[mesh_.corner_vertex[next(s)]];
@@ -325,9 +289,9 @@ class Fair {
     };
     const Poly C = side.C, n = side.n;
     const Poly dC = derivative(C), ddC = derivative(dC), dn = derivative(n);
-    // t^2 (1 - t)^3 / 2 and t^3 (1 - t)^2 / 2; t (1 - t)^2 (1 - 2 t) and the same of 1 - t.
+    // t^2 (1 - t)^3 / 2 and t^3 (1 - t)^2 / 2; t (1 - t)^2 and the same of 1 - t.
     const std::vector<Real> bend[2] = {{0, 0, 0.5L, -1.5L, 1.5L, -0.5L}, {0, 0, 0, 0.5L, -1, 0.5L}};
-    const std::vector<Real> turn[2] = {{0, 1, -4, 5, -2}, {0, 0, -1, 3, -2}};
+    const std::vector<Real> turn[2] = {{0, 1, -2, 1}, {0, 0, 1, -1}};
     for (std::size_t i = 0; i < 2; ++i) {
       const auto end = static_cast<Real>(i);
       const auto& S = i == 0 ? *S0 : *S1;
@@ -343,7 +307,7 @@ class Fair {
     return side;
   }
 
-  // ---- Steps 6 and 7 ----
+  // ---- Steps 5 and 6 ----
   /// The k and h with which k C' + h m is `wanted`, where all three are normal to n.
   static std::array<Real, 2> shares(const V& wanted, const V& d, const V& m, const V& n) {
     const Real area = n.dot(d.cross(m));
@@ -406,7 +370,7 @@ class Fair {
     return net;
   }
 
-  // ---- Step 8 ----
+  // ---- Step 7 ----
   /// C, T and Q of a side, by their powers: the ribbon C(u) + H (T(u) + H Q(u)).
   struct Ribbon {
     Poly C, T, Q;
