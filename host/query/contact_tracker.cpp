@@ -101,12 +101,12 @@ class ContactTracker::Tick {
     return found;
   }
 
-  // True if the HIP of a contact that has left it lies outside: no search knew a nearer point than
-  // where the contact went.
+  // True if the HIP of a contact, which has gone to where it is not touching, lies outside, as far
+  // as is known: a place that a search has found before it was cut off is none if it is farther.
   bool is_outside(const Raw& end) const {
-    if (kernel_.is_touching(end)) return false;
     const double gone = (t_.past_.hip - hip_).norm();
-    return kernel_.is_sure(end) || kernel_.offset(end).norm() >= gone - kernel_.on_surface();
+    return !kernel_.is_touching(end) ||
+           (!kernel_.is_sure(end) && kernel_.offset(end).norm() >= gone - kernel_.on_surface());
   }
 
   // Turns the contact to what is felt of it.

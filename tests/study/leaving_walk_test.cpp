@@ -2,6 +2,7 @@
 #include "gliss/study/leaving_walk.h"
 
 #include "gliss/build/build_cache.h"
+#include "gliss/build/complete_mesh.h"
 #include "gliss/engine/engine.h"
 #include "gliss/generate/generate.h"
 #include "gliss/query/contact_tracker.h"
@@ -236,6 +237,26 @@ TEST(LeavingWalk, is_let_go_by_creases) {
   expect_nothing_held("cube", cube(3, 20).mesh, true);
   expect_nothing_held("prism", prism(5).mesh, true);
   expect_nothing_held("L", test::l_solid(), true);
+}
+
+// Patches of long faces, which turn and shorten by default: corners whose edges are not smooth, and
+// searches that do not end within a tick.
+TEST(LeavingWalk, is_let_go_by_needles) {
+  for (const int sides : {6, 12}) {
+    Mesh mesh = prism(sides, 0.5, 60).mesh;
+    complete_mesh(mesh, Construction::kFair);
+    const PatchCache cache = build_cache(mesh);
+    const Hands hands = hands_on(mesh, test::samples(60, 3000));
+    for (const double settle : {0.0, 5e-3, 20e-3}) {
+      QueryOptions options;
+      options.settle = settle;
+      const HeldContacts felt = feel_leaving(cache, options, hands);
+      EXPECT_EQ(felt.held, 0u) << sides << " sides, settle " << settle << " s: of " << felt.contacts
+                               << ", " << felt.longest << " s";
+      EXPECT_EQ(felt.pulled, 0u);
+      EXPECT_GT(felt.contacts, hands.size() / 2);
+    }
+  }
 }
 
 TEST(LeavingWalk, is_let_go_by_parts_that_overlap) {

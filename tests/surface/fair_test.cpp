@@ -9,6 +9,7 @@
 #include "gliss/validate/validate.h"
 #include "tests/support/patch_errors.h"
 #include "tests/support/random_meshes.h"
+#include "tests/support/sharp_meshes.h"
 #include "tests/support/surfaces.h"
 
 namespace gliss {
@@ -534,6 +535,40 @@ TEST(Fair, force_beneath_random_shapes_errs_half_as_much_as_the_papers) {
             "{:.3g}; paper {:.3g}; {:.2f} of it", fair, paper, fair / paper);
       }
     }
+  }
+}
+
+// ---- Order ----------------------------------------------------------------------------------
+
+// Patches of triangles with exact normals, and of a mesh of half the size: a length falls with
+// distance by its fourth power, and with normals by its third.
+TEST(Fair, triangles_leave_smooth_shapes_by_the_fourth_power_and_normals_by_the_third) {
+  const auto errors = [](const Generated& shape) {
+    Mesh mesh = test::in_triangles(shape.mesh);
+    mesh.normals = shape.mesh.normals;
+    mesh.corner_normal = mesh.corner_vertex;
+    const PatchCache cache = fair_cache(mesh);
+    Rng rng(24);
+    double distance = 0, turn = 0;
+    int count = 0;
+    for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
+      for (int i = 0; i < 20; ++i, ++count) {
+        const SurfacePoint p = at(cache, f, oracle::random_inside<double>(rng, 3));
+        const ExactSurface::Point truth = shape.exact->nearest(p.position);
+        distance += truth.distance * truth.distance;
+        turn += truth.normal.cross(p.normal).squaredNorm();
+      }
+    }
+    return std::array{std::sqrt(distance / count), std::sqrt(turn / count)};
+  };
+  for (const auto& [name, coarse, fine] :
+       {std::tuple{"torus", torus(30, 14), torus(60, 28)},
+        std::tuple{"knot", torus_knot(136, 10), torus_knot(272, 20)}}) {
+    const auto a = errors(coarse), b = errors(fine);
+    const double distance = std::log2(a[0] / b[0]), normals = std::log2(a[1] / b[1]);
+    EXPECT_GT(distance, 3.6) << name;
+    EXPECT_GT(normals, 2.7) << name;
+    test::record(name, "distance by h^{:.2f}, normals by h^{:.2f}", distance, normals);
   }
 }
 
