@@ -14,6 +14,7 @@
 #include "gliss/study/walk.h"
 #include "gliss/surface/layout.h"
 #include "gliss/surface/names.h"
+#include "gliss/surface/winding.h"
 
 namespace gliss::bench {
 namespace {
@@ -269,6 +270,21 @@ Work make_walk(Precision precision, const Level& level) {
           }};
 }
 
+// HIPs beneath a surface that asks for the winding number of its polygons, as where some fold, or
+// that does not.
+Work make_folded(Precision precision, bool asks) {
+  const auto cache = std::make_shared<PatchCache>(cache_of(Shape::kKnot, precision));
+  if (asks) {
+    cache->winding = std::visit(
+        [](const auto& s) { return std::make_shared<const WindingTree>(s); }, cache->surface);
+  }
+  return {static_cast<double>(kHips), [cache, hips = hips_of(Search::kRandom)] {
+            std::vector<Contact> contacts(hips.size());
+            const Method method = Method::kGregory;
+            nearest(*cache, hips, {&method, 1}, {}, contacts);
+          }};
+}
+
 void add_nearest(const std::string& path, const std::string& level, const QueryOptions& options,
                  Precision p, Search order, int threads) {
   std::vector<Rival> rivals;
@@ -298,6 +314,8 @@ void register_queries() {
           work_name("track", kPapers, p, 4, threads), threads,
           [=] { return make_track(p, threads); }, rivals);
     }
+    add_work(work_name("nearest_folded", kPapers, p, 4, 1), 1, [=] { return make_folded(p, true); },
+             {{"of_plain", [=] { return make_folded(p, false); }}});
     const auto by_precision = [p](auto narrow, auto wide) {
       return p == Precision::kFloat ? narrow() : wide();
     };
