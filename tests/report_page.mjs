@@ -109,7 +109,8 @@ function picture(construction, bump) {
   const all = of => Float32Array.from({length: points}, (_, i) => of(i));
   return {construction, points, p50_curvature: 100, p99_curvature: 100 * bump, max_curvature: null,
     face: packed(Uint32Array.from({length: points}, (_, i) => i >> 2)), position: packed(position),
-    normal: packed(position.map(x => x / 10)), spot: packed(all(() => 1.2)), curvature: packed(all(i => i % 7 ? 100 : 100 * bump))};
+    normal: packed(position.map(x => x / 10)), spot: packed(all(() => 1.2)), curvature: packed(all(i => i % 7 ? 100 : 100 * bump)),
+    departure: packed(all(i => i % 5 * 1e-4 * bump))};
 }
 
 // Jumps all over that ball.
@@ -338,6 +339,13 @@ async function checkSurfaces(page) {
     assert(await colors(page, `[data-view="${view}"]`) > 100, `${view} is blank`);
   }
   const own = await picture();
+  const surface = await choice(page, 'Surface');
+  await choose(page, surface, 'departure');
+  const departing = await picture();
+  assert(departing.every((image, i) => image !== own[i]), 'departure has colours of its own');
+  assert.match(await page.$eval('.scale .aside', aside => aside.innerText), /departure[^]*16\.0 mm/);
+  await choose(page, surface, 'curvature');
+  assert.deepEqual(await picture(), own);
   const jumps = await choice(page, 'Jumps of');
   const marked = async value => {
     await choose(page, jumps, value);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "gliss/query/query.h"
 #include "gliss/study/sweep.h"
 #include "gliss/study/sweep_grid.h"
 
@@ -64,6 +65,12 @@ SurfacePicture picture_of(const PatchCache& cache, std::size_t most_points) {
   std::vector<SurfacePoint> points(places.size());
   evaluate(cache, places, points);
 
+  std::vector<Vec3> positions;
+  for (const SurfacePoint& point : points) positions.push_back(point.position);
+  std::vector<Contact> flat(points.size());
+  constexpr Method kFlat = Method::kFlat;
+  nearest(cache, positions, {&kFlat, 1}, {}, flat);
+
   std::vector<double> curvature = curvatures_of(cache);
   SurfacePicture picture;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -74,6 +81,7 @@ SurfacePicture picture_of(const PatchCache& cache, std::size_t most_points) {
     picture.spot.push_back(
         static_cast<float>(spot_at(points[i], cache.face_valence[face], rings, thinning)));
     picture.curvature.push_back(static_cast<float>(curvature[face]));
+    picture.departure.push_back(static_cast<float>(std::abs(flat[i].distance)));
   }
   std::erase_if(curvature, [](double of_face) { return std::isnan(of_face); });
   std::sort(curvature.begin(), curvature.end());

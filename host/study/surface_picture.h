@@ -16,6 +16,7 @@ struct SurfacePicture {
   std::vector<float> position, normal;  // [point x 3]
   // [point]: the diameter of a spot there, so that spots cover the surface; of its face
   std::vector<float> spot, curvature;
+  std::vector<float> departure;          // [point], how far it is from the polygons
   double p50 = 0, p99 = 0, largest = 0;  // curvature of all faces that have patches
 };
 

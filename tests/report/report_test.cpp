@@ -291,8 +291,14 @@ TEST_F(Report, ComparisonsShowSurfacesAndJumps) {
   const auto result = result_of("compare.json");
   ASSERT_EQ(result["picture"].size(), 2);
   const auto positions = floats(result["picture"][0]["position"]),
-             curvatures = floats(result["picture"][0]["curvature"]);
+             curvatures = floats(result["picture"][0]["curvature"]),
+             departures = floats(result["picture"][0]["departure"]);
   ASSERT_EQ(curvatures.size(), result["picture"][0]["points"]);
+  ASSERT_EQ(departures.size(), result["picture"][0]["points"]);
+  // The sag of the polygons, m.
+  const float most = *std::max_element(departures.begin(), departures.end());
+  EXPECT_GT(most, 1e-4);
+  EXPECT_LT(most, 2e-3);
   for (std::size_t i = 0; i < curvatures.size(); ++i) {
     EXPECT_NEAR(std::hypot(positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]), 10, 0.1);
     EXPECT_GT(curvatures[i], 95);  // 1/m: the ball's radius is 10 mm
@@ -324,6 +330,8 @@ TEST_F(Report, ComparisonsShowSurfacesAndJumps) {
                          [&](auto& json) { text_of(json, "normal").pop_back(); });
   expect_refused_without("'picture' 1: 'spot'",
                          [&](auto& json) { text_of(json, "spot")[5] = '<'; });
+  expect_refused_without("'picture' 1: 'departure'",
+                         [&](auto& json) { text_of(json, "departure").pop_back(); });
   expect_refused_without("'rows' 2: 'jumps' 0",
                          [](auto& json) { json["rows"][2]["jumps"][0]["step"] = "far"; });
   expect_refused_without("'rows' 2: 'jumps' 0",

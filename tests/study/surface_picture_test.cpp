@@ -24,11 +24,15 @@ TEST(SurfacePicture, points_lie_on_the_surface_and_know_the_curvature_of_their_f
   ASSERT_EQ(picture.normal.size(), 3 * points);
   ASSERT_EQ(picture.spot.size(), points);
   ASSERT_EQ(picture.curvature.size(), points);
+  ASSERT_EQ(picture.departure.size(), points);
   for (std::size_t i = 0; i < points; ++i) {
     EXPECT_LE(std::abs(nearest(cache, vector_at(picture.position, i)).distance), 1e-5);
     EXPECT_GT(vector_at(picture.normal, i).dot(vector_at(picture.position, i)), 9.9);
     EXPECT_FLOAT_EQ(picture.curvature[i],
                     static_cast<float>(1 / cache.rho_min[cache.first_patch(picture.face[i])]));
+    const double flat =
+        nearest(cache, vector_at(picture.position, i), {{}, Method::kFlat}).distance;
+    EXPECT_NEAR(picture.departure[i], std::abs(flat), 1e-5);
   }
   EXPECT_TRUE(std::is_sorted(picture.face.begin(), picture.face.end()));
   EXPECT_NEAR(picture.p50, 0.1, 0.003);  // 1 / radius

@@ -12,9 +12,11 @@ Json picture_json(const std::vector<std::pair<Construction, SurfacePicture>>& pi
     const auto per_metre = [unit](double curvature) {
       return std::isfinite(curvature) ? Json(curvature / unit) : Json();
     };
-    std::vector<float> curvature;
+    std::vector<float> curvature, departure;
     for (const float k : picture.curvature)
       curvature.push_back(static_cast<float>(double{k} / unit));
+    for (const float d : picture.departure)
+      departure.push_back(static_cast<float>(double{d} * unit));
     json.push_back({{"construction", name_of(kConstructionNames, construction)},
                     {"points", picture.face.size()},
                     {"p50_curvature", per_metre(picture.p50)},
@@ -24,7 +26,8 @@ Json picture_json(const std::vector<std::pair<Construction, SurfacePicture>>& pi
                     {"position", packed(picture.position)},
                     {"normal", packed(picture.normal)},
                     {"spot", packed(picture.spot)},
-                    {"curvature", packed(curvature)}});
+                    {"curvature", packed(curvature)},
+                    {"departure", packed(departure)}});
   }
   return json;
 }

@@ -57,12 +57,11 @@ constexpr RowKey kPictureKeys[] = {{"construction", Expect::kText, true},
 struct PictureArray {
   const char *name, *type;
   std::size_t numbers;
+  bool is_optional = false;  // files of before do not have it
 };
-constexpr PictureArray kPictureArrays[] = {{"face", "u32", 1},
-                                           {"position", "f32", 3},
-                                           {"normal", "f32", 3},
-                                           {"spot", "f32", 1},
-                                           {"curvature", "f32", 1}};
+constexpr PictureArray kPictureArrays[] = {{"face", "u32", 1},      {"position", "f32", 3},
+                                           {"normal", "f32", 3},    {"spot", "f32", 1},
+                                           {"curvature", "f32", 1}, {"departure", "f32", 1, true}};
 
 // Bounds of a page: what a file has beyond them is left out.
 constexpr std::size_t kMostJumps = 20000;  // of all rows
@@ -94,7 +93,8 @@ Json read_picture(const Json& picture, const ReportSource& source) {
   std::size_t bytes = 0;
   for (std::size_t i = 0; i < read.size(); ++i) {
     const auto points = read[i]["points"].get<double>();
-    for (const auto& [name, type, numbers] : kPictureArrays) {
+    for (const auto& [name, type, numbers, is_optional] : kPictureArrays) {
+      if (is_optional && !picture[i].contains(name)) continue;
       Json array = picture[i].value(name, Json());
       if (!(points >= 1 && points <= 1e6) ||
           !is_packed(array, type, numbers * static_cast<std::size_t>(points)))
