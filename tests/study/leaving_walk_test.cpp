@@ -242,20 +242,18 @@ TEST(LeavingWalk, is_let_go_by_creases) {
 // Patches of long faces, which turn and shorten by default: corners whose edges are not smooth, and
 // searches that do not end within a tick.
 TEST(LeavingWalk, is_let_go_by_needles) {
-  for (const int sides : {6, 12}) {
-    Mesh mesh = prism(sides, 0.5, 60).mesh;
-    complete_mesh(mesh, Construction::kFair);
-    const PatchCache cache = build_cache(mesh);
-    const Hands hands = hands_on(mesh, test::samples(60, 3000));
-    for (const double settle : {0.0, 5e-3, 20e-3}) {
-      QueryOptions options;
-      options.settle = settle;
-      const HeldContacts felt = feel_leaving(cache, options, hands);
-      EXPECT_EQ(felt.held, 0u) << sides << " sides, settle " << settle << " s: of " << felt.contacts
-                               << ", " << felt.longest << " s";
-      EXPECT_EQ(felt.pulled, 0u);
-      EXPECT_GT(felt.contacts, hands.size() / 2);
-    }
+  Mesh mesh = prism(6, 0.5, 60).mesh;
+  complete_mesh(mesh, Construction::kFair);
+  const PatchCache cache = build_cache(mesh);
+  const Hands hands = hands_on(mesh, test::samples(20, 3000));
+  for (const double settle : {0.0, 5e-3, 20e-3}) {
+    QueryOptions options;
+    options.settle = settle;
+    const HeldContacts felt = feel_leaving(cache, options, hands);
+    EXPECT_EQ(felt.held, 0u) << "settle " << settle << " s: of " << felt.contacts << ", "
+                             << felt.longest << " s";
+    EXPECT_EQ(felt.pulled, 0u);
+    EXPECT_GT(felt.contacts, hands.size() / 2);
   }
 }
 
