@@ -16,6 +16,8 @@ static class Gliss
         public double Unit;
         [MarshalAs(UnmanagedType.LPStr)] public string Level;  // UTF-8 on Linux
         public uint Construction, Threads;
+        [MarshalAs(UnmanagedType.LPStr)] public string Crease;
+        public uint Orient, Flip;
     }
 
     [StructLayout(LayoutKind.Sequential)]

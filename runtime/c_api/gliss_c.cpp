@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <limits>
 #include <memory>
@@ -13,6 +14,7 @@
 
 #include "gliss/base/plain_arithmetic.h"
 #include "gliss/base/require.h"
+#include "gliss/base/units.h"
 #include "gliss/contact/tracker.h"
 #include "gliss/device/guard.h"
 #include "gliss/engine/engine.h"
@@ -66,6 +68,8 @@ std::int32_t attempt(const Act& act) noexcept {
     return fail(kBadInput, error.what());
   } catch (const gliss::NoFileError& error) {
     return fail(kBadInput, error.what());
+  } catch (const gliss::UnitError& error) {
+    return fail(kBadInput, error.what());
   } catch (const gliss::CacheError& error) {
     return fail(kBadCache, error.what());
   } catch (const std::invalid_argument& error) {
@@ -116,17 +120,29 @@ gliss::Method method_of(std::uint32_t method) {
   }
 }
 
-gliss_options checked(const gliss_options* options) {
-  const gliss_options usual = GLISS_OPTIONS_INIT;
-  if (options == nullptr) return usual;
-  require(options->size == sizeof(gliss_options),
+gliss_options checked(const gliss_options* given) {
+  constexpr std::size_t kFirstSize = offsetof(gliss_options, crease);  // until ABI 1.2
+  gliss_options chosen = GLISS_OPTIONS_INIT;
+  if (given == nullptr) return chosen;
+  require(given->size == sizeof(gliss_options) || given->size == kFirstSize,
           "gliss_options: begin with GLISS_OPTIONS_INIT of the library's own header");
-  require(options->precision <= GLISS_FLOAT, "precision: is neither GLISS_DOUBLE nor GLISS_FLOAT");
-  require(options->construction <= GLISS_PAPER,
+  std::memcpy(&chosen, given, given->size);
+  require(chosen.precision <= GLISS_FLOAT, "precision: is neither GLISS_DOUBLE nor GLISS_FLOAT");
+  require(chosen.construction <= GLISS_PAPER,
           "construction: is neither GLISS_FAIR nor GLISS_PAPER");
-  require(options->unit > 0 && std::isfinite(options->unit), "unit: is not above 0");
-  require(options->threads <= 4096, "threads: are more than 4096");
-  return *options;
+  require(chosen.unit > 0 && std::isfinite(chosen.unit), "unit: is not above 0");
+  require(chosen.threads <= 4096, "threads: are more than 4096");
+  require(chosen.orient <= GLISS_AS_GIVEN, "orient: is neither GLISS_OUTWARD nor GLISS_AS_GIVEN");
+  return chosen;
+}
+
+gliss::LoadOptions load_options(const gliss_options& options) {
+  gliss::LoadOptions load;
+  load.unit = options.unit;
+  if (options.crease != nullptr) load.creases = gliss::parse_creases(options.crease);
+  load.orient = options.orient == GLISS_AS_GIVEN ? gliss::Orient::kFile : gliss::Orient::kOutward;
+  load.flip = options.flip != 0;
+  return load;
 }
 
 gliss::BuildOptions build_options(const gliss_options& options) {
@@ -216,9 +232,7 @@ std::int32_t gliss_surface_load(const char* path, const gliss_options* options,
     const gliss_options chosen = checked(options);
     *out = surface_of(chosen, [&](const gliss::Engine& engine) {
       if (gliss::is_meant_as_cache(path)) return gliss::load_cache(path);
-      gliss::LoadOptions load;
-      load.unit = chosen.unit;
-      return engine.build(gliss::load_mesh(path, load), build_options(chosen));
+      return engine.build(gliss::load_mesh(path, load_options(chosen)), build_options(chosen));
     });
   });
 }
@@ -244,7 +258,7 @@ std::int32_t gliss_surface_from_arrays(const double* points, std::size_t stride,
     mesh.face_begin.assign(begin, begin + faces + 1);
     mesh.corner_vertex.assign(corners, corners + begin[faces]);
     *out = surface_of(chosen, [&](const gliss::Engine& engine) {
-      gliss::validate(mesh);
+      gliss::validate(mesh, load_options(chosen));
       return engine.build(mesh, build_options(chosen));
     });
   });

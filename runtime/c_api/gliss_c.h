@@ -32,7 +32,7 @@ extern "C" {
 #define GLISS_API
 #endif
 
-#define GLISS_ABI 0x000102u
+#define GLISS_ABI 0x000103u
 
 typedef struct gliss_surface gliss_surface;
 typedef struct gliss_hand gliss_hand;
@@ -58,11 +58,17 @@ typedef struct {
   const char* level;     /* "exact", "ribbon", "bezier", "table"; NULL: "exact" */
   uint32_t construction; /* GLISS_FAIR or GLISS_PAPER */
   uint32_t threads;      /* that build and ask; 0: as many as the machine has */
+  const char* crease;    /* edges to keep sharp, as --crease has them: "40deg", "auto", "none";
+                            NULL: those that the mesh asks for */
+  uint32_t orient;       /* of closed parts: GLISS_OUTWARD, or GLISS_AS_GIVEN: rooms stay rooms */
+  uint32_t flip;         /* not 0: open parts are turned over */
 } gliss_options;
 #define GLISS_FAIR 0u
 #define GLISS_PAPER 1u
+#define GLISS_OUTWARD 0u
+#define GLISS_AS_GIVEN 1u
 #define GLISS_OPTIONS_INIT \
-  { (uint32_t)sizeof(gliss_options), GLISS_DOUBLE, 1.0, NULL, GLISS_FAIR, 0 }
+  { (uint32_t)sizeof(gliss_options), GLISS_DOUBLE, 1.0, NULL, GLISS_FAIR, 0, NULL, 0, 0 }
 
 /* From a mesh (OBJ, OFF, PLY, STL) or a cache file, by its path in UTF-8. Options NULL: the
  * defaults. */

@@ -1,5 +1,7 @@
 // The functions for C: the results of the C++ library, and an error for each bad call.
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstring>
 #include <filesystem>
 #include <thread>
@@ -10,6 +12,7 @@
 #include "gliss/files/cache_file.h"
 #include "gliss/generate/generate.h"
 #include "tests/support/allocations.h"
+#include "tests/support/open_meshes.h"
 #include "tests/support/scratch_folder.h"
 #include "tests/support/surfaces.h"
 
@@ -46,6 +49,59 @@ struct CBall {
   const Mesh mesh;
   gliss_surface* surface = nullptr;
 };
+
+// True if the point (0, 0, z) is inside, by the nearest point.
+bool is_inside(const Mesh& mesh, const gliss_options& options, double z) {
+  gliss_surface* surface = nullptr;
+  EXPECT_EQ(gliss_surface_from_arrays(mesh.positions[0].data(), 0, mesh.positions.size(),
+                                      mesh.face_begin.data(), mesh.corner_vertex.data(),
+                                      mesh.face_count(), &options, &surface),
+            0)
+      << gliss_last_error();
+  const double hip[3] = {0, 0, z};
+  gliss_contact contact;
+  EXPECT_EQ(gliss_surface_nearest(surface, GLISS_GREGORY, hip, 0, sizeof(double), 1, &contact), 0)
+      << gliss_last_error();
+  gliss_surface_release(surface);
+  return contact.touching != 0;
+}
+
+TEST(CApi, orients_flips_and_creases_as_it_is_told) {
+  Mesh room = without_normals(goldberg(3).mesh);
+  for (std::uint32_t f = 0; f < room.face_count(); ++f)
+    std::reverse(room.corner_vertex.begin() + room.face_begin[f],
+                 room.corner_vertex.begin() + room.face_begin[f + 1]);
+  gliss_options options = GLISS_OPTIONS_INIT;
+  EXPECT_TRUE(is_inside(room, options, 5));
+  options.orient = GLISS_AS_GIVEN;
+  EXPECT_FALSE(is_inside(room, options, 5));
+  const Mesh sheet = without_normals(test::sheet());
+  EXPECT_TRUE(is_inside(sheet, options, -1));
+  options.flip = 1;
+  EXPECT_FALSE(is_inside(sheet, options, -1));
+
+  const auto departure = [](const char* crease, std::uint32_t size) {
+    const Mesh box = without_normals(cube(1, 20).mesh);
+    gliss_options creased = GLISS_OPTIONS_INIT;
+    creased.crease = crease;
+    creased.size = size;
+    gliss_surface* surface = nullptr;
+    EXPECT_EQ(gliss_surface_from_arrays(box.positions[0].data(), 0, box.positions.size(),
+                                        box.face_begin.data(), box.corner_vertex.data(),
+                                        box.face_count(), &creased, &surface),
+              0)
+        << gliss_last_error();
+    double distance = -1, room = 0;
+    std::uint32_t face = 0;
+    EXPECT_EQ(gliss_surface_departure(surface, &distance, &room, &face), 0);
+    gliss_surface_release(surface);
+    return distance;
+  };
+  EXPECT_LT(departure(nullptr, sizeof(gliss_options)), 1e-9);
+  EXPECT_GT(departure("none", sizeof(gliss_options)), 1);
+  // What ABI 1.2 knew: the text behind it is not read.
+  EXPECT_LT(departure("none", offsetof(gliss_options, crease)), 1e-9);
+}
 
 TEST(CApi, finds_what_the_library_finds) {
   const CBall ball;
@@ -340,6 +396,12 @@ TEST(CApi, refuses_null_and_what_is_none) {
   options = GLISS_OPTIONS_INIT;
   options.level = "smooth";
   refused(ball.make(&options, &surface), "smooth");
+  options = GLISS_OPTIONS_INIT;
+  options.crease = "sharp";
+  refused(ball.make(&options, &surface), "creases: 'sharp' is none of");
+  options = GLISS_OPTIONS_INIT;
+  options.orient = 2;
+  refused(ball.make(&options, &surface), "orient: is neither");
   gliss_object bad = object;
   gliss_hand* none = nullptr;
   bad.surface = nullptr;
