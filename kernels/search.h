@@ -189,11 +189,12 @@ FN int may_be_top(surface_view view, const foot* f) {
   return held.b >= 0 || (is_deep && (stays || held.a >= 0));
 }
 
-// Tracks a foot once more, for another HIP.
+// Tracks a foot on, for another HIP.
 FN void track_for(surface_view view, hip_point h, foot* f, track_options options,
                   known_minimum known) {
   const descent last = f->d;
   begin_descent(&f->d);
+  f->d.evaluations = last.evaluations;
   move_descent(&f->d, make_vector(last.xi, last.eta), last.at, local_hip(view, h, f->patch),
                numbers_of(view, f->patch)[PATCH_UNSCALE]);
   f->d.bend = start_bend(view, *f, options);
@@ -205,13 +206,16 @@ FN_LARGE void leave_top(surface_view view, hip_point h, foot* f, track_options o
                         known_minimum known) {
   const real3 back = unit3(f->d.r);
   real3 way = mul3(K(0x1p-14f) * sqrt(f->d.distance2), unit3(f->d.at.g_xi));
+  real evaluations = f->d.evaluations;
   for (int i = 0; i < 4; ++i) {
     hip_point aside = h;
     aside.low = add3(h.low, way);
     way = cross3(back, way);
     foot next = *f;
+    next.d.evaluations = evaluations;
     track_for(view, aside, &next, options, known);
     track_for(view, h, &next, options, known);
+    evaluations = next.d.evaluations;
     if (!(next.d.distance2 < (K(1) - K(0x1p-18f)) * f->d.distance2)) continue;
     *f = next;
     return;
