@@ -28,6 +28,12 @@ Mesh without_normals(Mesh mesh) {
   return mesh;
 }
 
+std::int32_t make_surface(const Mesh& mesh, const gliss_options* options, gliss_surface** out) {
+  return gliss_surface_from_arrays(mesh.positions[0].data(), 0, mesh.positions.size(),
+                                   mesh.face_begin.data(), mesh.corner_vertex.data(),
+                                   mesh.face_count(), options, out);
+}
+
 // A ball of 10 mm, from arrays.
 struct CBall {
   CBall() : mesh(without_normals(goldberg(3).mesh)) {
@@ -37,9 +43,7 @@ struct CBall {
   }
   ~CBall() { gliss_surface_release(surface); }
   std::int32_t make(const gliss_options* options, gliss_surface** out) const {
-    return gliss_surface_from_arrays(mesh.positions[0].data(), 0, mesh.positions.size(),
-                                     mesh.face_begin.data(), mesh.corner_vertex.data(),
-                                     mesh.face_count(), options, out);
+    return make_surface(mesh, options, out);
   }
   gliss_object object() const {
     gliss_object object = gliss_object_init();
@@ -53,11 +57,7 @@ struct CBall {
 // True if the point (0, 0, z) is inside, by the nearest point.
 bool is_inside(const Mesh& mesh, const gliss_options& options, double z) {
   gliss_surface* surface = nullptr;
-  EXPECT_EQ(gliss_surface_from_arrays(mesh.positions[0].data(), 0, mesh.positions.size(),
-                                      mesh.face_begin.data(), mesh.corner_vertex.data(),
-                                      mesh.face_count(), &options, &surface),
-            0)
-      << gliss_last_error();
+  EXPECT_EQ(make_surface(mesh, &options, &surface), 0) << gliss_last_error();
   const double hip[3] = {0, 0, z};
   gliss_contact contact;
   EXPECT_EQ(gliss_surface_nearest(surface, GLISS_GREGORY, hip, 0, sizeof(double), 1, &contact), 0)
@@ -86,11 +86,7 @@ TEST(CApi, orients_flips_and_creases_as_it_is_told) {
     creased.crease = crease;
     creased.size = size;
     gliss_surface* surface = nullptr;
-    EXPECT_EQ(gliss_surface_from_arrays(box.positions[0].data(), 0, box.positions.size(),
-                                        box.face_begin.data(), box.corner_vertex.data(),
-                                        box.face_count(), &creased, &surface),
-              0)
-        << gliss_last_error();
+    EXPECT_EQ(make_surface(box, &creased, &surface), 0) << gliss_last_error();
     double distance = -1, room = 0;
     std::uint32_t face = 0;
     EXPECT_EQ(gliss_surface_departure(surface, &distance, &room, &face), 0);

@@ -208,23 +208,26 @@ std::vector<Left> all_surfaces_of(const Mesh& mesh, const Mesh& creased) {
   return all;
 }
 
-// Presses into, slides on and leaves a mesh; with settle 0, 5 and 20 ms.
+// Presses into, slides on and leaves a surface; with settle 0, 5 and 20 ms.
+void expect_nothing_held(const std::string& name, const Left& surface, const Hands& hands) {
+  for (const double settle : {0.0, 5e-3, 20e-3}) {
+    QueryOptions options = surface.options;
+    options.settle = settle;
+    const HeldContacts felt = feel_leaving(surface.cache, options, hands);
+    const std::string which = fmt::format("{}, {}, settle {} s", name, surface.name, settle);
+    EXPECT_EQ(felt.held, 0u) << which << ": of " << felt.contacts << ", " << felt.longest << " s";
+    EXPECT_EQ(felt.pulled, 0u) << which;
+    EXPECT_GT(felt.contacts, hands.size() / 2) << which;
+    test::record(which, "{} of {} contacts held outside, {} s at most", felt.held, felt.contacts,
+                 felt.longest);
+  }
+}
+
 void expect_nothing_held(const std::string& name, const Mesh& raw, bool has_creases = false) {
   const Mesh mesh = test::with_normals(raw);
   const Hands hands = hands_on(mesh, test::samples(20, 3000));
-  for (const Left& surface : all_surfaces_of(mesh, has_creases ? test::with_creases(raw) : mesh)) {
-    for (const double settle : {0.0, 5e-3, 20e-3}) {
-      QueryOptions options = surface.options;
-      options.settle = settle;
-      const HeldContacts felt = feel_leaving(surface.cache, options, hands);
-      const std::string which = fmt::format("{}, {}, settle {} s", name, surface.name, settle);
-      EXPECT_EQ(felt.held, 0u) << which << ": of " << felt.contacts << ", " << felt.longest << " s";
-      EXPECT_EQ(felt.pulled, 0u) << which;
-      EXPECT_GT(felt.contacts, hands.size() / 2) << which;
-      test::record(which, "{} of {} contacts held outside, {} s at most", felt.held, felt.contacts,
-                   felt.longest);
-    }
-  }
+  for (const Left& surface : all_surfaces_of(mesh, has_creases ? test::with_creases(raw) : mesh))
+    expect_nothing_held(name, surface, hands);
 }
 
 TEST(LeavingWalk, is_let_go_by_smooth_solids) {
@@ -244,17 +247,8 @@ TEST(LeavingWalk, is_let_go_by_creases) {
 TEST(LeavingWalk, is_let_go_by_needles) {
   Mesh mesh = prism(6, 0.5, 60).mesh;
   complete_mesh(mesh, Construction::kFair);
-  const PatchCache cache = build_cache(mesh);
-  const Hands hands = hands_on(mesh, test::samples(20, 3000));
-  for (const double settle : {0.0, 5e-3, 20e-3}) {
-    QueryOptions options;
-    options.settle = settle;
-    const HeldContacts felt = feel_leaving(cache, options, hands);
-    EXPECT_EQ(felt.held, 0u) << "settle " << settle << " s: of " << felt.contacts << ", "
-                             << felt.longest << " s";
-    EXPECT_EQ(felt.pulled, 0u);
-    EXPECT_GT(felt.contacts, hands.size() / 2);
-  }
+  expect_nothing_held("needle", {"fair, double", build_cache(mesh), {}},
+                      hands_on(mesh, test::samples(20, 3000)));
 }
 
 TEST(LeavingWalk, is_let_go_by_parts_that_overlap) {

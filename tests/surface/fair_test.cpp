@@ -54,6 +54,7 @@ std::vector<FairCase> cases() {
       test::random_sheet(rng, {.shake = 0.6, .wave = 0.3, .tilt = 0.1, .has_quads = true}), 0.3);
   add("seam", test::random_sheet(rng, {.tilt = 0.1, .has_seam = true}), 0.05);
   add("dart", test::random_sheet(rng, {.tilt = 0.1, .has_dart = true}), 0.05);
+  add("another steep sheet", test::random_sheet(rng, {.wave = 1.5, .tilt = 0.6}), 0.5);
   return made;
 }
 
@@ -113,7 +114,7 @@ TEST_P(FairTest, triangles_agree_with_the_oracle) {
     all += fair.clamps();
   }
   // Every branch was met.
-  EXPECT_GE(std::min(all.curvature, all.twist), 3);
+  EXPECT_GE(std::min(all.curvature, all.twist), 5);
 }
 
 TEST_P(FairTest, polygons_agree_with_the_oracle) {
@@ -540,8 +541,8 @@ TEST(Fair, force_beneath_random_shapes_errs_half_as_much_as_the_papers) {
 
 // ---- Order ----------------------------------------------------------------------------------
 
-// Patches of triangles with exact normals, and of a mesh of half the size: a length falls with
-// distance by its fourth power, and with normals by its third.
+// With exact normals the distance falls with the length of sides by its fourth power, the angle to
+// the true normal by its third: between a mesh and one of half that length.
 TEST(Fair, triangles_leave_smooth_shapes_by_the_fourth_power_and_normals_by_the_third) {
   const auto errors = [](const Generated& shape) {
     Mesh mesh = test::in_triangles(shape.mesh);
