@@ -63,6 +63,7 @@
 #include "gliss/study/held_outside.h"
 #include "gliss/study/leaving_walk.h"
 #include "gliss/study/part_folder.h"
+#include "gliss/study/recommend.h"
 #include "gliss/study/surface_picture.h"
 #include "gliss/study/sweep.h"
 #include "gliss/study/sweep_parts.h"

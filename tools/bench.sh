@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Measures Gliss beside peers and the machine's limits, and writes the section of bench/RESULTS.md between its two
+# Measures Gliss beside peers and the machine's limits, and writes the section of bench/LOG.md between its two
 # markers. No figure fails it. Takes a quarter of an hour; --quick is for trying it: a short run, printed only.
 # Further arguments go to gliss_bench: tools/bench.sh --size=100000
 # How often the force jumps on random walks is measured by bench/walks.py, over the meshes of a folder.
@@ -26,6 +26,6 @@ build/gliss_bench "${run[@]}" --benchmark_out="$results" --benchmark_out_format=
 if [[ -n $quick ]]; then
   python3 tools/bench_table.py "$results"
 else
-  python3 tools/bench_table.py "$results" bench/RESULTS.md
-  echo "Written: bench/RESULTS.md"
+  python3 tools/bench_table.py "$results" bench/LOG.md
+  echo "Written: bench/LOG.md"
 fi

@@ -80,15 +80,15 @@ struct GLISS_EXPORT ForceStatistics {
 
   std::uint64_t jumps() const noexcept { return jumps_ + waiting_jumps(); }
   // Per 100,000 ticks in contact; 0 where there was no contact.
-  double jumps_per_100k() const noexcept { return per_100k(jumps()); }
-  double lost_per_100k() const noexcept { return per_100k(lost); }
+  double jumps_per_100k() const noexcept { return per_100k(static_cast<double>(jumps())); }
+  double lost_per_100k() const noexcept { return per_100k(static_cast<double>(lost)); }
   // The share of the ticks in contact that settle; 0 where there was none.
-  double settling_share() const noexcept { return per_100k(settling) * 1e-5; }
+  double settling_share() const noexcept { return per_100k(static_cast<double>(settling)) * 1e-5; }
 
  protected:
   // 0 where there was no contact.
-  double per_100k(std::uint64_t ticks) const noexcept {
-    return touching == 0 ? 0 : 1e5 * static_cast<double>(ticks) / static_cast<double>(touching);
+  double per_100k(double count) const noexcept {
+    return touching == 0 ? 0 : 1e5 * count / static_cast<double>(touching);
   }
 
  private:

@@ -48,7 +48,7 @@ std::vector<TraceStatistics> trace(const PatchCache& cache, std::span<const Vec3
   std::optional<Effects> effects;
   if (options.effects.any()) effects.emplace(options.effects, options.stiffness, cache.unit);
   const std::vector<PathLoop> loops = closed_loops(hips);
-  std::vector<LoopGain> gains(options.methods.size(), LoopGain(loops));
+  std::vector<LoopMeter> meters(options.methods.size(), LoopMeter(loops, options.stiffness));
   std::vector<TraceStep> steps(options.methods.size());
   for (std::size_t tick = 0, last = 0; tick < hips.size(); ++tick) {
     const bool is_somewhere = hips[tick].allFinite();
@@ -66,13 +66,13 @@ std::vector<TraceStatistics> trace(const PatchCache& cache, std::span<const Vec3
       statistics[m].add(steps[m].contact.touching, steps[m].force,
                         is_settling(steps[m].contact.flags));
       statistics[m].slipping += is_slipping(steps[m].contact.flags);
-      gains[m].add(cache.unit * hips[tick], steps[m].force);
+      meters[m].add(cache.unit * hips[tick], steps[m].force);
     }
     if (sink && !sink(tick, steps)) break;
   }
-  for (std::size_t m = 0; m < gains.size(); ++m) {
-    statistics[m].work = gains[m].work();
-    statistics[m].loop_gain = gains[m].largest();
+  for (std::size_t m = 0; m < meters.size(); ++m) {
+    statistics[m].work = meters[m].work();
+    statistics[m].loop_gain = meters[m].largest();
   }
   return statistics;
 }

@@ -38,7 +38,7 @@ struct TraceStatistics : ForceStatistics {
   Method method = Method::kGregory;
   std::uint64_t slipping = 0;  // ticks in contact with kSlipping
   Work work;                   // of the force on the hand, J
-  double loop_gain{};          // LoopGain::largest, of the path's closed_loops
+  LoopGain loop_gain{};        // LoopMeter::largest, of the path's closed_loops
 
   // The share of the ticks in contact that slip; 0 where there was none.
   double slipping_share() const noexcept { return per_100k(slipping) * 1e-5; }

@@ -12,19 +12,20 @@
 namespace gliss {
 
 // A sum over steps, in the unit of force times that of length. `gross` counts each step as
-// positive.
+// positive; `effort` takes the force for its full size, whatever its direction.
 struct Work {
-  double net = 0, gross = 0;
+  double net = 0, gross = 0, effort = 0;
 
   // A step by `way`, the force going from `before` to `after` (trapezoidal rule).
   void add(const Vec3& before, const Vec3& after, const Vec3& way) noexcept {
     const double work = 0.5 * (before + after).dot(way);
     net += work;
     gross += std::abs(work);
+    effort += 0.5 * (before.norm() + after.norm()) * way.norm();
   }
-  Work since(const Work& start) const { return {net - start.net, gross - start.gross}; }
-  // The net work as a share of the gross; NaN where there was none.
-  double gain() const { return gross > 0 ? net / gross : std::numeric_limits<double>::quiet_NaN(); }
+  Work since(const Work& start) const {
+    return {net - start.net, gross - start.gross, effort - start.effort};
+  }
 };
 
 // A part of a path that leads back to where it began, from one index to another.
@@ -36,42 +37,88 @@ struct PathLoop {
 // step after 16 of them at least, having been farther away. Allocates.
 GLISS_EXPORT std::vector<PathLoop> closed_loops(std::span<const Vec3> path);
 
-// The largest share of the gross work that a closed loop gives the hand, each time round. Where a
-// force has a potential, as that of a nearest point has, it is nothing.
-class LoopGain {
+// Net work that a closed loop gives the hand, as a share of its effort, and how far the truth may
+// lie from that. NaN: there was no loop with a force.
+struct LoopGain {
+  double gain = std::numeric_limits<double>::quiet_NaN(), error = gain;
+
+  // True if the hand was given, or lost, more than the error.
+  bool is_certain() const noexcept { return std::abs(gain) > error; }
+  double excess() const noexcept { return gain - error; }
+};
+
+// Measures the gain of closed loops of a path, each time round. Where a force has a potential, as
+// that of a nearest point has, it is nothing. The error has three parts. Sampling: a sum over every
+// other tick differs by so much, each pair of steps by its size. Closing: the step back to where
+// the loop began may hold a leap of the force. Potential: a round that does not end as it began has
+// at one end more of the k |F / k|^2 / 2 of a spring of stiffness k.
+class LoopMeter {
  public:
-  // The loops must outlive it.
-  explicit LoopGain(std::span<const PathLoop> loops) : loops_(loops) {}
+  // The loops must outlive it. `stiffness`: of the force, in its unit per that of length.
+  LoopMeter(std::span<const PathLoop> loops, double stiffness)
+      : loops_(loops), stiffness_(stiffness) {}
 
   // Takes the next point of the path and the force there.
   void add(const Vec3& point, const Vec3& force) noexcept {
-    if (index_ > 0) all_.add(last_force_, force, point - last_);
-    last_ = point;
-    last_force_ = force;
+    const Place now{point, force};
+    if (index_ > 0) all_.add(last_.force, force, point - last_.point);
+    if (index_ % 2 == 0) {
+      if (index_ > 0) sampling_ += disagreement(now);
+      even_ = now;
+    }
+    last_ = now;
     if (next_ < loops_.size() && index_ == loops_[next_].end) {
-      Work round = all_.since(start_);
-      round.add(force, start_force_, start_point_ - point);
-      if (!(round.gain() <= largest_) && !std::isnan(round.gain())) largest_ = round.gain();
+      finish(now);
       ++next_;
     }
     if (next_ < loops_.size() && index_ == loops_[next_].begin) {
-      start_ = all_;
-      start_point_ = point;
-      start_force_ = force;
+      start_ = now;
+      start_work_ = all_;
+      start_sampling_ = sampling_;
     }
     ++index_;
   }
 
-  const Work& work() const { return all_; }    // of the whole path
-  double largest() const { return largest_; }  // NaN where no loop had work
+  const Work& work() const { return all_; }  // of the whole path
+  // The loop whose gain exceeds its error by most.
+  const LoopGain& largest() const { return largest_; }
 
  private:
+  struct Place {
+    Vec3 point = Vec3::Zero(), force = Vec3::Zero();
+  };
+
+  // Between the last two steps and one step over both.
+  double disagreement(const Place& now) noexcept {
+    Work one, two;
+    one.add(even_.force, now.force, now.point - even_.point);
+    two.add(even_.force, last_.force, last_.point - even_.point);
+    two.add(last_.force, now.force, now.point - last_.point);
+    return std::abs(one.net - two.net);
+  }
+
+  void finish(const Place& now) noexcept {
+    Work round = all_.since(start_work_);
+    round.add(now.force, start_.force, start_.point - now.point);
+    if (!(round.effort > 0)) return;
+    const double closing =
+        0.5 * (now.force - start_.force).norm() * (now.point - start_.point).norm();
+    const double potential =
+        stiffness_ > 0
+            ? std::abs(now.force.squaredNorm() - start_.force.squaredNorm()) / (2 * stiffness_)
+            : 0;
+    const LoopGain gain{round.net / round.effort,
+                        (sampling_ - start_sampling_ + closing + potential) / round.effort};
+    if (!(gain.excess() <= largest_.excess())) largest_ = gain;
+  }
+
   std::span<const PathLoop> loops_;
+  double stiffness_;
   std::size_t index_ = 0, next_ = 0;  // of the path; of the loops
-  Work all_, start_;
-  Vec3 last_ = Vec3::Zero(), last_force_ = Vec3::Zero();
-  Vec3 start_point_ = Vec3::Zero(), start_force_ = Vec3::Zero();
-  double largest_ = std::numeric_limits<double>::quiet_NaN();
+  Place last_, even_, start_;         // even: the last point of an even index
+  Work all_, start_work_;
+  double sampling_ = 0, start_sampling_ = 0;
+  LoopGain largest_;
 };
 
 }  // namespace gliss

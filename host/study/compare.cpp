@@ -9,6 +9,7 @@
 #include "gliss/base/require.h"
 #include "gliss/base/stopwatch.h"
 #include "gliss/build/build_cache.h"
+#include "gliss/study/recommend.h"
 #include "gliss/study/tessellate.h"
 
 namespace gliss {
@@ -85,7 +86,9 @@ void Comparison::add_exact(Construction construction) {
   evaluate(exact.cache, points_, exact.points);
   for (const ComparePath& path : paths_) {
     const double depth = path.depth / mesh_.unit;
-    exact.pushes.push_back(feel_path(exact.cache, {}, path.hips, depth, {}, options_.poll).push);
+    QueryOptions ideal;
+    ideal.settle = options_.settle;  // so that the reference has no error from itself
+    exact.pushes.push_back(feel_path(exact.cache, ideal, path.hips, depth, {}, options_.poll).push);
   }
   exact_.push_back(std::move(exact));
 }
@@ -288,20 +291,34 @@ void Comparison::measure_walks(const PatchCache& cache, const QueryOptions& quer
   row.steps_beyond_2dx_per_100k = row.max_step_beyond_2dx = kUnknown;
   row.loop_gain = loop_gain(cache, query, walks_.loops, options_.poll);
   row.leaving = feel_leaving(cache, query, walks_.leaving, polled(engine));
-  if (walks_.walks.empty()) return;
-  const FeltWalks felt = feel_walks(cache, query, walks_.walks, walks_.depth / mesh_.unit,
-                                    polled(engine), options_.most_jumps > 0 ? &row.jumps : nullptr);
+  const double depth = walks_.depth / mesh_.unit;
+  for (const WalkSet& set : walks_.sets) {
+    for (const double settle : {0.0, query.settle > 0 ? query.settle : QueryOptions{}.settle}) {
+      QueryOptions settling = query;
+      settling.settle = settle;
+      const bool is_main = row.walks.size() < 2 && settle == query.settle;
+      const bool with_jumps = is_main && options_.most_jumps > 0;
+      const FeltWalks felt = feel_walks(cache, settling, set.walks, depth, polled(engine),
+                                        with_jumps ? &row.jumps : nullptr);
+      row.walks.push_back({set.step * walks_.depth, settle, felt});
+      row.unsound += felt.unsound;
+      if (is_main) take_walks(felt, row);
+    }
+  }
   std::stable_sort(row.jumps.begin(), row.jumps.end(),
                    [](const WalkJump& a, const WalkJump& b) { return a.step > b.step; });
   if (row.jumps.size() > options_.most_jumps) row.jumps.resize(options_.most_jumps);
-  row.walk_max_force_step = options_.stiffness * mesh_.unit * felt.largest_step;
-  row.walk_p99_force_step = options_.stiffness * mesh_.unit * felt.p99_step;
+}
+
+void Comparison::take_walks(const FeltWalks& felt, CompareRow& row) const {
+  const double newtons = options_.stiffness * mesh_.unit;
+  row.walk_max_force_step = newtons * felt.largest_step;
+  row.walk_p99_force_step = newtons * felt.p99_step;
   row.steps_beyond_2dx_per_100k = felt.steps_beyond_2dx_per_100k();
-  row.max_step_beyond_2dx = options_.stiffness * mesh_.unit * felt.largest_beyond_2dx;
+  row.max_step_beyond_2dx = newtons * felt.largest_beyond_2dx;
   row.jumps_per_100k = felt.jumps_per_100k();
   row.lost_per_100k = felt.lost_per_100k();
   row.settling_share = felt.settling_share();
-  row.unsound += felt.unsound;
 }
 
 double Comparison::evaluation_rate(const ResidentSurface& resident) const {
@@ -361,35 +378,6 @@ DenseRow Comparison::match(Method method, const CompareRow& target, std::uint64_
             : kUnknown;
   }
   return row;
-}
-
-void mark_pareto(std::vector<CompareRow>& rows) {
-  const auto beats = [](const CompareRow& a, const CompareRow& b) {
-    const bool no_worse = a.max_force_error <= b.max_force_error && a.tick <= b.tick &&
-                          a.bytes_per_patch <= b.bytes_per_patch;
-    return no_worse && (a.max_force_error < b.max_force_error || a.tick < b.tick ||
-                        a.bytes_per_patch < b.bytes_per_patch);
-  };
-  for (CompareRow& row : rows) {
-    row.pareto = std::none_of(rows.begin(), rows.end(),
-                              [&](const CompareRow& other) { return beats(other, row); });
-  }
-}
-
-const CompareRow* recommend(const std::vector<CompareRow>& rows, const CompareBudget& budget) {
-  const CompareRow* best = nullptr;
-  const auto within = [](double value, const std::optional<double>& most) {
-    return !most || value <= *most;
-  };
-  for (const CompareRow& row : rows) {
-    if (!within(row.max_force_error, budget.force_error) || !within(row.tick, budget.tick) ||
-        !within(row.bytes, budget.memory))
-      continue;
-    if (best == nullptr ||
-        (budget.force_error ? row.tick < best->tick : row.max_force_error < best->max_force_error))
-      best = &row;
-  }
-  return best;
 }
 
 }  // namespace gliss

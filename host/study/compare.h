@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -51,6 +50,13 @@ struct CompareOptions {
   std::function<void()> poll = nullptr;
 };
 
+// How walks feel, by their speed and by `settle`.
+struct CompareWalk {
+  double way = 0;     // m, a tick
+  double settle = 0;  // s
+  FeltWalks felt{};   // mesh's unit for N
+};
+
 // Lengths in m. What was not measured is NaN: a JSON null.
 struct CompareRow {
   CompareCandidate candidate;
@@ -63,18 +69,19 @@ struct CompareRow {
   double true_max_distance = 0, true_p99_distance = 0;      // to the reference
   double max_normal_gap = 0, p99_normal_gap = 0;            // rad
   double max_force_step = 0, p99_force_step = 0;            // N, along the path
-  double walk_max_force_step = 0, walk_p99_force_step = 0;  // N, in the walks
-  double jumps_per_100k = 0, lost_per_100k = 0;             // in the walks; without, along the path
+  double walk_max_force_step = 0, walk_p99_force_step = 0;  // N, in the first walks
+  double jumps_per_100k = 0, lost_per_100k = 0;             // as well; without, along the path
   double settling_share = 0;                                // of the ticks in contact; as the jumps
   double steps_beyond_2dx_per_100k = 0, max_step_beyond_2dx = 0;  // in the walks (FeltWalks); N
   HeldContacts leaving{};                                         // of CompareWalks::leaving
-  double loop_gain = 0;                                           // of CompareWalks::loops
+  LoopGain loop_gain{};                                           // of CompareWalks::loops
   std::uint64_t unsound = 0;                                      // steps that are not finite
   // The error is to the force of that surface, as a share of stiffness x depth.
   double max_force_error = 0, p99_force_error = 0;
   double tick = 0;  // s, median
   bool pareto = false;
-  std::vector<WalkJump> jumps{};  // in the walks, the largest first
+  std::vector<CompareWalk> walks{};  // each of CompareWalks::sets with settle 0 and above 0
+  std::vector<WalkJump> jumps{};     // in the first walks, the largest first
 };
 
 // A triangle mesh so dense that it feels as smooth as `target`, or the densest that was tried.
@@ -90,21 +97,22 @@ struct DenseRow {
   double needed_triangles = 0;
 };
 
-// The most that a recommended row may cost.
-struct CompareBudget {
-  std::optional<double> force_error, tick, memory;  // ratio, s, bytes
-};
-
 // HIPs at one depth.
 struct ComparePath {
   double depth = 0;          // m
   std::vector<Vec3> hips{};  // mesh's unit
 };
 
+// Random walks at one speed.
+struct WalkSet {
+  double step = 0.01;  // of the depth, a tick
+  std::vector<Walk> walks{};
+};
+
 // Random walks, all at one depth, and hands that leave; none: they are switched off.
 struct CompareWalks {
-  double depth = 0;  // m
-  std::vector<Walk> walks{};
+  double depth = 0;             // m
+  std::vector<WalkSet> sets{};  // what a row says of walks without a speed is of the first
   std::vector<std::vector<Vec3>> loops{};    // loop_paths, as deep
   std::vector<std::vector<Vec3>> leaving{};  // leaving_paths, of any depth
 };
@@ -156,6 +164,8 @@ class GLISS_EXPORT Comparison {
                     CompareRow& row) const;
   void measure_walks(const PatchCache& cache, const QueryOptions& query, const Engine& engine,
                      CompareRow& row) const;
+  // Makes `felt` the figures of the row's walks without a speed.
+  void take_walks(const FeltWalks& felt, CompareRow& row) const;
   double evaluation_rate(const ResidentSurface& resident) const;
   double tracking_rate(const ResidentSurface& resident, const QueryOptions& query) const;
   QueryOptions query_of(const CompareCandidate& candidate, Solver solver) const;
@@ -171,12 +181,5 @@ class GLISS_EXPORT Comparison {
   std::vector<DomainPoint> points_, many_points_;  // many: for the rate of evaluation
   std::vector<Vec3> hips_;                         // beneath points_
 };
-
-// Marks rows that no other beats in error, tick and memory at once.
-GLISS_EXPORT void mark_pareto(std::vector<CompareRow>& rows);
-// The quickest of the rows within the budget, or the nearest to the exact surface where no error is
-// given; null: none.
-GLISS_EXPORT const CompareRow* recommend(const std::vector<CompareRow>& rows,
-                                         const CompareBudget& budget);
 
 }  // namespace gliss

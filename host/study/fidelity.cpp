@@ -16,6 +16,53 @@ bool is_bent(const PatchCache& cache, std::uint32_t face) {
   return cache.kind[cache.first_patch(face)] == PatchKind::kBent;
 }
 
+constexpr double kCrease = 0.866;  // cosine of the least turn at a crease that a path goes round
+
+// HIPs about `step` apart, beneath a surface or, where that does not do, as high above it.
+class SlidingPath {
+ public:
+  SlidingPath(const PatchCache& cache, bool has_creases, double depth, double step)
+      : cache_(cache), has_creases_(has_creases), depth_(depth), step_(step) {}
+
+  void add(const SurfacePoint& on) {
+    const bool is_outside = has_creases_ && is_beside_crease(on);
+    if (!hips_.empty() && (is_outside || was_outside_)) {
+      const Vec3 over = last_.normal + on.normal;
+      if (!was_outside_) lead_to(last_.position + depth_ * last_.normal);
+      if (last_.normal.dot(on.normal) < kCrease)
+        lead_to(on.position + depth_ * over.stableNormalized());
+      if (!is_outside) lead_to(on.position + depth_ * on.normal);
+      lead_to(on.position + (is_outside ? depth_ : -depth_) * on.normal);
+    } else {
+      hips_.push_back(on.position + (is_outside ? depth_ : -depth_) * on.normal);
+    }
+    last_ = on;
+    was_outside_ = is_outside;
+  }
+  const std::vector<Vec3>& hips() const { return hips_; }
+
+ private:
+  // True if the surface nearest to the HIP beneath is another side, up to that across a thin part.
+  bool is_beside_crease(const SurfacePoint& on) const {
+    const Contact contact = nearest(cache_, on.position - depth_ * on.normal);
+    const double turn = contact.normal.dot(on.normal);
+    return contact.distance > -0.9 * depth_ && turn < kCrease && turn > -0.5;
+  }
+  void lead_to(const Vec3& place) {
+    const Vec3 from = hips_.back();
+    const double step = std::min(step_, depth_ / 10);  // pressing in is no jump
+    const auto ticks = static_cast<int>(std::max(1.0, std::ceil((place - from).norm() / step)));
+    for (int i = 1; i <= ticks; ++i) hips_.push_back(from + i / double(ticks) * (place - from));
+  }
+
+  const PatchCache& cache_;
+  const bool has_creases_;
+  const double depth_, step_;
+  std::vector<Vec3> hips_;
+  SurfacePoint last_{};
+  bool was_outside_ = false;
+};
+
 }  // namespace
 
 std::vector<Vec3> path_over(const Mesh& mesh, const Topology& topology, const PatchCache& cache,
@@ -23,10 +70,10 @@ std::vector<Vec3> path_over(const Mesh& mesh, const Topology& topology, const Pa
   std::mt19937 random(1);  // whose numbers the standard fixes; its distributions are not
   const auto below = [&](std::uint32_t n) { return static_cast<std::uint32_t>(random() % n); };
   const auto part = [&] { return 0.2 + 0.6 * (random() / 4294967296.0); };
-  std::vector<Vec3> path;
+  SlidingPath path(cache, !mesh.sharp.empty(), depth, step);
   std::uint32_t face = below(static_cast<std::uint32_t>(mesh.face_count())), enter = 0;
   double t = 0.5;
-  for (int stuck = 0; path.size() < count && stuck < 64;) {
+  for (int stuck = 0; path.hips().size() < count && stuck < 64;) {
     const std::uint32_t n = mesh.valence(face), first = mesh.face_begin[face];
     // Opposite, now and then any other; the way back where all others are borders.
     std::uint32_t leave = enter;
@@ -45,9 +92,12 @@ std::vector<Vec3> path_over(const Mesh& mesh, const Topology& topology, const Pa
     // Through the centre where it leaves by the side that it came in by.
     const Eigen::Vector2d from(a.xi, a.eta), to(b.xi, b.eta),
         bow = leave == enter ? Eigen::Vector2d(-0.5 * (from + to)) : Eigen::Vector2d::Zero();
-    const auto at = [&](double s) {
+    const auto on = [&](double s) {
       const Eigen::Vector2d x = (1 - s) * from + s * to + 2 * s * (1 - s) * bow;
-      const SurfacePoint p = evaluate(cache, {face, x.x(), x.y()});
+      return evaluate(cache, {face, x.x(), x.y()});
+    };
+    const auto at = [&](double s) {
+      const SurfacePoint p = on(s);
       return Vec3(p.position - depth * p.normal);
     };
     double length = 0;
@@ -55,14 +105,16 @@ std::vector<Vec3> path_over(const Mesh& mesh, const Topology& topology, const Pa
     for (int i = 0; i < kPieces; ++i)
       length += (at((i + 1.0) / kPieces) - at(i / double{kPieces})).norm();
     const auto ticks = static_cast<std::size_t>(std::max(1.0, std::ceil(length / step)));
-    for (std::size_t i = 0; i < ticks && path.size() < count; ++i)
-      path.push_back(at(static_cast<double>(i) / static_cast<double>(ticks)));
+    for (std::size_t i = 0; i < ticks && path.hips().size() < count; ++i)
+      path.add(on(static_cast<double>(i) / static_cast<double>(ticks)));
     const std::uint32_t twin = topology.side_twin[first + leave];
     face = topology.side_face[twin];
     enter = twin - mesh.face_begin[face];
     t = 1 - t_out;
   }
-  return path;
+  std::vector<Vec3> hips = path.hips();
+  hips.resize(std::min(hips.size(), count));
+  return hips;
 }
 
 std::vector<DomainPoint> spread_points(const PatchCache& cache, std::size_t count) {

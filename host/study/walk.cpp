@@ -14,14 +14,14 @@
 namespace gliss {
 namespace {
 
-constexpr double kAbove = 0.02;                   // of the diagonal: where a walk begins
-constexpr double kRise = 0.2;                     // of a step: at most so far towards the depth
-constexpr double kKeep = 0.98;                    // of the turn a tick, ...
-constexpr double kWander = 0.002;                 // ... and its change, rad
-constexpr double kDeepest = 3;                    // depths: deeper, it is through a thin part
-constexpr int kTries = 1000;                      // to find a start
-constexpr std::size_t kMostWalks = 1000;          // a walker
-constexpr int kRound = 4000, kRoundBegins = 400;  // ticks of a closed loop
+constexpr double kAbove = 0.02;           // of the diagonal: where a walk begins
+constexpr double kRise = 0.2;             // of a step: at most so far towards the depth
+constexpr double kKeep = 0.98;            // of the turn a tick, ...
+constexpr double kWander = 0.002;         // ... and its change, rad
+constexpr double kDeepest = 3;            // depths: deeper, it is through a thin part
+constexpr int kTries = 1000;              // to find a start
+constexpr std::size_t kMostWalks = 1000;  // a walker
+constexpr int kRound = 4000;              // ticks of a closed loop
 
 class Walker {
  public:
@@ -164,7 +164,7 @@ std::vector<std::vector<Vec3>> loop_paths(const Mesh& mesh, const Topology& topo
     const Vec3 place = places.choose(random), normal = nearest(base, place, shaded).normal;
     const Vec3 across = width / 2 * normal.unitOrthogonal(), along = normal.cross(across);
     const Vec3 centre = place - depth * normal;
-    for (int tick = 0; tick <= kRoundBegins + kRound; ++tick) {
+    for (int tick = 0; tick <= 2 * kRound; ++tick) {
       const double angle = (i % 2 == 0 ? 2 : -2) * std::numbers::pi * tick / kRound;
       loops[i].push_back(centre + std::cos(angle) * across + std::sin(angle) * along);
     }
@@ -172,21 +172,21 @@ std::vector<std::vector<Vec3>> loop_paths(const Mesh& mesh, const Topology& topo
   return loops;
 }
 
-double loop_gain(const PatchCache& cache, const QueryOptions& options,
-                 std::span<const std::vector<Vec3>> loops, const std::function<void()>& poll) {
-  double largest = std::numeric_limits<double>::quiet_NaN();
+LoopGain loop_gain(const PatchCache& cache, const QueryOptions& options,
+                   std::span<const std::vector<Vec3>> loops, const std::function<void()>& poll) {
+  const PathLoop second{kRound, 2 * kRound};
+  LoopGain largest;
   for (const std::vector<Vec3>& loop : loops) {
     if (poll) poll();
-    const PathLoop round{kRoundBegins, kRoundBegins + kRound};
-    LoopGain gain({&round, 1});
+    LoopMeter meter({&second, 1}, 1);
     ContactTracker tracker(cache, options);
     bool in_contact = true;
     for (const Vec3& hip : loop) {
       const Contact contact = tracker.tick(hip);
       in_contact = in_contact && contact.touching;
-      gain.add(hip, contact.push);
+      meter.add(hip, contact.push);
     }
-    if (in_contact && !(gain.largest() <= largest)) largest = gain.largest();
+    if (in_contact && !(meter.largest().excess() <= largest.excess())) largest = meter.largest();
   }
   return largest;
 }

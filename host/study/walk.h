@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <span>
@@ -54,7 +55,8 @@ struct WalkJump {
 };
 
 struct FeltWalks : ForceStatistics {
-  double p99_step = 0;  // of the steps
+  double p99_step = 0;      // of the steps
+  double jump_squares = 0;  // sum of (jumps of a walk)^2
   // Steps that exceed twice the HIP's way, which a quick hand has without a leap; by how much, at
   // most. A step that is not finite is among them.
   std::uint64_t steps_beyond_2dx = 0;
@@ -64,12 +66,22 @@ struct FeltWalks : ForceStatistics {
     steps_beyond_2dx += excess > 0;
     largest_beyond_2dx = std::max(largest_beyond_2dx, excess);
   }
+  // Adds one walk.
   void merge(const FeltWalks& other) noexcept {
     ForceStatistics::merge(other);
+    const auto jumps = static_cast<double>(other.jumps());
+    jump_squares += jumps * jumps;
     steps_beyond_2dx += other.steps_beyond_2dx;
     largest_beyond_2dx = std::max(largest_beyond_2dx, other.largest_beyond_2dx);
   }
-  double steps_beyond_2dx_per_100k() const noexcept { return per_100k(steps_beyond_2dx); }
+  double steps_beyond_2dx_per_100k() const noexcept {
+    return per_100k(static_cast<double>(steps_beyond_2dx));
+  }
+  // The standard deviation over seeds of jumps_per_100k, as the walks tell it, whose jumps come in
+  // bursts; one jump at least, for where none was seen there may be one.
+  double jumps_spread_per_100k() const noexcept {
+    return per_100k(std::sqrt(std::max(1.0, jump_squares)));
+  }
 };
 // Counts what a tracker of its own feels on each walk; stiffness 1 N per unit of length, full
 // force `depth` (mesh's unit). Ticks of pressing in are not counted. Adds to `jumps`, unless it is
@@ -80,17 +92,17 @@ GLISS_EXPORT FeltWalks feel_walks(const PatchCache& cache, const QueryOptions& o
                                   std::vector<WalkJump>* jumps = nullptr);
 
 // Closed loops of HIPs beneath a mesh, to tell if a force makes energy: circles about as wide as a
-// face, every other one backwards, in planes `depth` beneath places chosen by area. Each goes on a
-// little after it has closed: a tracker needs to know first where it is. `count` of them,
-// deterministic by the seed.
+// face, every other one backwards, in planes `depth` beneath places chosen by area, each twice
+// round: the second round ends as it began. `count` of them, deterministic by the seed.
 GLISS_EXPORT std::vector<std::vector<Vec3>> loop_paths(const Mesh& mesh, const Topology& topology,
                                                        double depth, std::size_t count,
                                                        std::uint64_t seed = 1);
 
-// The largest gain (Work) of those loops of loop_paths that stay in contact; NaN: there is none.
-// `poll` is called before each loop, and may end it by throwing.
-GLISS_EXPORT double loop_gain(const PatchCache& cache, const QueryOptions& options,
-                              std::span<const std::vector<Vec3>> loops,
-                              const std::function<void()>& poll = nullptr);
+// The gain of the second round (LoopMeter) on that loop of loop_paths, of those that stay in
+// contact, where it exceeds its error by most; NaN: there is none. `poll` is called before each
+// loop, and may end it by throwing.
+GLISS_EXPORT LoopGain loop_gain(const PatchCache& cache, const QueryOptions& options,
+                                std::span<const std::vector<Vec3>> loops,
+                                const std::function<void()>& poll = nullptr);
 
 }  // namespace gliss

@@ -195,7 +195,7 @@ TEST(Effects, pull_by_a_magnet_from_outside_alone) {
   EXPECT_NEAR(most, 0.5, 1e-3);
 }
 
-// Over the net work of a closed path its gross work, about a ball of 10 mm.
+// The gain of a closed path about a ball of 10 mm.
 double gain_round(const TraceOptions& options, double radius, int ticks) {
   static const PatchCache cache = test::cache_of(effects_ball());
   const Eigen::AngleAxisd tilt(1, Vec3(3, 2, 1).normalized());
@@ -204,7 +204,7 @@ double gain_round(const TraceOptions& options, double radius, int ticks) {
     const double turn = 2 * std::numbers::pi * i / ticks;
     hips.push_back(Vec3(0.4, 0.3, 0.2) + tilt * (radius * Vec3(std::cos(turn), std::sin(turn), 0)));
   }
-  return std::abs(trace(cache, hips, options)[0].loop_gain);
+  return std::abs(trace(cache, hips, options)[0].loop_gain.gain);
 }
 
 TEST(Effects, of_textures_and_magnets_make_no_energy) {
@@ -216,7 +216,8 @@ TEST(Effects, of_textures_and_magnets_make_no_energy) {
     options.effects = {.texture = texture};
     const double fine = gain_round(options, 8, 200'000);
     EXPECT_LT(fine, 1e-6);
-    test::record(name_of(kReliefNames, texture.relief), "{:.1e} of the gross work of a loop", fine);
+    test::record(name_of(kReliefNames, texture.relief),
+                 "{:.1e} of the force times the way of a loop", fine);
   }
   options.effects = {.magnet = {0.5, 3e-3}};
   EXPECT_LT(gain_round(options, 11.5, 200'000), 1e-6);

@@ -49,7 +49,8 @@ TEST(LoopGain, is_all_of_the_work_of_a_whirl_and_none_of_a_spring) {
   for (int i = 0; i <= 300; ++i) path.push_back(on_circle(i / 300.0));
   const std::vector<PathLoop> loops = closed_loops(path);
   ASSERT_EQ(loops.size(), 1u);
-  LoopGain whirl(loops), against(loops), spring(loops), line(std::span<const PathLoop>{});
+  LoopMeter whirl(loops, 0), against(loops, 0), spring(loops, 3),
+      line(std::span<const PathLoop>{}, 0);
   for (const Vec3& x : path) {
     whirl.add(x, Vec3(-x.y(), x.x(), 0));
     against.add(x, Vec3(x.y(), -x.x(), 0));
@@ -57,12 +58,16 @@ TEST(LoopGain, is_all_of_the_work_of_a_whirl_and_none_of_a_spring) {
     line.add(x, x);
   }
   const double area = 4 * std::numbers::pi;
-  EXPECT_NEAR(whirl.largest(), 1, 1e-12);
+  EXPECT_NEAR(whirl.largest().gain, 1, 1e-3);
+  EXPECT_LT(whirl.largest().error, 1e-3);
+  EXPECT_TRUE(whirl.largest().is_certain());
   EXPECT_NEAR(whirl.work().net, 2 * area, 2e-3 * area);
-  EXPECT_NEAR(against.largest(), -1, 1e-12);
-  EXPECT_NEAR(spring.largest(), 0, 1e-12);
+  EXPECT_NEAR(against.largest().gain, -1, 1e-3);
+  EXPECT_TRUE(against.largest().is_certain());
+  EXPECT_NEAR(spring.largest().gain, 0, 1e-12);
+  EXPECT_FALSE(spring.largest().is_certain());
   EXPECT_GT(spring.work().gross, 1);
-  EXPECT_TRUE(std::isnan(line.largest()));
+  EXPECT_TRUE(std::isnan(line.largest().gain));
 }
 
 // Once round an inclined circle under many faces of a ball of 10 mm.
@@ -73,7 +78,7 @@ double gain_round(const PatchCache& cache, Method method, int ticks) {
     hips.push_back(Vec3(0.4, 0.3, 0.2) + tilt * on_circle(static_cast<double>(i) / ticks, 7.5));
   TraceOptions options;
   options.methods = {method};
-  return std::abs(trace(cache, hips, options)[0].loop_gain);
+  return std::abs(trace(cache, hips, options)[0].loop_gain.gain);
 }
 
 TEST(LoopGain, of_nearest_points_falls_with_the_square_of_the_step) {
@@ -99,9 +104,12 @@ TEST(LoopGain, of_nearest_points_is_nothing_on_any_generated_mesh) {
       BuildOptions options;
       options.level.construction = construction;
       const PatchCache cache = build_cache(mesh, topology, options);
-      const double gain = loop_gain(cache, {}, loops);
-      EXPECT_LT(gain, 1e-6) << mesh.source;
-      EXPECT_GT(loop_gain(cache, shaded, loops), 100 * gain) << mesh.source;
+      const LoopGain gain = loop_gain(cache, {}, loops);
+      EXPECT_LT(gain.gain, 1e-6) << mesh.source;
+      EXPECT_LT(gain.error, 1e-3) << mesh.source;
+      const LoopGain made_up = loop_gain(cache, shaded, loops);
+      EXPECT_TRUE(made_up.is_certain()) << mesh.source;
+      EXPECT_GT(made_up.gain, 100 * gain.gain) << mesh.source;
     }
   }
 }

@@ -95,17 +95,16 @@ void write(const std::vector<Row>& rows, const TracingOptions& options, const Un
   table.write();
 }
 
-// Nothing where the force is all but at right angles to the path: its work is then the error of the
-// sum over steps. `length` of the path, m.
-std::string gain_text(const TraceStatistics& s, double length) {
-  if (std::isnan(s.loop_gain) || !(s.work.gross > 0.01 * s.largest_force * length)) return "";
-  if (s.loop_gain < -0.01)  // friction
-    return fmt::format("; closed loops take at least {:.3g} %", -100 * s.loop_gain);
-  return fmt::format("; closed loops give the hand up to {:.3g} %", 100 * s.loop_gain);
+// Nothing where the gain lies within its error.
+std::string gain_text(const LoopGain& loops) {
+  if (!loops.is_certain()) return "";
+  const std::string share = fmt::format("{:.3g} (± {:.1g}) % of force x way",
+                                        100 * std::abs(loops.gain), 100 * loops.error);
+  return loops.gain < 0 ? "; closed loops take at least " + share  // friction
+                        : "; closed loops give the hand up to " + share;
 }
 
-void report_statistics(const TracingOptions& options, const std::vector<TraceStatistics>& found,
-                       double length) {
+void report_statistics(const TracingOptions& options, const std::vector<TraceStatistics>& found) {
   std::string text =
       fmt::format("{:<8} {:>14} {:>10} {:>10} {:>14} {:>14} {:>10} {:>10} {:>8} {:>10}\n", "method",
                   "max step, N", "jumps/100k", "lost/100k", "mean step, N", "max force, N", "ticks",
@@ -123,7 +122,7 @@ void report_statistics(const TracingOptions& options, const std::vector<TraceSta
       slips += fmt::format("{:<8} slips in {:.1f} % of the ticks in contact\n",
                            method_name(s.method), 100 * s.slipping_share());
     work += fmt::format("{:<8} net work {:>12.6g} J of {:.6g} J{}\n", method_name(s.method),
-                        s.work.net, s.work.gross, gain_text(s, length));
+                        s.work.net, s.work.gross, gain_text(s.loop_gain));
     json["methods"].push_back(json_of(s));
     if (options.trace.friction.any()) json["methods"].back()["slipping"] = s.slipping;
   }
@@ -209,10 +208,7 @@ void run(TracingOptions options) {
     tell_untouched(options, options.depth > 0 ? "--depth" : options.path, points_in_metres(path),
                    in_metres, "say so by --unit, or by columns x_mm,y_mm,z_mm");
   }
-  double length = 0;
-  for (std::size_t i = 1; i < hips.size(); ++i)
-    length += cache.unit * (hips[i] - hips[i - 1]).norm();
-  report_statistics(options, statistics, length);
+  report_statistics(options, statistics);
 }
 
 }  // namespace

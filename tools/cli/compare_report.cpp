@@ -14,9 +14,9 @@ namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi, kMicroseconds = 1e6;
 
-constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+constexpr double kMetreAMillisecond = 1e6;  // in mm/s
 
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(); }
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 // The numbers of a row, by the names that JSON and tables give them.
 struct NumberColumn {
@@ -50,7 +50,8 @@ constexpr NumberColumn kNumbers[] = {
     {"jumps_per_100k", "", get<&CompareRow::jumps_per_100k>},
     {"lost_per_100k", "", get<&CompareRow::lost_per_100k>},
     {"settling_share", "", get<&CompareRow::settling_share>},
-    {"loop_gain", "", get<&CompareRow::loop_gain>},
+    {"loop_gain", "", [](const CompareRow& r) { return r.loop_gain.gain; }},
+    {"loop_gain_error", "", [](const CompareRow& r) { return r.loop_gain.error; }},
     {"unsound", "", [](const CompareRow& r) { return static_cast<double>(r.unsound); }},
     {"max_force_error", "", get<&CompareRow::max_force_error>},
     {"p99_force_error", "", get<&CompareRow::p99_force_error>},
@@ -76,6 +77,28 @@ std::string rate_text(double per_second) {
   return std::isfinite(per_second) ? fmt::format("{:.3g} M", per_second * 1e-6) : "-";
 }
 
+Json json_of(const CompareWalk& walk) {
+  return {{"mm_per_s_at_1kHz", walk.way * kMetreAMillisecond},
+          {"settle_s", walk.settle},
+          {"ticks", walk.felt.touching},
+          {"jumps_per_100k", walk.felt.jumps_per_100k()},
+          {"jumps_spread_per_100k", walk.felt.jumps_spread_per_100k()},
+          {"lost_per_100k", walk.felt.lost_per_100k()},
+          {"steps_beyond_2dx_per_100k", walk.felt.steps_beyond_2dx_per_100k()},
+          {"settling_share", walk.felt.settling_share()}};
+}
+
+// More than its error, in %; else what it may be at most.
+std::string gain_text(const LoopGain& loops) {
+  if (std::isnan(loops.gain)) return "-";
+  if (!loops.is_certain()) return fmt::format("< {:.1g}", 100 * loops.error);
+  return fmt::format("{:.2g}", 100 * loops.gain);
+}
+
+std::string jumps_text(const FeltWalks& felt) {
+  return fmt::format("{:.0f} ± {:.0f}", felt.jumps_per_100k(), felt.jumps_spread_per_100k());
+}
+
 }  // namespace
 
 Json json_of(const CompareRow& row) {
@@ -93,6 +116,7 @@ Json json_of(const CompareRow& row) {
   }
   json["bytes"] = row.bytes;
   json["pareto"] = row.pareto;
+  for (const CompareWalk& walk : row.walks) json["walks"].push_back(json_of(walk));
   return json;
 }
 
@@ -103,11 +127,11 @@ Json recommendation_json(const CompareRow& row) {
           {"backend", row.backend}};
 }
 
-std::string recommendation_text(const CompareRow* best, const CompareBudget& budget) {
-  if (best == nullptr) return "nothing is within the budget\n";
-  if (!(budget.force_error || budget.tick || budget.memory)) return "";
-  return fmt::format("within the budget: {}, {}, {}\n", best->candidate.name(),
-                     precision_name(best->precision), name_of(kSolverNames, best->solver));
+std::string text_of(const Recommendation& best, const CompareBudget& budget) {
+  if (best.row == nullptr) return "nothing is recommended: " + best.reason + "\n";
+  return fmt::format("recommended{}: {}, {}, {}: {}\n", budget.any() ? " within the budget" : "",
+                     best.row->candidate.name(), precision_name(best.row->precision),
+                     name_of(kSolverNames, best.row->solver), best.reason);
 }
 
 Json json_of(const DenseRow& row, const CompareRow& target) {
@@ -130,9 +154,10 @@ Json json_of(const DenseRow& row, const CompareRow& target) {
 }
 
 Json json_of(const CompareWalks& walks, const WalkOptions& walk) {
-  if (walks.walks.empty()) return {};
-  return {{"walkers", walk.walkers}, {"walks", walks.walks.size()}, {"ticks", walk.ticks},
-          {"depth_m", walks.depth},  {"step", walk.step},           {"seed", walk.seed}};
+  if (walks.sets.empty()) return {};
+  return {{"walkers", walk.walkers}, {"walks", walks.sets.front().walks.size()},
+          {"ticks", walk.ticks},     {"depth_m", walks.depth},
+          {"step", walk.step},       {"seed", walk.seed}};
 }
 
 Json json_of(const LeavingOptions& leaving) {
@@ -140,30 +165,46 @@ Json json_of(const LeavingOptions& leaving) {
   return {{"hands", leaving.hands}, {"rest_ticks", leaving.rest}, {"seed", leaving.seed}};
 }
 
-std::string rows_heading() {
-  return fmt::format(
-      "  {:<8} {:<6} {:<12} {:<6} {:>8} {:>9} {:>8} {:>8} {:>10} {:>10} {:>9} {:>9} {:>9} {:>9} "
-      "{:>9} {:>9} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>8} {:>10}\n",
-      "level", "prec.", "solver", "on", "B/patch", "build/s", "eval/s", "track/s", "far, mm",
-      "p99, mm", "gap, deg", "p99, deg", "step, N", "p99, N", "walk, N", "p99, N", "jumps/",
-      "lost/", "loops, %", "error, %", "p99, %", "tick, us", "beyond/", "held");
+std::string feel_text(const std::vector<CompareRow>& rows) {
+  std::string text = fmt::format("  {:<8} {:<6} {:<12}", "level", "prec.", "solver");
+  if (!rows.empty()) {
+    for (const CompareWalk& walk : rows.front().walks)
+      text += fmt::format(" {:>19}", fmt::format("{:.3g} mm/s, {:.3g} ms",
+                                                 walk.way * kMetreAMillisecond, 1e3 * walk.settle));
+  }
+  text += fmt::format(" {:>8} {:>10} {:>9} {:>9} {:>9} {:>9}\n", "lost/", "held", "loops, %",
+                      "p99, %", "error, %", "tick, us");
+  for (const CompareRow& row : rows) {
+    if (row.backend != rows.front().backend) continue;
+    text += fmt::format("{} {:<8} {:<6} {:<12}", row.pareto ? '*' : ' ', row.candidate.name(),
+                        precision_name(row.precision), name_of(kSolverNames, row.solver));
+    for (const CompareWalk& walk : row.walks) text += fmt::format(" {:>19}", jumps_text(walk.felt));
+    text += fmt::format(" {:>8.1f} {:>10} {:>9} {:>9.2g} {:>9.3g} {:>9.2f}\n", row.lost_per_100k,
+                        held_text(row.leaving), gain_text(row.loop_gain), 100 * row.p99_force_error,
+                        100 * row.max_force_error, row.tick * kMicroseconds);
+    text += unsound_text(row.unsound, "steps");
+  }
+  return text;
 }
 
-std::string text_of(const CompareRow& row) {
-  return fmt::format(
-             "{} {:<8} {:<6} {:<12} {:<6} {:>8.0f} {:>9} {:>8} {:>8} {:>10.3g} {:>10.3g} {:>9.2g} "
-             "{:>9.2g} {:>9.4g} {:>9.4g} {:>9.4g} {:>9.4g} {:>8.1f} {:>8.1f} {:>8.2g} {:>8.3g} "
-             "{:>8.3g} {:>8.2f} {:>8.1f} {:>10}\n",
-             row.pareto ? '*' : ' ', row.candidate.name(), precision_name(row.precision),
-             name_of(kSolverNames, row.solver), row.backend, row.bytes_per_patch,
-             rate_text(row.build_per_s), rate_text(row.eval_per_s), rate_text(row.track_per_s),
-             row.max_distance * 1e3, row.p99_distance * 1e3, row.max_normal_gap * kDegrees,
-             row.p99_normal_gap * kDegrees, row.max_force_step, row.p99_force_step,
-             row.walk_max_force_step, row.walk_p99_force_step, row.jumps_per_100k,
-             row.lost_per_100k, 100 * row.loop_gain, 100 * row.max_force_error,
-             100 * row.p99_force_error, row.tick * kMicroseconds, row.steps_beyond_2dx_per_100k,
-             held_text(row.leaving)) +
-         unsound_text(row.unsound, "steps");
+std::string cost_text(const std::vector<CompareRow>& rows) {
+  std::string text = fmt::format(
+      "  {:<8} {:<6} {:<12} {:<6} {:>8} {:>9} {:>8} {:>8} {:>10} {:>10} {:>9} {:>9} {:>9} {:>9} "
+      "{:>9} {:>9} {:>9}\n",
+      "level", "prec.", "solver", "on", "B/patch", "build/s", "eval/s", "track/s", "far, mm",
+      "p99, mm", "gap, deg", "p99, deg", "step, N", "p99, N", "walk, N", "p99, N", "beyond/");
+  for (const CompareRow& row : rows) {
+    text += fmt::format(
+        "  {:<8} {:<6} {:<12} {:<6} {:>8.0f} {:>9} {:>8} {:>8} {:>10.3g} {:>10.3g} {:>9.2g} "
+        "{:>9.2g} {:>9.4g} {:>9.4g} {:>9.4g} {:>9.4g} {:>9.1f}\n",
+        row.candidate.name(), precision_name(row.precision), name_of(kSolverNames, row.solver),
+        row.backend, row.bytes_per_patch, rate_text(row.build_per_s), rate_text(row.eval_per_s),
+        rate_text(row.track_per_s), row.max_distance * 1e3, row.p99_distance * 1e3,
+        row.max_normal_gap * kDegrees, row.p99_normal_gap * kDegrees, row.max_force_step,
+        row.p99_force_step, row.walk_max_force_step, row.walk_p99_force_step,
+        row.steps_beyond_2dx_per_100k);
+  }
+  return text;
 }
 
 std::string text_of(const DenseRow& row) {
@@ -184,27 +225,21 @@ std::string text_of(const DenseRow& row) {
 }
 
 std::string text_of(const CompareWalks& walks, const WalkOptions& walk) {
-  const std::string jumps = "jumps/, lost/: per 100,000 ticks in contact, ";
-  if (walks.walks.empty()) return jumps + "along the path\n";
-  const double way = walks.depth * walk.step;  // m, a tick
-  return jumps +
-         fmt::format(
-             "in {} random walks of {} ticks {:.3g} mm deep, {:.3g} mm a tick, which is {:.3g} "
-             "mm/s at 1 kHz; beyond/: the same of steps above twice that way; walk, N: the largest "
-             "step there\n",
-             walk.walkers, walk.ticks, walks.depth * 1e3, way * 1e3, way * 1e6) +
-         fmt::format(
-             "loops: of the work that they take, what {} closed loops a face wide give back "
-             "at most beyond it\n",
-             walks.loops.size());
+  if (walks.sets.empty()) return "lost/: per 100,000 ticks in contact along the path\n";
+  return fmt::format(
+      "mm/s, ms: jumps of the force in 100,000 ticks in contact, ± one standard deviation over "
+      "seeds, by the hand's speed in a loop of 1 kHz and by settle: {} random walks of {} ticks, "
+      "{:.3g} mm deep; lost/, walk, N, beyond/: of the slow ones with settle as given; loops: net "
+      "work, of force x way, that {} closed loops a face wide give the hand at most\n",
+      walk.walkers, walk.ticks, walks.depth * 1e3, walks.loops.size());
 }
 
 std::string text_of(const LeavingOptions& leaving, double settle) {
   if (leaving.hands == 0) return "";
   return fmt::format(
       "held: contacts of {} hands that press in, slide, leave at up to 2 % of the mesh's diagonal "
-      "a "
-      "tick, and rest outside: felt there for longer than {} ticks, 5 x settle and one\n",
+      "a tick, and rest outside, that are felt there for longer than {} ticks, 5 x settle and "
+      "one\n",
       leaving.hands, held_bound(settle));
 }
 

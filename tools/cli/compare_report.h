@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "gliss/study/compare.h"
+#include "gliss/study/recommend.h"
 #include "gliss/tables/result_file.h"
 #include "tools/cli/command.h"
 
@@ -13,8 +14,7 @@ namespace gliss::tools {
 
 Json json_of(const CompareRow& row);
 Json recommendation_json(const CompareRow& row);
-// `best`: null if no row is within the budget.
-std::string recommendation_text(const CompareRow* best, const CompareBudget& budget);
+std::string text_of(const Recommendation& best, const CompareBudget& budget);
 Json json_of(const DenseRow& row, const CompareRow& target);
 // Null where there are no walks.
 Json json_of(const CompareWalks& walks, const WalkOptions& walk);
@@ -22,8 +22,9 @@ Json json_of(const CompareWalks& walks, const WalkOptions& walk);
 // Null where there are no hands.
 Json json_of(const LeavingOptions& leaving);
 
-std::string rows_heading();
-std::string text_of(const CompareRow& row);
+// A table of what a hand feels, which no backend changes, and one of costs and shape.
+std::string feel_text(const std::vector<CompareRow>& rows);
+std::string cost_text(const std::vector<CompareRow>& rows);
 std::string text_of(const DenseRow& row);
 std::string text_of(const CompareWalks& walks, const WalkOptions& walk);
 // `settle`: as in CompareOptions. "" where there are no hands.

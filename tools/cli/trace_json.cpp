@@ -20,7 +20,8 @@ Json json_of(const TraceStatistics& s) {
           {"settling", s.settling},
           {"net_work_J", s.work.net},
           {"gross_work_J", s.work.gross},
-          {"loop_gain", std::isfinite(s.loop_gain) ? Json(s.loop_gain) : Json()}};
+          {"loop_gain", number(s.loop_gain.gain)},
+          {"loop_gain_error", number(s.loop_gain.error)}};
 }
 
 }  // namespace gliss::tools
