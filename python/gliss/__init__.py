@@ -14,8 +14,12 @@ Arrays of float64 are read where they lie, in whatever order, and others are con
 their memory. Calls that compute let other Python threads run, and end by Ctrl-C. Slips are ValueError and TypeError.
 """
 
+import difflib as _difflib
+import enum as _enum
+import inspect as _inspect
 import os as _os
 import shlex as _shlex
+import tempfile as _tempfile
 import typing as _typing
 import warnings as _warnings
 import weakref as _weakref
@@ -25,7 +29,7 @@ import numpy as _np
 from . import _gliss
 from ._gliss import CacheError, Contact, DeviceError, MeshError, SceneError, __version__
 
-__all__ = ["CacheError", "Contact", "Contacts", "Departure", "DeviceError", "Hand", "Loop", "MeshError", "Results",
+__all__ = ["CacheError", "Contact", "Contacts", "Departure", "DeviceError", "Flag", "Hand", "Loop", "MeshError", "Results",
            "SceneError", "Surface", "SurfacePoints", "Sweep", "Trace", "Triangles", "__version__", "load"]
 
 
@@ -50,14 +54,42 @@ def _words(options):
     return words
 
 
-def _touch(stiffness, method, *, settle="5ms", friction=0.0, friction_settle=0.0, damping=0.0, viscosity=0.0,
-           magnet=None, texture=None):
-    return dict(stiffness=stiffness, method=method, settle=settle, friction=friction,
-                friction_settle=friction_settle, damping=damping, viscosity=viscosity, magnet=magnet, texture=texture)
+def _touch(stiffness, method, options):
+    return dict(stiffness=stiffness, method=method, **_named(_touch_options, options))
+
+
+def _touch_options(*, settle="5ms", friction=0.0, friction_settle=0.0, damping=0.0, viscosity=0.0, magnet=None,
+                   texture=None):
+    return dict(settle=settle, friction=friction, friction_settle=friction_settle, damping=damping,
+                viscosity=viscosity, magnet=magnet, texture=texture)
+
+
+def _named(function, options):
+    """Calls `function`, which has keywords only, or says which of them is likely meant."""
+    known = [name for name, p in _inspect.signature(function).parameters.items() if p.kind is p.KEYWORD_ONLY]
+    for name in options:
+        if name not in known:
+            near = _difflib.get_close_matches(name, known, 1)
+            raise TypeError(f"there is no option '{name}'" + (f": did you mean '{near[0]}'?" if near else
+                                                              f"; there are {', '.join(known)}"))
+    return function(**options)
+
+
+class Flag(_enum.IntFlag):
+    """Bits of the flags of a contact: ``Flag(c.flags[0])``, or ``c.flags & Flag.ON_BORDER``."""
+
+    CONVERGED = 1  # the search has ended at a nearest point
+    ON_BORDER = 2  # at the rim of an open mesh
+    ON_CREASE = 4
+    NOT_BUILT = 8  # of a cache of a part of the mesh
+    UNFINISHED = 16  # more evaluations were needed than a tick may take
+    SETTLING = 32  # slides to the nearest point instead of leaping there
+    SLIPPING = 64
 
 
 class Results:
-    """Arrays by name: as attributes, and as items, so that ``dict(results)`` is all of them."""
+    """Arrays by name: as attributes, and as items, so that ``dict(results)`` is all of them. ``len(results)`` rows;
+    ``results[i]`` is a dict of row i."""
 
     def __init__(self, arrays):
         self._arrays = arrays
@@ -76,7 +108,18 @@ class Results:
         return self._arrays.keys()
 
     def __getitem__(self, name):
+        if isinstance(name, (int, _np.integer)):
+            return {key: array[name] for key, array in self._arrays.items()}
         return self._arrays[name]
+
+    def __iter__(self):
+        return (self[i] for i in range(len(self)))
+
+    def __len__(self):
+        return len(next(iter(self._arrays.values())))
+
+    def __bool__(self):
+        return True
 
     def __repr__(self):
         return f"{type(self).__name__}({', '.join(f'{name}: {array.shape}' for name, array in self._arrays.items())})"
@@ -84,17 +127,23 @@ class Results:
     def columns(self):
         """The same as a dict of arrays (n,), with point_x, point_y, point_z for point: for pandas.DataFrame."""
         flat = {}
+        of_grid = self.distance.ndim if "distance" in self._arrays else 1
         for name, array in self._arrays.items():
-            if array.ndim == 1:
-                flat[name] = array
+            if array.ndim == of_grid:
+                flat[name] = array.ravel()
             else:
-                axes = ("x", "y", "z") if array.shape[1] == 3 else ("xi", "eta")
-                flat.update((f"{name}_{axis}", array[:, i]) for i, axis in enumerate(axes))
+                axes = ("x", "y", "z") if array.shape[-1] == 3 else ("xi", "eta")
+                flat.update((f"{name}_{axis}", array[..., i].ravel()) for i, axis in enumerate(axes))
         return flat
 
 
 class Contacts(Results):
     """Nearest points of a surface, as Surface.nearest tells."""
+
+    @property
+    def inside(self):
+        """True where the point lies inside."""
+        return self.distance < 0
 
 
 class SurfacePoints(Results):
@@ -136,6 +185,8 @@ class Sweep:
 
 def _real(values, name):
     """An aligned array of float64, of any strides; a view where `values` is one."""
+    if isinstance(values, _np.ma.MaskedArray):
+        raise TypeError(f"{name}: a masked array, whose mask would be lost; take its .compressed() or .filled()")
     array = _np.asarray(values)
     if array.dtype.kind not in "fiu":
         raise TypeError(f"{name}: expected real numbers, found dtype {array.dtype}")
@@ -152,6 +203,14 @@ def _whole(values, name):
     if array.size and not (array.min() >= 0 and array.max() < 2**32):
         raise ValueError(f"{name}: expected numbers from 0 to {2**32 - 1}, found {array.min()} to {array.max()}")
     return _np.ascontiguousarray(array, _np.uint32)
+
+
+def _grid(values, name):
+    """Points of shape (..., 3) as (n, 3), and the shape before the 3."""
+    points = _real(values, name)
+    if points.ndim in (0, 2) or points.shape[-1] != 3:
+        return points, points.shape[:1]  # what is wrong with its shape is said where it is read
+    return points.reshape(-1, 3), points.shape[:-1]
 
 
 def _unpadded(padded):
@@ -190,10 +249,14 @@ def _faces(faces):
     return _whole(offsets, "faces"), _np.concatenate(rows) if rows else _np.zeros(0, _np.uint32)
 
 
-def _options(unit=None, *, level=None, construction=None, precision=None, crease=None, crease_radius=None, weld=None,
+def _options(unit=None, **options):
+    return dict(unit=unit, **_named(_surface_options, options))
+
+
+def _surface_options(*, level=None, construction=None, precision=None, crease=None, crease_radius=None, weld=None,
              normals="auto", orient="outward", flip=False, strict=False, keep_non_manifold=False, threads=0, backend="tbb",
              opencl_device=""):
-    return dict(unit=unit, level=level, construction=construction, precision=precision, crease=crease,
+    return dict(level=level, construction=construction, precision=precision, crease=crease,
                 crease_radius=crease_radius, weld=weld, normals=normals, orient=orient, flip=flip, strict=strict,
                 keep_non_manifold=keep_non_manifold, threads=threads, backend=backend, opencl_device=opencl_device)
 
@@ -207,12 +270,25 @@ class Departure(_typing.NamedTuple):
 
 
 def _warn_of(surface):
-    """Warns of a surface that is not the shape of its mesh."""
+    """Warns of repairs, of creases, of a unit that was forgotten, and of a surface that is not its mesh's shape."""
+    for finding in surface.findings:
+        if finding["severity"] == "repaired":
+            _warnings.warn(f"repaired: {finding['message']}", stacklevel=4)
+    edges, degrees = surface.creases, surface._open.crease_hint
+    if edges and surface._open.has_usual_creases:
+        _warnings.warn(f"{edges} edges are kept sharp; crease='none' makes the surface smooth all over", stacklevel=4)
+    elif degrees is not None:
+        _warnings.warn(f"the edges of this mesh turn by much less than {degrees:.0f} degrees or by much more, as a "
+                       "machine part's do: crease='auto' keeps the latter sharp", stacklevel=4)
+    low, high = surface.bounds
+    across = surface.unit * float(_np.linalg.norm(high - low))
+    if across > 10:
+        _warnings.warn(f"the surface is {across:.3g} m across: its unit may be another, as unit='mm'", stacklevel=4)
     if surface._open.faithful:
         return
     distance, room, face = surface.tightest
     _warnings.warn(f"the surface leaves face {face} by {distance:.3g}, and the next face is {room:.3g} away: a hand "
-                   "feels another shape than the mesh's there; crease= keeps edges sharp", stacklevel=3)
+                   "feels another shape than the mesh's there; crease= keeps edges sharp", stacklevel=4)
 
 
 class Surface:
@@ -236,6 +312,21 @@ class Surface:
         _warn_of(self)
         self._words = []  # no command of the program reads it
 
+    def __getstate__(self):
+        with _tempfile.TemporaryDirectory() as folder:
+            path = _os.path.join(folder, "surface.gliss")
+            self.save(path)
+            with open(path, "rb") as file:
+                return {"cache": file.read(), "threads": self.threads, "backend": self.backend}
+
+    def __setstate__(self, state):
+        with _tempfile.TemporaryDirectory() as folder:
+            path = _os.path.join(folder, "surface.gliss")
+            with open(path, "wb") as file:
+                file.write(state["cache"])
+            self._open = _gliss.load(path, _options(threads=state["threads"], backend=state["backend"]))
+        self._words = []
+
     @classmethod
     def _of(cls, opened, words):
         surface = cls.__new__(cls)
@@ -250,8 +341,24 @@ class Surface:
 
     @property
     def faces(self):
-        """Number of faces of the mesh, after repairs."""
+        """Number of faces of the mesh, after repairs; `polygons` are the faces themselves."""
         return self._open.faces
+
+    @property
+    def vertices(self):
+        """(n, 3): vertices of the mesh, after repairs, in its unit. ValueError for a cache that does not keep them."""
+        return self._open.mesh()[0]
+
+    @property
+    def polygons(self):
+        """The faces of the mesh, after repairs: a list of arrays of vertices. ValueError as for `vertices`."""
+        _, offsets, corners = self._open.mesh()
+        return _np.split(corners, offsets[1:-1])
+
+    @property
+    def creases(self):
+        """Number of edges that are kept sharp; of a cache, which does not keep them: 0."""
+        return self._open.creases
 
     @property
     def patches(self):
@@ -320,19 +427,30 @@ class Surface:
     def nearest(self, points, method="gregory"):
         """The nearest point of the surface to each point.
 
-        points: (n, 3), in the surface's unit. method: "gregory", "shaded" or "flat".
+        points: (n, 3), in the surface's unit; also (3,) and grids (..., 3), whose shape the results keep.
+        method: "gregory", "shaded" or "flat".
         Contacts: point (n, 3), normal (n, 3) outward and unit, distance (n,) signed and negative inside, face (n,),
         domain (n, 2) as xi, eta on the patch, touching (n,) bool, flags (n,), iterations (n,). Points and distances
         are in the surface's unit.
         """
-        return Contacts(_gliss.nearest(self._open, _real(points, "points"), method))
+        points, shape = _grid(points, "points")
+        found = _gliss.nearest(self._open, points, method)
+        if len(shape) != 1:
+            found = {name: array.reshape(shape + array.shape[1:]) for name, array in found.items()}
+        return Contacts(found)
+
+    def contains(self, points, method="gregory"):
+        """True for each point that lies inside: bool (n,), or of the shape of a grid (..., 3)."""
+        return self.nearest(points, method).inside
 
     def force(self, points, stiffness="0.5N/mm", method="gregory"):
         """The force on a hand at each point, (n, 3) N: stiffness times the depth, outward; zero outside.
 
-        points: (n, 3), in the surface's unit. stiffness: N/m, or text. method as for nearest.
+        points: as for nearest. stiffness: N/m, or text. method as for nearest.
         """
-        return _gliss.force(self._open, _real(points, "points"), stiffness, method)
+        points, shape = _grid(points, "points")
+        force = _gliss.force(self._open, points, stiffness, method)
+        return force if len(shape) == 1 else force.reshape(shape + (3,))
 
     def evaluate(self, face, xi_eta):
         """Points of patches.
@@ -403,7 +521,7 @@ class Surface:
         """
         if time is not None:
             time = _np.atleast_1d(_real(time, "time"))[:, None]
-        return Trace(*_gliss.trace(self._open, _real(path, "path"), time, _touch(stiffness, method, **options)))
+        return Trace(*_gliss.trace(self._open, _real(path, "path"), time, _touch(stiffness, method, options)))
 
     def hand(self, stiffness="0.5N/mm", method="gregory", **options):
         """A Hand on this surface, for simulators: hand.tick(hip) each ms. Options are those of trace, but time."""
@@ -417,7 +535,7 @@ class Hand:
     """
 
     def __init__(self, surface, stiffness="0.5N/mm", method="gregory", **options):
-        self._open = _gliss.OpenHand(surface._open, _touch(stiffness, method, **options))
+        self._open = _gliss.OpenHand(surface._open, _touch(stiffness, method, options))
 
     def tick(self, hip, dt=1e-3):
         """The Contact after the HIP has moved to `hip`, (3,) in the surface's unit: a microsecond and the call.

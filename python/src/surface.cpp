@@ -4,6 +4,7 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <numbers>
 
 #include "arrays.h"
 #include "calls.h"
@@ -14,6 +15,7 @@
 #include "gliss/files/mesh_file.h"
 #include "gliss/mesh/creases.h"
 #include "gliss/mesh/rounding.h"
+#include "gliss/mesh/topology.h"
 #include "options.h"
 #include "tools/cli/lengths.h"
 
@@ -99,8 +101,13 @@ template <class Make>
 void build(OpenSurface& surface, const Opening& opening, Make make) {
   try {
     surface.mesh = make(&surface.findings);
+    const CreaseRules& rules = opening.load.creases;
+    surface.has_usual_creases = rules.are_usual();
+    if (rules.are_usual() && surface.mesh->sharp.empty()) {
+      const auto angle = plain_crease_angle(*surface.mesh, build_topology(*surface.mesh));
+      if (angle) surface.crease_hint = *angle * 180 / std::numbers::pi;
+    }
     if (opening.crease_radius > 0) {
-      const CreaseRules& rules = opening.load.creases;
       if (surface.mesh->sharp.empty() && (rules.none || rules.are_usual()))
         throw py::value_error(
             "crease_radius: no edge is a crease; add which edges it rounds, as crease='auto' or "
@@ -198,6 +205,18 @@ py::array_t<double> bounds_of(const OpenSurface& surface) {
   return bounds.array();
 }
 
+// Vertices (n, 3), offsets and corners of the faces.
+py::tuple mesh_arrays(const OpenSurface& surface) {
+  const Mesh mesh = surface.mesh ? *surface.mesh : mesh_of(*surface.cache);
+  NewArray<double> vertices(mesh.positions.size(), 3);
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v)
+    std::copy_n(mesh.positions[v].data(), 3, vertices.data() + 3 * v);
+  NewArray<std::uint32_t> offsets(mesh.face_begin.size()), corners(mesh.corner_vertex.size());
+  std::copy(mesh.face_begin.begin(), mesh.face_begin.end(), offsets.data());
+  std::copy(mesh.corner_vertex.begin(), mesh.corner_vertex.end(), corners.data());
+  return py::make_tuple(vertices.array(), offsets.array(), corners.array());
+}
+
 py::tuple tuple_of(const Departure& d) { return py::make_tuple(d.distance, d.room, d.face); }
 
 }  // namespace
@@ -225,6 +244,14 @@ void bind_surface(py::module_& module) {
       .def_property_readonly("backend", [](const OpenSurface& s) { return s.engine->name(); })
       .def_property_readonly("threads", [](const OpenSurface& s) { return s.engine->threads(); })
       .def_property_readonly("path", [](const OpenSurface& s) { return s.path; })
+      .def("mesh", mesh_arrays)
+      .def_property_readonly(
+          "creases",
+          [](const OpenSurface& s) {
+            return s.mesh ? std::count(s.mesh->sharp.begin(), s.mesh->sharp.end(), 1) / 2 : 0;
+          })
+      .def_readonly("has_usual_creases", &OpenSurface::has_usual_creases)
+      .def_readonly("crease_hint", &OpenSurface::crease_hint)
       .def_property_readonly("findings", [](const OpenSurface& s) { return list_of(s.findings); })
       .def("save", [](const OpenSurface& s, const std::string& path) {
         released([&] { save_cache(*s.cache, path, poll); });

@@ -20,7 +20,9 @@ struct OpenSurface {
   std::string path;          // that it was read from; empty: it was made of arrays
   double crease_radius = 0;  // m, that its creases were rounded by; 0: they were not
   std::vector<Finding> findings;
-  std::optional<Mesh> mesh;  // that it was built from; none: it is a cache's
+  std::optional<Mesh> mesh;           // that it was built from; none: it is a cache's
+  bool has_usual_creases = false;     // nobody said which they are
+  std::optional<double> crease_hint;  // degrees that would part its edges plainly
   std::unique_ptr<Engine> engine;
   std::shared_ptr<const PatchCache> cache;
   std::unique_ptr<ResidentSurface> resident;

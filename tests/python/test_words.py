@@ -1,0 +1,72 @@
+"""What users of NumPy and trimesh expect of a surface, and what it says by itself."""
+import pickle
+import warnings
+
+import gliss
+import numpy as np
+import pytest
+
+from conftest import CUBE, QUADS
+
+
+def test_points_and_grids_keep_their_shape(knot, points):
+    flat, grid = knot.nearest(points), knot.nearest(points.reshape(40, 50, 3))
+    assert grid.distance.shape == (40, 50) and grid.point.shape == (40, 50, 3) and grid.domain.shape == (40, 50, 2)
+    assert np.array_equal(grid.point.reshape(-1, 3), flat.point)
+    assert np.array_equal(knot.force(points.reshape(40, 50, 3)).reshape(-1, 3), knot.force(points))
+    one = knot.nearest(points[0])
+    assert one.distance.shape == () and one.distance == flat.distance[0]
+    assert knot.force(points[0]).shape == (3,)
+    columns = grid.columns()
+    assert all(column.shape == (2000,) for column in columns.values()) and "point_x" in columns
+
+
+def test_it_tells_what_it_contains(knot, points):
+    contacts = knot.nearest(points)
+    assert np.array_equal(knot.contains(points), contacts.distance < 0)
+    assert np.array_equal(contacts.inside, contacts.distance < 0) and contacts.inside.any()
+    assert knot.contains(points[0]).shape == ()
+
+
+def test_contacts_have_rows_and_flags_have_names(knot, points):
+    contacts = knot.nearest(points)
+    assert len(contacts) == 2000 and bool(contacts)
+    row = contacts[7]
+    assert row["distance"] == contacts.distance[7] and np.array_equal(row["point"], contacts.point[7])
+    assert sum(1 for _ in contacts) == 2000
+    assert dict(contacts).keys() == contacts.keys()
+    assert gliss.Flag(int(contacts.flags[7])) == gliss.Flag.CONVERGED
+    assert (contacts.flags & gliss.Flag.UNFINISHED == 0).all()
+
+
+def test_a_surface_has_its_mesh_and_pickles(knot, points, tmp_path):
+    box = gliss.Surface(CUBE, QUADS)
+    assert np.array_equal(box.vertices, CUBE)
+    assert [list(face) for face in box.polygons] == QUADS
+    for surface in (box, knot):
+        again = pickle.loads(pickle.dumps(surface))
+        assert np.array_equal(again.force(points), surface.force(points))
+        assert (again.unit, again.faces, again.precision) == (surface.unit, surface.faces, surface.precision)
+
+
+def test_slips_in_options_name_the_one_that_is_meant(knot):
+    for call, meant in ((lambda: knot.hand(fricton=0.3), "friction"),
+                        (lambda: gliss.Surface(CUBE, QUADS, creases="auto"), "crease"),
+                        (lambda: knot.trace(np.zeros((1, 3)), setle=0), "settle")):
+        with pytest.raises(TypeError, match=f"did you mean '{meant}'"):
+            call()
+
+
+def test_masks_are_refused_for_they_would_be_lost(knot, points):
+    with pytest.raises(TypeError, match="points: a masked array"):
+        knot.nearest(np.ma.masked_array(points, mask=points > 0))
+
+
+def test_it_warns_of_what_the_program_says(knot_file):
+    with pytest.warns(UserWarning, match="m across: its unit may be another"):
+        gliss.load(knot_file)
+    with pytest.warns(UserWarning, match="repaired: "):
+        gliss.Surface(CUBE, [*QUADS, QUADS[0]])
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        gliss.load(knot_file, unit="mm")
