@@ -17,7 +17,7 @@ import subprocess
 import sys
 import tempfile
 
-from walks import meshes_of
+from walks import GENERATED, meshes_of
 
 HANDS = 1000  # of one run of the program
 
@@ -83,7 +83,8 @@ def main():
     print("| mesh | " + " | ".join(heads) + " |\n|---|" + "---|" * len(heads), flush=True)
     try:
         with tempfile.TemporaryDirectory() as folder:
-            meshes = list(meshes_of(options.meshes, options.gliss, folder, ("plate", "fin")))
+            meshes = list(meshes_of(options.meshes, options.gliss, folder,
+                                    GENERATED + ("plate", "fin")))
             for mesh in meshes:
                 cells = []
                 for settle in settles:

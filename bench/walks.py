@@ -5,9 +5,10 @@
 settle and with it.
 
 Usage: bench/walks.py GLISS FOLDER_OR_MESH... [--ticks 100000] [--seed 1] [--step 1%] [--unit mm] [--settle 5ms]
+                      [--found]
 
 GLISS is the program; FOLDER holds .obj, .off, .ply and .stl files; the generated knot, goldberg and banana
-come first. Counts are ticks whose force changes by more than 20 % of stiffness times depth, contacts
+come first, unless --found leaves them out. Counts are ticks whose force changes by more than 20 % of stiffness times depth, contacts
 lost under more than that included, per 100,000 ticks in contact (host/study/walk.h), ± one standard deviation
 over seeds; all surfaces of a mesh get the same HIPs. Bold: more often than force shading by more than the spread
 of the two. Beyond: steps above twice the way of the hand, as often; slid: the share of ticks in contact that slide; lost
@@ -29,10 +30,11 @@ LEVELS = PATCHES + ("shaded", "flat")
 DEPTHS = ("0.5%", "0.1%")
 MOST = tuple(level for level in LEVELS if level != "bezier")
 TICKS_A_WALK = 2500
+GENERATED = ("knot", "goldberg", "banana")
 
 
-def meshes_of(names, gliss, folder, more=()):
-    for name in ("knot", "goldberg", "banana", *more):
+def meshes_of(names, gliss, folder, generated=GENERATED):
+    for name in generated:
         path = pathlib.Path(folder) / f"generated {name}.obj"
         subprocess.run([gliss, "generate", name, "-o", path, "--quiet"], check=True)
         yield path
@@ -85,7 +87,21 @@ def mesh_cells(rows):
             " / ".join(f"{rows[level]['held_outside']} of {rows[level]['held_outside_of']}" for level in MOST)]
 
 
-def rows_of(mesh, options):
+class Standing:
+    """On how many meshes fair patches jump less or more than force shading, or neither by more than the spread."""
+
+    def __init__(self):
+        self.fewer = self.alike = self.more = 0
+
+    def add(self, fair, shaded):
+        difference = fair["jumps_per_100k"] - shaded["jumps_per_100k"]
+        spread = math.hypot(fair["jumps_spread_per_100k"], shaded["jumps_spread_per_100k"])
+        self.fewer += difference < -spread
+        self.more += difference > spread
+        self.alike += abs(difference) <= spread
+
+
+def rows_of(mesh, options, standings):
     """The rows of a mesh: each a name and its cells."""
     by_depth = []
     for depth in DEPTHS:
@@ -96,6 +112,10 @@ def rows_of(mesh, options):
         by_depth.append(rows)
     for condition, walk in enumerate(by_depth[0]["fair"]["walks"]):
         cells = [cell for rows in by_depth for cell in felt_cells(rows, condition)]
+        for depth, rows in zip(DEPTHS, by_depth):
+            speed = "slow" if condition < 2 else "fast"
+            walks = [rows[level]["walks"][condition] for level in ("fair", "shaded")]
+            standings.setdefault((depth, speed, walk["settle_s"]), Standing()).add(*walks)
         name = f"{mesh.stem}, {walk['mm_per_s_at_1kHz']:.3g} mm/s, settle {1000 * walk['settle_s']:g} ms"
         yield name, cells + (mesh_cells(by_depth[0]) if condition == 0 else ["", ""])
 
@@ -109,14 +129,21 @@ def main():
     parser.add_argument("--step", default="1%", help="of the depth, a tick")
     parser.add_argument("--unit", default="mm")
     parser.add_argument("--settle", default="5ms", help="of the rows that settle")
+    parser.add_argument("--found", action="store_true", help="the named meshes alone, no generated ones")
     options = parser.parse_args()
+    standings = {}  # by depth, speed, settle
     head = [f"{depth}: {name}" for depth in DEPTHS for name in LEVELS + ("lost", "beyond", "slid, %")]
     head += ["loops, %", "held"]
     print("| mesh, speed at the first depth | " + " | ".join(head) + " |\n|---|" + "---|" * len(head), flush=True)
     with tempfile.TemporaryDirectory() as folder:
-        for mesh in meshes_of(options.meshes, options.gliss, folder):
-            for name, cells in rows_of(mesh, options):
+        generated = () if options.found else GENERATED
+        for mesh in meshes_of(options.meshes, options.gliss, folder, generated):
+            for name, cells in rows_of(mesh, options, standings):
                 print(f"| {name} | " + " | ".join(cells) + " |", flush=True)
+    print("\nJumps of fair patches beside force shading, by more than the spread of the two:\n")
+    print("| depth | hand | settle | meshes with fewer | alike | with more |\n|---|---|---|---|---|---|")
+    for (depth, speed, settle), s in standings.items():
+        print(f"| {depth} | {speed} | {1000 * settle:g} ms | {s.fewer} | {s.alike} | {s.more} |")
 
 
 if __name__ == "__main__":

@@ -77,14 +77,14 @@ std::vector<Vec3> open_hips(const Scene& scene, const SceneOpening& opening) {
 
 LoopOptions loop_options(const Scene& scene, const DeviceInfo& device) {
   const double most = std::min(scene.max_stiffness, device.max_stiffness);
-  const auto check = [&](const ObjectDescription& object, const char* what, double stiffness) {
+  const auto check = [&](const std::string& what, double stiffness) {
     if (stiffness <= most) return;
-    throw SceneError(fmt::format("{}: {} is {:g} N/m, and {} renders at most {:g} N/m",
-                                 object.place, what, stiffness, device.name, most));
+    throw SceneError(fmt::format("{} is {:g} N/m, and {} renders at most {:g} N/m", what, stiffness,
+                                 device.name, most));
   };
   for (const ObjectDescription& object : scene.objects) {
-    check(object, "stiffness", object.stiffness);
-    check(object, "stiffness of the magnet, 3.08 force / range,",
+    check(object.stiffness_place, object.stiffness);
+    check(object.magnet_place + ": its stiffness, 3.08 force / range,",
           object.effects.magnet.stiffness());
   }
   LoopOptions options = scene.loop;

@@ -116,7 +116,12 @@ ObjectDescription read_object(TomlTable table, std::size_t number, std::vector<s
   ObjectDescription object;
   object.name = fmt::format("{}", number);
   table.get("name", object.name);
+  const auto place_of = [&](const std::string& key) {
+    return fmt::format("{} of '{}'", table.place(key), object.name);
+  };
   object.place = fmt::format("{} '{}'", table.place(""), object.name);
+  object.stiffness_place = place_of("stiffness");
+  object.magnet_place = place_of("magnet");
   std::string mesh, cache;
   table.get("mesh", mesh);
   table.get("cache", cache);

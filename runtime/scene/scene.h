@@ -33,7 +33,8 @@ enum class Patches { kAll, kLazy };
 
 // An [[object]]. Numbers without a unit are SI.
 struct ObjectDescription : SolverOptions {
-  std::string place;  // "scene.toml:3: object 'knot'", for messages
+  // "scene.toml:3: object 'knot'", for messages, and the same with the lines of two keys.
+  std::string place, stiffness_place, magnet_place;
   std::string name;
   std::string surface;  // path of a mesh or a cache, from the scene's folder
   bool from_cache = false;

@@ -110,11 +110,12 @@ TEST_F(RunEnd, names_what_is_wrong_before_anything_runs) {
 TEST_F(RunEnd, refuses_to_render_what_is_too_stiff_for_the_device) {
   write_scene("stiffness = 3000");
   expect_error(run("scene.toml --device sim"), 2,
-               "scene.toml:1: object 'ball': stiffness is 3000 N/m, and sim renders at most 2000");
+               ": object.stiffness of 'ball' is 3000 N/m, and sim renders at most 2000");
   write_scene("magnet = {force = 2, range = '1mm'}");
-  expect_error(run("scene.toml --device sim"), 2, "stiffness of the magnet, 3.08 force / range,");
+  expect_error(run("scene.toml --device sim"), 2,
+               "object.magnet of 'ball': its stiffness, 3.08 force / range,");
   write_scene("stiffness = 300", "[device]\nmax_stiffness = 200");
-  expect_error(run("scene.toml --device replay:hand.csv"), 2, "scene.toml:1: object 'ball'");
+  expect_error(run("scene.toml --device replay:hand.csv"), 2, "scene.toml:5: object.stiffness of 'ball'");
 }
 
 TEST_F(RunEnd, ends_with_a_disk_that_is_full) {

@@ -219,6 +219,10 @@ void Command::run(int count, const char* const* words) {
   } catch (const CLI::ExtrasError&) {
     const std::string text = unknown_option(*app);
     throw InputError(text.empty() ? superfluous_word(*app) : text);
+  } catch (const InputError&) {  // the value of an option that is not there may be taken for a file
+    const std::string text = unknown_option(*app);
+    if (!text.empty()) throw InputError(text);
+    throw;
   } catch (const CLI::ParseError& error) {
     const std::string text = unknown_option(*app);
     if (error.get_exit_code() != 0)
