@@ -60,7 +60,7 @@ static class Gliss
     [DllImport(Library)] public static extern void gliss_surface_release(IntPtr surface);
     [DllImport(Library)] public static extern double gliss_surface_unit(IntPtr surface);
     [DllImport(Library)] public static extern int gliss_surface_bounds(IntPtr surface, out Vector low, out Vector high);
-    [DllImport(Library)] public static extern Object gliss_object_init();
+    [DllImport(Library)] public static extern int gliss_object_set_defaults(ref Object obj, UIntPtr size);
     [DllImport(Library)] public static extern int gliss_hand_create(
         ref Object objects, UIntPtr count, IntPtr points, UIntPtr hips, out IntPtr hand);
     [DllImport(Library)] public static extern void gliss_hand_release(IntPtr hand);
@@ -93,7 +93,8 @@ static class Hand
         var options = new Gliss.Options { Size = (uint)Marshal.SizeOf(typeof(Gliss.Options)), Unit = metres };
         IntPtr surface, hand, guard;
         Gliss.Check(Gliss.gliss_surface_load(mesh, ref options, out surface), mesh);
-        Gliss.Object obj = Gliss.gliss_object_init();
+        var obj = new Gliss.Object();
+        Gliss.Check(Gliss.gliss_object_set_defaults(ref obj, (UIntPtr)(ulong)Marshal.SizeOf(typeof(Gliss.Object))), "the object");
         obj.Surface = surface;
         obj.FrictionStatic = 0.5;
         obj.FrictionDynamic = 0.3;

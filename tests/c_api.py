@@ -20,7 +20,8 @@ def run(*words):
     return result.stdout
 
 
-declared = set(re.findall(r"\b(gliss_\w+)\(", re.sub(r"/\*.*?\*/", "", header.read_text(), flags=re.DOTALL)))
+declared = set(re.findall(r"\b(gliss_\w+)\(", re.sub(r"/\*.*?\*/|static inline [^}]*}", "", header.read_text(),
+                                                     flags=re.DOTALL)))
 exported = {line.split()[-1].split("@")[0] for line in run("nm", "-D", "--defined-only", library).splitlines()}
 exported.discard("GLISS_0")
 if declared != exported:

@@ -38,7 +38,7 @@ if grep -q '^GLISS_REPORT:BOOL=ON' $build/CMakeCache.txt && ! fetch_page; then
   echo "NODE_EXTRA_CA_CERTS to the file of its certificates, and run this again. All else goes on." >&2
   configure -DGLISS_REPORT=OFF
 fi
-cmake --build $build --target gliss --parallel "$(nproc)"
+cmake --build $build --target installed --parallel "$(nproc)"
 
 say() { printf '\n== %s\n' "$*"; }
 # As it could be typed.

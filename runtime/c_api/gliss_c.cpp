@@ -41,6 +41,7 @@ struct gliss_hand {
 
 struct gliss_guard {
   gliss::Guard guard;
+  gliss::GuardReason reason = gliss::GuardReason::kNone;  // of the last step
 };
 
 namespace {
@@ -191,9 +192,35 @@ Vec3 point_at(const void* points, std::size_t stride, std::size_t i) {
   return {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])};
 }
 
+gliss_object usual_object() {
+  const gliss::SceneObject usual;
+  gliss_object object{};
+  object.size = sizeof object;
+  object.stiffness = usual.stiffness;
+  object.rotation[0] = 1;
+  object.settle = usual.settle;
+  object.texture_along[0] = 1;
+  object.tick = gliss::ContactTracker::kTick;
+  return object;
+}
+
+// Objects of ABI 1.4 are the first that have a size of their own choice.
+void require_object_size(std::size_t size) {
+  require(size == sizeof(gliss_object),
+          "gliss_object: begin with gliss_object_init() of a header that the library knows");
+}
+
+// Element i of an array whose elements have the size that the first one tells.
+gliss_object object_at(const gliss_object* objects, std::size_t i) {
+  const std::size_t stride = objects->size;
+  require_object_size(stride);
+  gliss_object object = usual_object();
+  std::memcpy(&object, reinterpret_cast<const char*>(objects) + i * stride, stride);
+  require(object.size == stride, "gliss_object: all objects begin with the same size");
+  return object;
+}
+
 gliss::SceneObject object_of(const gliss_object& from) {
-  require(from.size == sizeof(gliss_object),
-          "gliss_object: begin with gliss_object_init() of the library's own header");
   need(from.surface, "gliss_object: surface is NULL");
   gliss::SceneObject object;
   object.cache = from.surface->cache;
@@ -364,16 +391,14 @@ std::int32_t gliss_surface_evaluate(const gliss_surface* surface, const std::uin
   });
 }
 
-gliss_object gliss_object_init(void) {
-  const gliss::SceneObject usual;
-  gliss_object object{};
-  object.size = sizeof object;
-  object.stiffness = usual.stiffness;
-  object.rotation[0] = 1;
-  object.settle = usual.settle;
-  object.texture_along[0] = 1;
-  object.tick = gliss::ContactTracker::kTick;
-  return object;
+std::int32_t gliss_object_set_defaults(gliss_object* object, std::size_t size) {
+  return attempt([&] {
+    need(object, "object: is NULL");
+    require_object_size(size);
+    gliss_object usual = usual_object();
+    usual.size = static_cast<std::uint32_t>(size);
+    std::memcpy(object, &usual, size);
+  });
 }
 
 std::int32_t gliss_hand_create(const gliss_object* objects, std::size_t count, const double* points,
@@ -384,14 +409,15 @@ std::int32_t gliss_hand_create(const gliss_object* objects, std::size_t count, c
     require(hips == 0 || points != nullptr, "points: is NULL");
     std::vector<gliss::SceneObject> scene;
     std::vector<gliss_surface*> surfaces;
+    double tick = gliss::ContactTracker::kTick;
     for (std::size_t i = 0; i < count; ++i) {
-      scene.push_back(object_of(objects[i]));
-      surfaces.push_back(objects[i].surface);
+      const gliss_object object = object_at(objects, i);
+      scene.push_back(object_of(object));
+      surfaces.push_back(object.surface);
+      require(object.tick >= 1e-6 && object.tick <= 1, "tick: is not from 1e-6 to 1 s");
+      require(i == 0 || object.tick == tick, "tick: is not the same in all objects");
+      tick = object.tick;
     }
-    const double tick = count == 0 ? gliss::ContactTracker::kTick : objects[0].tick;
-    require(tick >= 1e-6 && tick <= 1, "tick: is not from 1e-6 to 1 s");
-    for (std::size_t i = 1; i < count; ++i)
-      require(objects[i].tick == tick, "tick: is not the same in all objects");
     std::vector<Vec3> tool;
     for (std::size_t i = 0; i < hips; ++i) tool.push_back(vector_of(points + 3 * i));
     *out = new gliss_hand{std::move(surfaces), gliss::Tracker(scene, tool),
@@ -462,11 +488,19 @@ std::int32_t gliss_hand_move(gliss_hand* hand, std::size_t object, const double 
 }
 
 std::int32_t gliss_guard_create(double max_force, double max_rate, gliss_guard** out) {
+  const gliss::GuardLimits usual;
+  return gliss_guard_create_tool(max_force, max_rate, usual.max_torque, usual.max_torque_rate, out);
+}
+
+std::int32_t gliss_guard_create_tool(double max_force, double max_rate, double max_torque,
+                                     double max_torque_rate, gliss_guard** out) {
   return attempt([&] {
     need(out, "out: is NULL");
     gliss::GuardLimits limits;
     limits.max_force = max_force;
     limits.max_rate = max_rate;
+    limits.max_torque = max_torque;
+    limits.max_torque_rate = max_torque_rate;
     *out = new gliss_guard{gliss::Guard(limits)};
   });
 }
@@ -475,14 +509,39 @@ void gliss_guard_release(gliss_guard* guard) { delete guard; }
 
 std::int32_t gliss_guard_step(gliss_guard* guard, std::int64_t now_ns, std::int64_t measured_ns,
                               const double wanted[3], double force[3], std::uint32_t* state) {
-  if (guard == nullptr || wanted == nullptr || force == nullptr)
-    return fail(kBadInput, "guard, wanted or force: is NULL");
+  constexpr double kNoTorque[3] = {};
+  double torque[3];
+  return gliss_guard_step_tool(guard, now_ns, measured_ns, wanted, kNoTorque, force, torque, state);
+}
+
+std::int32_t gliss_guard_step_tool(gliss_guard* guard, std::int64_t now_ns,
+                                   std::int64_t measured_ns, const double wanted[3],
+                                   const double wanted_torque[3], double force[3], double torque[3],
+                                   std::uint32_t* state) {
+  if (guard == nullptr || wanted == nullptr || wanted_torque == nullptr || force == nullptr ||
+      torque == nullptr)
+    return fail(kBadInput, "guard, wanted, wanted_torque, force or torque: is NULL");
   last_error[0] = 0;
   const gliss::GuardOutput out = guard->guard.step(
-      std::chrono::nanoseconds(now_ns), {vector_of(wanted), std::chrono::nanoseconds(measured_ns)});
+      std::chrono::nanoseconds(now_ns),
+      {vector_of(wanted), std::chrono::nanoseconds(measured_ns), vector_of(wanted_torque)});
+  guard->reason = out.reason;
   store(out.force, force);
+  store(out.torque, torque);
   if (state != nullptr) *state = static_cast<std::uint32_t>(out.state);
   return 0;
+}
+
+std::int32_t gliss_guard_trip(gliss_guard* guard, std::int32_t is_fault) {
+  if (guard == nullptr) return fail(kBadInput, "guard: is NULL");
+  last_error[0] = 0;
+  guard->guard.trip(is_fault != 0 ? gliss::GuardReason::kDeviceFault
+                                  : gliss::GuardReason::kStopRequested);
+  return 0;
+}
+
+const char* gliss_guard_reason(const gliss_guard* guard) {
+  return gliss::guard_reason_name(guard == nullptr ? gliss::GuardReason::kNone : guard->reason);
 }
 
 std::int32_t gliss_guard_engage(gliss_guard* guard) {

@@ -32,7 +32,7 @@ extern "C" {
 #define GLISS_API
 #endif
 
-#define GLISS_ABI 0x000103u
+#define GLISS_ABI 0x000104u
 
 typedef struct gliss_surface gliss_surface;
 typedef struct gliss_hand gliss_hand;
@@ -156,11 +156,18 @@ typedef struct {
   double texture_along[3];                  /* the way across the grooves of a grating */
   double tick; /* s, 1e-6 to 1, of a tick whose time is not told; the same in all objects */
 } gliss_object;
-/* An object as it is by default, of no surface yet. */
-GLISS_API gliss_object gliss_object_init(void);
+/* Makes an object what it is by default, of no surface yet. `size`: sizeof of it as the caller
+ * knows it, so that no byte beyond is written. */
+GLISS_API int32_t gliss_object_set_defaults(gliss_object* object, size_t size);
+static inline gliss_object gliss_object_init(void) {
+  gliss_object object;
+  gliss_object_set_defaults(&object, sizeof object);
+  return object;
+}
 
-/* A hand touches `objects`, with a tool of `hips` points, three doubles each in the tool's frame
- * (m); 0: one, at the device's position. */
+/* A hand touches `objects`, which are as far apart as the size of the first, which all have. Its
+ * tool has `hips` points, three doubles each in the tool's frame (m); 0: one, at the device's
+ * position. */
 GLISS_API int32_t gliss_hand_create(const gliss_object* objects, size_t count, const double* points,
                                     size_t hips, gliss_hand** out);
 GLISS_API void gliss_hand_release(gliss_hand* hand);
@@ -197,11 +204,24 @@ GLISS_API int32_t gliss_hand_move(gliss_hand* hand, size_t object, const double 
 /* max_force (N) and max_rate (N/s) of what goes out; others are as in the C++ library
  * (gliss/device/guard.h). */
 GLISS_API int32_t gliss_guard_create(double max_force, double max_rate, gliss_guard** out);
+/* The same of a device that turns: max_torque (N m) and max_torque_rate (N m/s) as well. */
+GLISS_API int32_t gliss_guard_create_tool(double max_force, double max_rate, double max_torque,
+                                          double max_torque_rate, gliss_guard** out);
 GLISS_API void gliss_guard_release(gliss_guard* guard);
 /* A tick at a time since any start, ns, of a force that answers a position that was measured at
  * another: writes the force that may go to the device, and the state. */
 GLISS_API int32_t gliss_guard_step(gliss_guard* guard, int64_t now_ns, int64_t measured_ns,
                                    const double wanted[3], double force[3], uint32_t* state);
+/* The same of a device that turns: a force and a torque. */
+GLISS_API int32_t gliss_guard_step_tool(gliss_guard* guard, int64_t now_ns, int64_t measured_ns,
+                                        const double wanted[3], const double wanted_torque[3],
+                                        double force[3], double torque[3], uint32_t* state);
+/* From the next step on the force falls to zero, and the guard is safe: the device reports a fault
+ * (is_fault), or somebody wants an end. */
+GLISS_API int32_t gliss_guard_trip(gliss_guard* guard, int32_t is_fault);
+/* Why the last step did not pass the force on as it was wanted, as "late input": the trip's reason
+ * until gliss_guard_engage. "none" where it did. The text lasts for ever. */
+GLISS_API const char* gliss_guard_reason(const gliss_guard* guard);
 /* Leads out of GLISS_GUARD_SAFE; 2 where the guard does not permit it yet. */
 GLISS_API int32_t gliss_guard_engage(gliss_guard* guard);
 

@@ -4,14 +4,17 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <stdexcept>
+#include <string>
 
+#include "gliss/base/message.h"
 #include "gliss/base/plain_arithmetic.h"
 
 namespace gliss {
 namespace {
 
 GuardLimits limits_of(const LoopOptions& options, const DeviceInfo& device) {
-  GuardLimits limits = options.guard;
+  GuardLimits limits = guard_limits(options);
   limits.max_force = std::min(limits.max_force, device.max_force);
   limits.max_torque = std::min(limits.max_torque, device.max_torque);
   return limits;
@@ -57,6 +60,26 @@ const char* loop_end_text(LoopEnd end) noexcept {
       return "the device reports a fault";
   }
   return "?";
+}
+
+GuardLimits guard_limits(const LoopOptions& options) {
+  GuardLimits limits = options.guard;
+  const Nanoseconds late = options.period * 3 / 2;
+  const bool follows = limits.hold_after == GuardLimits{}.hold_after && late > limits.hold_after;
+  if (follows) limits.hold_after = late, limits.ramp_from = std::max(limits.ramp_from, late);
+  std::string why;
+  try {
+    Guard{limits};
+    if (options.period > limits.hold_after) why = "hold_after: must be a period at least";
+  } catch (const std::invalid_argument& error) {
+    if (!follows) throw;
+    why = error.what();
+  }
+  if (why.empty()) return limits;
+  throw std::invalid_argument(detail::message(
+      "rate: at ", 1 / in_seconds(options.period), " Hz the guard takes an input as late after ",
+      1e3 * in_seconds(limits.hold_after), " ms, and must end the force within ",
+      1e3 * in_seconds(limits.ramp_to), " ms: ", why, "; a quicker loop fits"));
 }
 
 HapticLoop::HapticLoop(HapticDevice& device, Tracker& tracker, const LoopOptions& options)

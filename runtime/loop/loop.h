@@ -24,6 +24,12 @@ struct LoopOptions {
   GuardLimits guard = {};
 };
 
+// The guard's limits for such a loop. Where hold_after is left at its default it follows a slow
+// loop: an input is late after one and a half periods, and ramp_from is no earlier. Throws
+// std::invalid_argument, "rate: ..." or naming the limit, if the guard would take each input as
+// late or has no time left to end the force by ramp_to.
+GLISS_EXPORT GuardLimits guard_limits(const LoopOptions& options);
+
 // The doings of one tick.
 struct LoopTick {
   std::uint64_t number = 0;  // from 0
@@ -59,7 +65,7 @@ GLISS_EXPORT const char* loop_end_text(LoopEnd end) noexcept;  // "the device ha
 // run() is under way they are its thread's alone; one thread runs it.
 class GLISS_EXPORT HapticLoop {
  public:
-  // Throws std::invalid_argument for limits of the guard or a period that are none. The largest
+  // Throws std::invalid_argument for a period that is invalid and as guard_limits. The largest
   // force and torque are the smaller ones of the guard's and the device's.
   HapticLoop(HapticDevice& device, Tracker& tracker, const LoopOptions& options = {});
 

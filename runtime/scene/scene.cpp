@@ -238,6 +238,7 @@ void read_loop(TomlTable table, Scene& scene) {
   scene.loop.period = Nanoseconds(std::llround(1e9 / rate));
   table.get("priority", scene.priority, 1, 99);
   table.done();
+  table.checked([&] { guard_limits(scene.loop); });
 }
 
 HandPath read_hand_path(TomlTable& table, const std::function<void()>& poll,

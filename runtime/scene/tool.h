@@ -10,9 +10,10 @@
 
 namespace gliss {
 
-// At most `count` vertices of a mesh, in m, spread over it: each the one that is farthest from
-// those before it (Gonzalez 1985), the first from the middle of the bounding box. All of them where
-// it has no more. `poll` is asked for each, and what it throws ends the work.
+// `count` points of a mesh's surface, in m, spread over it: of its vertices and a lattice on its
+// faces each the one that is farthest from those before it (Gonzalez 1985), the first from the
+// middle of the bounding box. Fewer where the mesh has no area. Its time goes with the square of
+// `count`. `poll` is asked for each, and what it throws ends the work.
 GLISS_EXPORT std::vector<Vec3> spread_points(const Mesh& mesh, std::size_t count,
                                              const std::function<void()>& poll = nullptr);
 

@@ -312,6 +312,50 @@ TEST(CApi, tells_of_numbers_that_are_not_finite_and_keeps_the_contact) {
   EXPECT_THAT(gliss_last_error(), HasSubstr("tick: is not the same in all objects"));
 }
 
+TEST(CApi, writes_no_byte_of_an_object_beyond_the_callers) {
+  struct {
+    gliss_object object;
+    std::uint64_t behind = 0x0123456789abcdef;
+  } caller;
+  ASSERT_EQ(gliss_object_set_defaults(&caller.object, sizeof caller.object), 0);
+  EXPECT_EQ(caller.object.size, sizeof caller.object);
+  EXPECT_EQ(caller.object.rotation[0], 1);
+  EXPECT_EQ(caller.behind, 0x0123456789abcdef);
+  for (const std::size_t size : {sizeof(gliss_object) + 8, std::size_t{4}})
+    EXPECT_EQ(gliss_object_set_defaults(&caller.object, size), 2) << size;
+}
+
+TEST(CApi, guards_a_torque_and_says_why) {
+  gliss_guard* guard = nullptr;
+  ASSERT_EQ(gliss_guard_create_tool(3.3, 1000, 0.01, 2, &guard), 0);
+  EXPECT_STREQ(gliss_guard_reason(guard), "none");
+  const double none[3] = {0, 0, 0}, wanted[3] = {0, 0, 5}, twist[3] = {0, 0.5, 0};
+  double force[3], torque[3];
+  std::uint32_t state = 9;
+  for (std::int64_t tick = 1; tick <= 2000; ++tick) {
+    const std::int64_t now = tick * 1'000'000;
+    const bool is_free = tick <= 1000;
+    ASSERT_EQ(gliss_guard_step_tool(guard, now, now, is_free ? none : wanted,
+                                    is_free ? none : twist, force, torque, &state),
+              0);
+    EXPECT_LE(std::abs(torque[1]), 0.01 + 1e-15);
+    EXPECT_LE(std::abs(force[2]), 3.3 + 1e-12);
+  }
+  EXPECT_EQ(state, GLISS_GUARD_RUN);
+  EXPECT_NEAR(torque[1], 0.01, 1e-12);
+  EXPECT_STREQ(gliss_guard_reason(guard), "force limit");
+  ASSERT_EQ(gliss_guard_trip(guard, 1), 0);
+  for (std::int64_t tick = 2001; tick <= 2030; ++tick)
+    ASSERT_EQ(gliss_guard_step_tool(guard, tick * 1'000'000, tick * 1'000'000, wanted, twist, force,
+                                    torque, &state),
+              0);
+  EXPECT_EQ(state, GLISS_GUARD_SAFE);
+  EXPECT_EQ(force[2], 0);
+  EXPECT_EQ(torque[1], 0);
+  EXPECT_STREQ(gliss_guard_reason(guard), "device fault");
+  gliss_guard_release(guard);
+}
+
 TEST(CApi, guards_a_force_as_the_guard_does) {
   gliss_guard* guard = nullptr;
   ASSERT_EQ(gliss_guard_create(3.3, 1000, &guard), 0);

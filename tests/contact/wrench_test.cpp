@@ -211,15 +211,29 @@ TEST(Wrench, of_a_tool_is_felt_at_points_that_are_spread_over_its_mesh) {
   ASSERT_EQ(points.size(), 50u);
   double nearest = 1;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    EXPECT_NEAR(points[i].norm(), 10e-3, 1e-4);
+    EXPECT_NEAR(points[i].norm(), 10e-3, 1.3e-4);  // to the middle of a face
     for (std::size_t j = 0; j < i; ++j) nearest = std::min(nearest, (points[i] - points[j]).norm());
   }
   EXPECT_GT(nearest, 1.8e-3);  // 50 caps of the same size are 2.8 mm wide
-  EXPECT_EQ(spread_points(ball, 1'000'000).size(), ball.positions.size());
   EXPECT_TRUE(spread_points(Mesh{}, 5).empty());
-  Mesh twice = ball;
-  twice.positions.insert(twice.positions.end(), ball.positions.begin(), ball.positions.end());
-  EXPECT_EQ(spread_points(twice, 1'000'000).size(), ball.positions.size());
+  Mesh bare = ball;
+  bare.face_begin = {0};
+  bare.corner_vertex.clear();
+  bare.positions.insert(bare.positions.end(), ball.positions.begin(), ball.positions.end());
+  EXPECT_EQ(spread_points(bare, 1000).size(), ball.positions.size());
+}
+
+// A cube of six faces has eight vertices: between them it would pass through a small ball.
+TEST(Wrench, of_a_coarse_tool_is_felt_all_over_its_faces) {
+  const std::vector<Vec3> points = spread_points(cube(1, 10).mesh, 200);
+  ASSERT_EQ(points.size(), 200u);
+  for (int i = 0; i < 600; ++i) {
+    Vec3 at(i % 10 - 4.5, i / 10 % 10 - 4.5, i / 100 % 2 == 0 ? -5 : 5);
+    std::rotate(at.data(), at.data() + i / 200, at.data() + 3);
+    double nearest = 1;
+    for (const Vec3& p : points) nearest = std::min(nearest, (p - 1e-3 * at).norm());
+    EXPECT_LT(nearest, 1.3e-3) << at.transpose();
+  }
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include "gliss/loop/loop.h"
 
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <sys/resource.h>
 
 #include <cstring>
@@ -178,6 +179,32 @@ TEST(Loop, does_not_kick_when_it_starts_inside) {
   const Felt felt = run(later);
   EXPECT_NEAR(felt.ticks.back().sent.norm(), 2.5, 0.1);
   EXPECT_LE(largest_step(felt), 0.2 + 3.3 * 11 / 500);  // the ramp's beginning
+}
+
+TEST(Loop, renders_all_at_any_rate_that_it_takes) {
+  for (const double rate : {230.0, 250.0, 500.0, 600.0, 1000.0, 4000.0}) {
+    LoopOptions options;
+    options.period = Nanoseconds(std::llround(1e9 / rate));
+    std::vector<Vec3> path = still(static_cast<std::size_t>(rate), -0.005);  // engaged long before
+    for (int i = 0; i <= rate; ++i) path.push_back(at_depth(-0.005 + 0.007 * i / rate));
+    Probe device(path);
+    const Felt felt = run(device, options, path.size() - 1);
+    EXPECT_NEAR(felt.ticks.back().sent.norm(), 1, 0.05) << rate;  // 2 mm deep
+    for (const LoopTick& tick : felt.ticks) EXPECT_FALSE(is_failure(tick.reason)) << rate;
+  }
+  for (const double rate : {1.0, 50.0, 100.0, 200.0}) {
+    LoopOptions options;
+    options.period = Nanoseconds(std::llround(1e9 / rate));
+    EXPECT_THAT([&] { guard_limits(options); }, ::testing::ThrowsMessage<std::invalid_argument>(
+                                                    ::testing::StartsWith("rate: at ")));
+    const SceneObject object{.cache = ball()};
+    Tracker tracker({&object, 1});
+    Probe device(still(1, 0));
+    EXPECT_THROW(HapticLoop(device, tracker, options), std::invalid_argument);
+  }
+  LoopOptions impatient;
+  impatient.guard.hold_after = 500us;  // shorter than a period
+  EXPECT_THROW(guard_limits(impatient), std::invalid_argument);
 }
 
 TEST(Loop, enters_at_half_a_metre_a_second_without_a_kick) {

@@ -213,6 +213,7 @@ TEST(SceneError, names_numbers_out_of_range) {
       {"[sim]\nwaypoints = [[0, 0, 0]]\ninertia = 1e-9\n", "3: sim.inertia: ", "too small"},
       {"[loop]\nrate = 0\n", "2: loop.rate: ", "positive"},
       {"[loop]\nrate = 0.5\n", "2: loop.rate: ", "1 to 100000"},
+      {"[loop]\nrate = 100\n", "2: loop.rate: ", "at 100 Hz the guard takes an input as late"},
       {"[loop]\nrate = 100001\n", "2: loop.rate: ", "1 to 100000"},
       {"[loop]\npriority = 0\n", "2: loop.priority: ", "1 to 99"},
       {"[loop]\npriority = 100\n", "2: loop.priority: ", "1 to 99"},
