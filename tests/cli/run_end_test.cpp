@@ -115,7 +115,8 @@ TEST_F(RunEnd, refuses_to_render_what_is_too_stiff_for_the_device) {
   expect_error(run("scene.toml --device sim"), 2,
                "object.magnet of 'ball': its stiffness, 3.08 force / range,");
   write_scene("stiffness = 300", "[device]\nmax_stiffness = 200");
-  expect_error(run("scene.toml --device replay:hand.csv"), 2, "scene.toml:5: object.stiffness of 'ball'");
+  expect_error(run("scene.toml --device replay:hand.csv"), 2,
+               "scene.toml:5: object.stiffness of 'ball'");
 }
 
 TEST_F(RunEnd, ends_with_a_disk_that_is_full) {
