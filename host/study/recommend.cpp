@@ -20,7 +20,11 @@ struct Count {
 
 bool is_baseline(const CompareRow& row) { return row.candidate.method != Method::kGregory; }
 
-bool makes_energy(const CompareRow& row) { return row.loop_gain.excess() > kGain; }
+// A force that is shaded has no potential: where no loop stayed in contact it is not known to.
+bool makes_energy(const CompareRow& row) {
+  const bool is_unknown = std::isnan(row.loop_gain.gain);
+  return is_unknown ? row.candidate.method == Method::kShaded : row.loop_gain.excess() > kGain;
+}
 
 // Per 100,000 ticks of all walks; along the path where there are none.
 Count jumps_of(const CompareRow& row) {
@@ -68,17 +72,26 @@ bool is_within(const CompareRow& row, const CompareBudget& budget) {
 std::string reason_for(const CompareRow& row, const Rows& patches, std::size_t equals,
                        const CompareBudget& budget) {
   const Count jumps = jumps_of(row);
-  std::string text =
-      fmt::format("in its walks the force jumps {:.3g} (± {:.2g}) times in 100,000 ticks",
-                  jumps.value, jumps.spread);
+  std::vector<std::string> reasons;
   const CompareRow* least = fewest(patches, jumps_of);
   const bool is_least =
       least == nullptr || is_baseline(row) || jumps.value - jumps_of(*least).value <= jumps.spread;
-  text += is_least ? ", no more than with any other" : ", as little as the budget allows";
-  text += std::isnan(row.loop_gain.gain) ? "" : ", and closed loops give the hand no energy";
+  reasons.push_back(fmt::format(
+      "the force jumps {:.3g} (± {:.2g}) times in 100,000 ticks, {}", jumps.value, jumps.spread,
+      is_least ? "no more than with any other" : "as seldom as the budget allows"));
+  if (makes_energy(row))
+    reasons.push_back(
+        fmt::format("closed loops give the hand up to {:.2g} % of force x way, as "
+                    "with all patches here (at rims, say)",
+                    100 * row.loop_gain.gain));
+  else if (!std::isnan(row.loop_gain.gain))
+    reasons.push_back("closed loops give the hand no energy");
   if (row.leaving.contacts > 0)
-    text +=
-        fmt::format(", {} of {} contacts are held outside", row.leaving.held, row.leaving.contacts);
+    reasons.push_back(fmt::format("{} of {} contacts are held after the hand has left",
+                                  row.leaving.held, row.leaving.contacts));
+  std::string text = reasons.front();
+  for (std::size_t i = 1; i < reasons.size(); ++i)
+    text += (i + 1 < reasons.size() ? ", " : ", and ") + reasons[i];
   if (equals > 1)
     text += budget.force_error
                 ? fmt::format("; of the {} that are as good it is the quickest", equals)
@@ -94,17 +107,21 @@ std::string reason_for(const CompareRow& row, const Rows& patches, std::size_t e
 Recommendation recommend(const std::vector<CompareRow>& rows, const CompareBudget& budget) {
   Rows patches, left;
   for (const CompareRow& row : rows) {
-    if (!is_baseline(row) && !makes_energy(row)) patches.push_back(&row);
+    if (!is_baseline(row)) patches.push_back(&row);
     if (is_within(row, budget)) left.push_back(&row);
   }
   if (left.empty()) return {nullptr, "nothing is within the budget"};
   const CompareRow* smoothest = fewest(patches, jumps_of);
   std::erase_if(left, [&](const CompareRow* row) {
-    return makes_energy(*row) || (is_baseline(*row) && smoothest != nullptr &&
-                                  jumps_of(*row).value > jumps_of(*smoothest).value);
+    if (!is_baseline(*row)) return false;
+    return makes_energy(*row) ||
+           (smoothest != nullptr && jumps_of(*row).value > jumps_of(*smoothest).value);
   });
   if (left.empty())
     return {nullptr, "all within the budget give the hand energy or jump more than patches do"};
+  if (!std::all_of(left.begin(), left.end(),
+                   [](const CompareRow* row) { return makes_energy(*row); }))
+    std::erase_if(left, [](const CompareRow* row) { return makes_energy(*row); });
   keep_fewest(left, jumps_of);
   keep_fewest(left, held_of);
   const auto cost = [&](const CompareRow* row) {

@@ -22,11 +22,12 @@ struct Recommendation {
   std::string reason{};             // a sentence
 };
 
-// Chooses among the rows within the budget. Out are rows whose closed loops give the hand energy,
-// and baselines that jump more than the patches that jump least, within the budget or not. Of the
-// rest, those with fewest jumps over all walks, then with fewest contacts held outside: those stay
-// whose difference lies within the spread. Of these the least p99 of the error of force, or the
-// quickest where the budget says what error is allowed; then the fewest bytes. The rows must
+// Chooses among the rows within the budget. Out are baselines that jump more than the patches that
+// jump least, within the budget or not, and baselines whose closed loops give the hand energy, or
+// that are shaded where no loop tells. Patches that give energy are out if any other row is left.
+// Of the rest, those with fewest jumps over all walks, then with fewest contacts held outside:
+// those stay whose difference lies within the spread. Of these the least p99 of the error of force,
+// or the quickest where the budget says what error is allowed; then the fewest bytes. The rows must
 // outlive the result.
 GLISS_EXPORT Recommendation recommend(const std::vector<CompareRow>& rows,
                                       const CompareBudget& budget);

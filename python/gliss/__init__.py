@@ -535,7 +535,7 @@ class Hand:
     """
 
     def __init__(self, surface, stiffness="0.5N/mm", method="gregory", **options):
-        self._open = _gliss.OpenHand(surface._open, _touch(stiffness, method, options))
+        self._open = _gliss.open_hand(surface._open, _touch(stiffness, method, options))
 
     def tick(self, hip, dt=1e-3):
         """The Contact after the HIP has moved to `hip`, (3,) in the surface's unit: a microsecond and the call.
@@ -592,7 +592,7 @@ class Loop:
     """
 
     def __init__(self, scene, device="sim", *, seconds=0.0, wait=True, realtime=True, threads=0):
-        self._open = _gliss.OpenLoop(_os.fspath(scene), device, seconds, wait, realtime, threads)
+        self._open = _gliss.open_loop(_os.fspath(scene), device, seconds, wait, realtime, threads)
         _weakref.finalize(self, self._open.stop)  # also where Python ends
 
     def read(self):

@@ -27,4 +27,12 @@ void poll() {
   next = monotonic_time() + kPause;
 }
 
+py::custom_type_setup made_by_functions() {
+  return py::custom_type_setup([](PyHeapTypeObject* heap_type) {
+    heap_type->ht_type.tp_new = [](PyTypeObject* type, PyObject*, PyObject*) -> PyObject* {
+      return PyErr_Format(PyExc_TypeError, "%s: No constructor defined!", type->tp_name);
+    };
+  });
+}
+
 }  // namespace gliss::python

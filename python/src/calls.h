@@ -12,6 +12,10 @@ namespace py = pybind11;
 // Ends work after a signal whose handler has raised a Python error, which is set then.
 struct Interrupted {};
 
+// For a class whose objects functions make: those of Class.__new__(Class) would never have been
+// set.
+py::custom_type_setup made_by_functions();
+
 // Looks for signals every 20 ms, in a thread that is within released(); elsewhere it does nothing.
 // Throws Interrupted. For whatever asks now and then, from any thread, without the GIL.
 void poll();

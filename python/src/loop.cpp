@@ -197,8 +197,7 @@ void bind_loop(py::module_& module) {
   PYBIND11_NUMPY_DTYPE(TickRow, number, time, lateness, compute, age, missed, position, orientation,
                        rendered, sent, rendered_torque, sent_torque, state, reason, object,
                        touching, face, distance, iterations, flags);
-  py::class_<Loop>(module, "OpenLoop")
-      .def(py::init<const std::string&, const std::string&, double, bool, bool, int>())
+  py::class_<Loop>(module, "OpenLoop", made_by_functions())
       .def("read", &Loop::read)
       .def("wait", &Loop::wait)
       .def("stop", &Loop::stop, py::call_guard<py::gil_scoped_release>())
@@ -209,6 +208,10 @@ void bind_loop(py::module_& module) {
       .def_property_readonly("device", &Loop::device)
       .def_property_readonly("end", &Loop::end)
       .def_property_readonly("refusals", &Loop::refusals);
+  module.def("open_loop", [](const std::string& scene, const std::string& device, double seconds,
+                             bool wait, bool realtime, int threads) {
+    return std::make_unique<Loop>(scene, device, seconds, wait, realtime, threads);
+  });
 }
 
 }  // namespace gliss::python

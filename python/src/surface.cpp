@@ -222,7 +222,7 @@ py::tuple tuple_of(const Departure& d) { return py::make_tuple(d.distance, d.roo
 }  // namespace
 
 void bind_surface(py::module_& module) {
-  py::class_<OpenSurface, std::shared_ptr<OpenSurface>>(module, "OpenSurface")
+  py::class_<OpenSurface, std::shared_ptr<OpenSurface>>(module, "OpenSurface", made_by_functions())
       .def_property_readonly("unit", [](const OpenSurface& s) { return s.cache->unit; })
       .def_property_readonly("faces", [](const OpenSurface& s) { return s.cache->mesh_face_count; })
       .def_property_readonly("patches", [](const OpenSurface& s) { return s.cache->patch_count(); })

@@ -185,7 +185,8 @@ void bind_touch(py::module_& module) {
     return [get](const TraceStep& s) { return get(s.contact); };
   };
   py::class_<TraceStep>(module, "Contact", "What a hand feels at one tick.",
-                        py::metaclass(py::handle(reinterpret_cast<PyObject*>(&PyType_Type))))
+                        py::metaclass(py::handle(reinterpret_cast<PyObject*>(&PyType_Type))),
+                        made_by_functions())
       .def_property_readonly(
           "force", [](const TraceStep& s) { return array_of(s.force); },
           "(3,) N, on the hand; zero where it is free.")
@@ -212,12 +213,12 @@ void bind_touch(py::module_& module) {
                              "Bits of Gliss's Contact::flags.")
       .def("__repr__", text_of);
 
-  py::class_<Hand>(module, "OpenHand")
-      .def(py::init([](const std::shared_ptr<OpenSurface>& surface, const py::dict& options) {
-        return std::make_unique<Hand>(surface, touch_options(options));
-      }))
+  py::class_<Hand>(module, "OpenHand", made_by_functions())
       .def("tick", &Hand::tick)
       .def("ticks", &Hand::ticks);
+  module.def("open_hand", [](const std::shared_ptr<OpenSurface>& surface, const py::dict& options) {
+    return std::make_unique<Hand>(surface, touch_options(options));
+  });
   module.def("trace", trace);
 }
 

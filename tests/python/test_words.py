@@ -3,6 +3,7 @@ import pickle
 import warnings
 
 import gliss
+from gliss import _gliss
 import numpy as np
 import pytest
 
@@ -55,6 +56,13 @@ def test_slips_in_options_name_the_one_that_is_meant(knot):
                         (lambda: knot.trace(np.zeros((1, 3)), setle=0), "settle")):
         with pytest.raises(TypeError, match=f"did you mean '{meant}'"):
             call()
+
+
+@pytest.mark.parametrize("made_by_functions", [gliss.Contact, _gliss.OpenSurface, _gliss.OpenHand, _gliss.OpenLoop])
+def test_nothing_is_there_that_was_never_set(made_by_functions):
+    for make in (made_by_functions, lambda: made_by_functions.__new__(made_by_functions)):
+        with pytest.raises(TypeError, match="No constructor"):
+            make()
 
 
 def test_masks_are_refused_for_they_would_be_lost(knot, points):

@@ -49,6 +49,21 @@ TEST(Recommend, takes_no_baseline_that_jumps_more_or_makes_energy) {
   EXPECT_EQ(recommend(rows, {}).row, &rows[2]);
 }
 
+// At the rim of an open mesh all patches give some.
+TEST(Recommend, takes_patches_that_give_energy_only_where_all_do) {
+  std::vector<CompareRow> rows = {row_of(Method::kGregory, 0, 0), row_of(Method::kGregory, 4, 0.5),
+                                  row_of(Method::kFlat, 8, 0.01)};
+  rows[0].loop_gain = {0.01, 1e-4};
+  EXPECT_EQ(recommend(rows, {}).row, &rows[1]);
+  rows[1].loop_gain = {0.01, 1e-4};
+  const Recommendation best = recommend(rows, {});
+  EXPECT_EQ(best.row, &rows[0]);
+  EXPECT_THAT(best.reason, HasSubstr("closed loops give the hand up to 1 %"));
+  rows[2] = row_of(Method::kShaded, 0, 0.01);
+  rows[2].loop_gain = {};
+  EXPECT_EQ(recommend(rows, {}).row, &rows[0]);
+}
+
 TEST(Recommend, takes_differences_within_the_spread_for_none) {
   std::vector<CompareRow> rows = {row_of(Method::kGregory, 14, 0.2),
                                   row_of(Method::kGregory, 14, 0.1),

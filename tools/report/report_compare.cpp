@@ -141,7 +141,7 @@ Json read_comparison(const Json& json, const ReportSource& source) {
   if (json.contains("unit") && json["unit"].is_string()) result["origin"]["unit"] = json["unit"];
   for (const char* name : {"stiffness_N_per_m", "command_line"})
     if (json.contains(name)) result["origin"][name] = json[name];
-  for (const char* name : {"faces", "recommended", "walks", "depths_m"})
+  for (const char* name : {"faces", "recommended", "reason", "walks", "depths_m"})
     result[name] = json.value(name, Json());
   result["rows"] = read_rows(json["rows"], "rows", kRowKeys, kWriter, source);
   for (std::size_t i = 0; i < result["rows"].size(); ++i) {

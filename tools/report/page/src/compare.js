@@ -158,7 +158,10 @@ export function compareSection(result) {
   const {recommended} = result;
   return {
     title: 'Levels, precisions and backends compared',
-    facts: Array.isArray(result.depths_m) ? [['Depth', result.depths_m.map(millimetres).join(', ')]] : [],
+    facts: [
+      ...(Array.isArray(result.depths_m) ? [['Depth', result.depths_m.map(millimetres).join(', ')]] : []),
+      ...(recommended && typeof result.reason === 'string' ? [['Recommended', `${rowName(recommended)}: ${result.reason}`]] : []),
+    ],
     content: [
       el('.controls', {}, select('Across', choices(across), x, value => ((x = value), show())),
           select('Upward', choices(upward), y, value => ((y = value), show())),
