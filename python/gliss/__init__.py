@@ -30,7 +30,7 @@ from . import _gliss
 from ._gliss import CacheError, Contact, DeviceError, MeshError, SceneError, __version__
 
 __all__ = ["CacheError", "Contact", "Contacts", "Departure", "DeviceError", "Flag", "Hand", "Loop", "MeshError", "Results",
-           "SceneError", "Surface", "SurfacePoints", "Sweep", "Trace", "Triangles", "__version__", "load"]
+           "SceneError", "Surface", "SurfacePoints", "Sweep", "Trace", "Triangles", "__version__", "check", "load"]
 
 
 def _text(quantity):
@@ -574,6 +574,21 @@ def load(path, unit=None, **options):
     if unit is None and opened.unit != 1:  # a cache's, which the program is to write in as well
         options["unit"] = opened.unit
     return Surface._of(opened, _words(options))
+
+
+def check(mesh, faces=None, unit=None, **options):
+    """All that is wrong or odd about a mesh: a list of dicts as ``Surface.findings`` has them, errors among them.
+
+    mesh: a file, as for gliss.load, or vertices (n, 3), with `faces` as for Surface. unit and options are those of
+    gliss.load, and it takes as long as that. OSError.
+    """
+    try:
+        if faces is None:
+            return _gliss.load(_os.fspath(mesh), _options(unit, **options)).findings
+        options = _options("m" if unit is None else unit, **options)
+        return _gliss.from_arrays(_real(mesh, "vertices"), *_faces(faces), options).findings
+    except MeshError as error:
+        return list(error.findings)
 
 
 class Loop:

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 __all__ = [
     "CacheError", "Contact", "Contacts", "Departure", "DeviceError", "Flag", "Hand", "Loop", "MeshError", "Results",
-    "SceneError", "Surface", "SurfacePoints", "Sweep", "Trace", "Triangles", "__version__", "load",
+    "SceneError", "Surface", "SurfacePoints", "Sweep", "Trace", "Triangles", "__version__", "check", "load",
 ]
 
 __version__: str
@@ -206,6 +206,16 @@ class Surface:
         damping: _Quantity = 0.0, viscosity: _Quantity = 0.0, magnet: tuple[_Quantity, _Quantity] | None = None,
         texture: tuple[str, _Quantity, _Quantity] | tuple[str, _Quantity, _Quantity, ArrayLike] | None = None,
     ) -> Hand: ...
+
+def check(
+    mesh: _Path | ArrayLike, faces: _Faces | None = None, unit: _Quantity | None = None, *,
+    level: str | None = None, construction: Literal["fair", "paper"] | None = None,
+    precision: Literal["float", "double"] | None = None, crease: str | None = None,
+    crease_radius: _Quantity | None = None, weld: _Quantity | Literal[False] | None = None,
+    normals: Literal["auto", "file", "made"] = "auto", orient: Literal["outward", "file"] = "outward",
+        flip: bool = False, strict: bool = False, keep_non_manifold: bool = False,
+    threads: int = 0, backend: _Backend = "tbb", opencl_device: str = "",
+) -> list[dict[str, Any]]: ...
 
 def load(
     path: _Path, unit: _Quantity | None = None, *,

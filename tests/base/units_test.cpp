@@ -108,6 +108,9 @@ TEST(ProgressText, SaysRateAndTimeLeft) {
   EXPECT_EQ(progress_text({0, 0, 5}, ""), "5.0 s");
   EXPECT_EQ(progress_text({250, 0, 5}, "points"), "250 points  50/s");
   EXPECT_EQ(finished_text({1000, 1000, 5}, "points"), "1.00 k points in 5.0 s, 200/s");
+  // So few a second tell nothing.
+  EXPECT_EQ(progress_text({2, 4, 2}, "rows"), " 50 %  2 of 4 rows  2.0 s left");
+  EXPECT_EQ(finished_text({3, 3, 2.4}, "rows"), "3 rows in 2.4 s");
   EXPECT_EQ(progress_bar({5, 10, 1}, 12), "[#####-----]");
   EXPECT_EQ(progress_bar({20, 10, 1}, 6), "[####]");
   EXPECT_EQ(progress_bar({5, 0, 1}, 12), "");

@@ -50,6 +50,14 @@ def test_a_surface_has_its_mesh_and_pickles(knot, points, tmp_path):
         assert (again.unit, again.faces, again.precision) == (surface.unit, surface.faces, surface.precision)
 
 
+def test_a_mesh_is_checked_whatever_is_wrong_with_it(knot_file, tmp_path):
+    assert gliss.check(knot_file, unit="mm") == []
+    assert [f["severity"] for f in gliss.check(CUBE, [*QUADS, QUADS[0]])] == ["repaired"]
+    bad = tmp_path / "bad.obj"
+    bad.write_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 7\n")
+    assert "error" in [f["severity"] for f in gliss.check(bad)]
+
+
 def test_slips_in_options_name_the_one_that_is_meant(knot):
     for call, meant in ((lambda: knot.hand(fricton=0.3), "friction"),
                         (lambda: gliss.Surface(CUBE, QUADS, creases="auto"), "crease"),

@@ -17,6 +17,12 @@ double rate(const ProgressState& state) {
   return state.seconds > 0 ? static_cast<double>(state.done) / state.seconds : 0;
 }
 
+// A rate of a few a second tells nothing that the count and the time do not.
+std::string rate_text(const char* separator, const ProgressState& state) {
+  constexpr double kTelling = 10;
+  return rate(state) < kTelling ? "" : fmt::format("{}{}/s", separator, count_text(rate(state)));
+}
+
 }  // namespace
 
 std::string count_text(double count) {
@@ -44,7 +50,7 @@ std::string progress_text(const ProgressState& state, const std::string& noun) {
                                        done, count_text(static_cast<double>(state.total)), noun);
   if (state.seconds <= 0) return text;
   if (state.done == 0) return text + fmt::format("  {} so far", duration_text(state.seconds));
-  text += fmt::format("  {}/s", count_text(rate(state)));
+  text += rate_text("  ", state);
   if (state.total <= state.done) return text;
   const double left = static_cast<double>(state.total - state.done) / rate(state);
   return text + fmt::format("  {} left", duration_text(left));
@@ -53,8 +59,8 @@ std::string progress_text(const ProgressState& state, const std::string& noun) {
 std::string finished_text(const ProgressState& state, const std::string& noun) {
   if (state.done == 0 && state.total == 0) return duration_text(state.seconds);
   const std::string done = count_text(static_cast<double>(state.done));
-  return fmt::format("{} {} in {}, {}/s", done, noun, duration_text(state.seconds),
-                     count_text(rate(state)));
+  return fmt::format("{} {} in {}", done, noun, duration_text(state.seconds)) +
+         rate_text(", ", state);
 }
 
 std::string progress_bar(const ProgressState& state, int width) {
