@@ -69,8 +69,9 @@ bool is_within(const CompareRow& row, const CompareBudget& budget) {
          within(row.bytes, budget.memory);
 }
 
-std::string reason_for(const CompareRow& row, const Rows& patches, std::size_t equals,
-                       const CompareBudget& budget) {
+// `equals`: the rows that are as good but for the error, itself among them.
+std::string reason_for(const CompareRow& row, const std::vector<CompareRow>& rows,
+                       const Rows& patches, std::size_t equals, const CompareBudget& budget) {
   const Count jumps = jumps_of(row);
   std::vector<std::string> reasons;
   const CompareRow* least = fewest(patches, jumps_of);
@@ -78,7 +79,7 @@ std::string reason_for(const CompareRow& row, const Rows& patches, std::size_t e
       least == nullptr || is_baseline(row) || jumps.value - jumps_of(*least).value <= jumps.spread;
   reasons.push_back(fmt::format(
       "the force jumps {:.3g} (± {:.2g}) times in 100,000 ticks, {}", jumps.value, jumps.spread,
-      is_least ? "no more than with any other" : "as seldom as the budget allows"));
+      is_least ? "no more than with any patches" : "as seldom as the budget allows"));
   if (makes_energy(row))
     reasons.push_back(
         fmt::format("closed loops give the hand up to {:.2g} % of force x way, as "
@@ -99,6 +100,13 @@ std::string reason_for(const CompareRow& row, const Rows& patches, std::size_t e
                       "; of the {} that are as good its force is nearest to the exact "
                       "surface's (p99 of the error: {:.2g} %)",
                       equals, 100 * row.p99_force_error);
+  for (const CompareRow& other : rows) {
+    if (!is_baseline(other) || !makes_energy(other) || jumps_of(other).value >= jumps.value)
+      continue;
+    text += fmt::format("; {} jumps {:.3g} times, but may give the hand energy",
+                        other.candidate.name(), jumps_of(other).value);
+    break;
+  }
   return text;
 }
 
@@ -130,7 +138,7 @@ Recommendation recommend(const std::vector<CompareRow>& rows, const CompareBudge
   const CompareRow* best = *std::min_element(
       left.begin(), left.end(),
       [&](const CompareRow* a, const CompareRow* b) { return cost(a) < cost(b); });
-  return {best, reason_for(*best, patches, left.size(), budget)};
+  return {best, reason_for(*best, rows, patches, left.size(), budget)};
 }
 
 void mark_pareto(std::vector<CompareRow>& rows) {
