@@ -10,7 +10,8 @@
 namespace gliss {
 namespace {
 
-constexpr double kChoices = 8;  // places to choose from, for each point
+constexpr double kChoices = 8;       // places to choose from, for each point
+constexpr int kMostPlaces = 10'000;  // on a triangle
 
 // The corners of the triangles that the faces fall into, three each.
 std::vector<Vec3> triangles_of(const Mesh& mesh) {
@@ -36,12 +37,16 @@ std::vector<Vec3> places_on(const Mesh& mesh, std::span<const Vec3> triangles, d
   if (!(step > 0)) return places;
   for (std::size_t t = 0; t < triangles.size(); t += 3) {
     const Vec3 a = triangles[t], ab = triangles[t + 1] - a, ac = triangles[t + 2] - a;
-    const int along_ab = static_cast<int>(std::ceil(ab.norm() / step));
-    const int along_ac = static_cast<int>(std::ceil(ac.norm() / step));
+    const auto steps = [&](const Vec3& side) {
+      return static_cast<int>(std::clamp(std::ceil(side.norm() / step), 1.0, double(kMostPlaces)));
+    };
+    // Two long sides of a thin triangle make many places, which lie close together one way.
+    int along_ab = steps(ab), along_ac = steps(ac);
+    int& fewer = along_ab < along_ac ? along_ab : along_ac;
+    fewer = std::min(fewer, std::max(1, kMostPlaces / std::max(along_ab, along_ac)));
     for (int i = 0; i <= along_ab; ++i) {
       for (int j = 0; j <= along_ac; ++j) {
-        const double u = i / std::max(1.0, double(along_ab)),
-                     v = j / std::max(1.0, double(along_ac));
+        const double u = double(i) / along_ab, v = double(j) / along_ac;
         if (u + v <= 1) places.push_back(a + u * ab + v * ac);
       }
     }

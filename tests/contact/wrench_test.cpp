@@ -223,6 +223,18 @@ TEST(Wrench, of_a_tool_is_felt_at_points_that_are_spread_over_its_mesh) {
   EXPECT_EQ(spread_points(bare, 1000).size(), ball.positions.size());
 }
 
+// Long thin triangles have two long sides, and no more places for that.
+TEST(Wrench, of_a_needle_is_spread_along_it) {
+  const Mesh needle = cylinder(12, 1, 1e-3, 100).mesh;
+  const std::vector<Vec3> points = spread_points(needle, 200);
+  ASSERT_EQ(points.size(), 200u);
+  for (int i = -49; i <= 49; ++i) {
+    double nearest = 1;
+    for (const Vec3& p : points) nearest = std::min(nearest, std::abs(p.z() - 1e-3 * i));
+    EXPECT_LT(nearest, 0.6e-3) << i;
+  }
+}
+
 // A cube of six faces has eight vertices: between them it would pass through a small ball.
 TEST(Wrench, of_a_coarse_tool_is_felt_all_over_its_faces) {
   const std::vector<Vec3> points = spread_points(cube(1, 10).mesh, 200);

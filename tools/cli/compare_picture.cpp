@@ -9,9 +9,7 @@ Json picture_json(const std::vector<std::pair<Construction, SurfacePicture>>& pi
                   double unit) {
   Json json = Json::array();
   for (const auto& [construction, picture] : pictures) {
-    const auto per_metre = [unit](double curvature) {
-      return std::isfinite(curvature) ? Json(curvature / unit) : Json();
-    };
+    const auto per_metre = [unit](double curvature) { return number(curvature / unit); };
     std::vector<float> curvature, departure;
     for (const float k : picture.curvature)
       curvature.push_back(static_cast<float>(double{k} / unit));

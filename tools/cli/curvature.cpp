@@ -62,9 +62,8 @@ std::string departure_text(const PatchCache& cache) {
 }
 
 Json departure_json(const Departure& d, double unit) {
-  return {{"mm", d.distance * unit * 1e3},
-          {"room_mm", std::isfinite(d.room) ? Json(d.room * unit * 1e3) : Json()},
-          {"face", d.face}};
+  return {
+      {"mm", d.distance * unit * 1e3}, {"room_mm", number(d.room * unit * 1e3)}, {"face", d.face}};
 }
 
 void tell_departure(const ReportOptions& options, const PatchCache& cache) {
