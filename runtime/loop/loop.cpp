@@ -73,6 +73,7 @@ GuardLimits guard_limits(const LoopOptions& options) {
     if (options.period > limits.hold_after) why = "hold_after: must be a period at least";
   } catch (const std::invalid_argument& error) {
     if (!follows) throw;
+    if (options.period <= options.guard.hold_after) return options.guard;  // tight, as it was asked
     why = error.what();
   }
   if (why.empty()) return limits;

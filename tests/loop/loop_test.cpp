@@ -202,6 +202,10 @@ TEST(Loop, renders_all_at_any_rate_that_it_takes) {
     Probe device(still(1, 0));
     EXPECT_THROW(HapticLoop(device, tracker, options), std::invalid_argument);
   }
+  LoopOptions tight;  // whose ramp has no time to spare
+  tight.period = Nanoseconds(1'600'000);
+  tight.guard.max_rate = 413;
+  EXPECT_EQ(guard_limits(tight).hold_after, tight.guard.hold_after);
   LoopOptions impatient;
   impatient.guard.hold_after = 500us;  // shorter than a period
   EXPECT_THROW(guard_limits(impatient), std::invalid_argument);
