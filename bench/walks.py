@@ -18,6 +18,7 @@ that leave; of any depth). Both with settle, once a mesh.
 """
 
 import argparse
+import collections
 import json
 import math
 import pathlib
@@ -59,12 +60,17 @@ def compare(mesh, depth, options):
     return {row["level"]: row for row in json.loads(ran.stdout)["rows"]}, None
 
 
+def beside(felt, shaded):
+    """1 if it jumps more often by more than the spread of the two, -1 if less often, else 0."""
+    difference = felt["jumps_per_100k"] - shaded["jumps_per_100k"]
+    spread = math.hypot(felt["jumps_spread_per_100k"], shaded["jumps_spread_per_100k"])
+    return (difference > spread) - (difference < -spread)
+
+
 def jumps(walks, level):
-    felt, shaded = walks[level], walks["shaded"]
-    count, spread = felt["jumps_per_100k"], felt["jumps_spread_per_100k"]
-    text = f"{count:.1f} ± {spread:.1f}"
-    worse = count - shaded["jumps_per_100k"] > math.hypot(spread, shaded["jumps_spread_per_100k"])
-    return f"**{text}**" if level in PATCHES and worse else text
+    felt = walks[level]
+    text = f"{felt['jumps_per_100k']:.1f} ± {felt['jumps_spread_per_100k']:.1f}"
+    return f"**{text}**" if level in PATCHES and beside(felt, walks["shaded"]) > 0 else text
 
 
 def felt_cells(rows, condition):
@@ -87,20 +93,6 @@ def mesh_cells(rows):
             " / ".join(f"{rows[level]['held_outside']} of {rows[level]['held_outside_of']}" for level in MOST)]
 
 
-class Standing:
-    """On how many meshes fair patches jump less or more than force shading, or neither by more than the spread."""
-
-    def __init__(self):
-        self.fewer = self.alike = self.more = 0
-
-    def add(self, fair, shaded):
-        difference = fair["jumps_per_100k"] - shaded["jumps_per_100k"]
-        spread = math.hypot(fair["jumps_spread_per_100k"], shaded["jumps_spread_per_100k"])
-        self.fewer += difference < -spread
-        self.more += difference > spread
-        self.alike += abs(difference) <= spread
-
-
 def rows_of(mesh, options, standings):
     """The rows of a mesh: each a name and its cells."""
     by_depth = []
@@ -115,7 +107,7 @@ def rows_of(mesh, options, standings):
         for depth, rows in zip(DEPTHS, by_depth):
             speed = "slow" if condition < 2 else "fast"
             walks = [rows[level]["walks"][condition] for level in ("fair", "shaded")]
-            standings.setdefault((depth, speed, walk["settle_s"]), Standing()).add(*walks)
+            standings.setdefault((depth, speed, walk["settle_s"]), collections.Counter())[beside(*walks)] += 1
         name = f"{mesh.stem}, {walk['mm_per_s_at_1kHz']:.3g} mm/s, settle {1000 * walk['settle_s']:g} ms"
         yield name, cells + (mesh_cells(by_depth[0]) if condition == 0 else ["", ""])
 
@@ -131,7 +123,7 @@ def main():
     parser.add_argument("--settle", default="5ms", help="of the rows that settle")
     parser.add_argument("--found", action="store_true", help="the named meshes alone, no generated ones")
     options = parser.parse_args()
-    standings = {}  # by depth, speed, settle
+    standings = {}  # by depth, speed and settle: on how many meshes fair is `beside` shading so
     head = [f"{depth}: {name}" for depth in DEPTHS for name in LEVELS + ("lost", "beyond", "slid, %")]
     head += ["loops, %", "held"]
     print("| mesh, speed at the first depth | " + " | ".join(head) + " |\n|---|" + "---|" * len(head), flush=True)
@@ -142,8 +134,8 @@ def main():
                 print(f"| {name} | " + " | ".join(cells) + " |", flush=True)
     print("\nJumps of fair patches beside force shading, by more than the spread of the two:\n")
     print("| depth | hand | settle | meshes with fewer | alike | with more |\n|---|---|---|---|---|---|")
-    for (depth, speed, settle), s in standings.items():
-        print(f"| {depth} | {speed} | {1000 * settle:g} ms | {s.fewer} | {s.alike} | {s.more} |")
+    for (depth, speed, settle), meshes in standings.items():
+        print(f"| {depth} | {speed} | {1000 * settle:g} ms | {meshes[-1]} | {meshes[0]} | {meshes[1]} |")
 
 
 if __name__ == "__main__":

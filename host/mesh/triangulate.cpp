@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "gliss/mesh/topology.h"
+
 namespace gliss {
 namespace {
 
@@ -58,6 +60,19 @@ void triangulate(std::span<const Vec3> corners, const Vec3& normal,
     at = (ear + 1) % ring.size();
   }
   triangles.insert(triangles.end(), ring.begin(), ring.end());
+}
+
+std::vector<Vec3> triangles_of(const Mesh& mesh) {
+  std::vector<Vec3> triangles, corners;
+  std::vector<std::uint32_t> cut;
+  for (std::size_t face = 0; face < mesh.face_count(); ++face) {
+    corners.clear(), cut.clear();
+    for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c)
+      corners.push_back(mesh.positions[mesh.corner_vertex[c]]);
+    triangulate(corners, newell_normal(mesh, face), cut);
+    for (const std::uint32_t corner : cut) triangles.push_back(corners[corner]);
+  }
+  return triangles;
 }
 
 }  // namespace gliss

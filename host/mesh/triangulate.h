@@ -15,4 +15,7 @@ namespace gliss {
 GLISS_EXPORT void triangulate(std::span<const Vec3> corners, const Vec3& normal,
                               std::vector<std::uint32_t>& triangles);
 
+// Corners of the triangles that the faces of a mesh fall into so: three each, face by face.
+GLISS_EXPORT std::vector<Vec3> triangles_of(const Mesh& mesh);
+
 }  // namespace gliss

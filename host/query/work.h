@@ -18,10 +18,14 @@ struct Work {
 
   // A step by `way`, the force going from `before` to `after` (trapezoidal rule).
   void add(const Vec3& before, const Vec3& after, const Vec3& way) noexcept {
-    const double work = 0.5 * (before + after).dot(way);
+    const double work = of_step(before, after, way);
     net += work;
     gross += std::abs(work);
     effort += 0.5 * (before.norm() + after.norm()) * way.norm();
+  }
+  // The net work of such a step.
+  static double of_step(const Vec3& before, const Vec3& after, const Vec3& way) noexcept {
+    return 0.5 * (before + after).dot(way);
   }
   Work since(const Work& start) const {
     return {net - start.net, gross - start.gross, effort - start.effort};
@@ -89,12 +93,11 @@ class LoopMeter {
   };
 
   // Between the last two steps and one step over both.
-  double disagreement(const Place& now) noexcept {
-    Work one, two;
-    one.add(even_.force, now.force, now.point - even_.point);
-    two.add(even_.force, last_.force, last_.point - even_.point);
-    two.add(last_.force, now.force, now.point - last_.point);
-    return std::abs(one.net - two.net);
+  double disagreement(const Place& now) const noexcept {
+    const double one = Work::of_step(even_.force, now.force, now.point - even_.point);
+    const double two = Work::of_step(even_.force, last_.force, last_.point - even_.point) +
+                       Work::of_step(last_.force, now.force, now.point - last_.point);
+    return std::abs(one - two);
   }
 
   void finish(const Place& now) noexcept {

@@ -296,7 +296,7 @@ void Comparison::measure_walks(const PatchCache& cache, const QueryOptions& quer
     for (const double settle : {0.0, query.settle > 0 ? query.settle : QueryOptions{}.settle}) {
       QueryOptions settling = query;
       settling.settle = settle;
-      const bool is_main = row.walks.size() < 2 && settle == query.settle;
+      const bool is_main = &set == &walks_.sets.front() && settle == query.settle;
       const bool with_jumps = is_main && options_.most_jumps > 0;
       const FeltWalks felt = feel_walks(cache, settling, set.walks, depth, polled(engine),
                                         with_jumps ? &row.jumps : nullptr);

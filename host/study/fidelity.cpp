@@ -26,15 +26,16 @@ class SlidingPath {
 
   void add(const SurfacePoint& on) {
     const bool is_outside = has_creases_ && is_beside_crease(on);
+    const Vec3 hip = on.position + (is_outside ? depth_ : -depth_) * on.normal;
     if (!hips_.empty() && (is_outside || was_outside_)) {
       const Vec3 over = last_.normal + on.normal;
       if (!was_outside_) lead_to(last_.position + depth_ * last_.normal);
       if (last_.normal.dot(on.normal) < kCrease)
         lead_to(on.position + depth_ * over.stableNormalized());
       if (!is_outside) lead_to(on.position + depth_ * on.normal);
-      lead_to(on.position + (is_outside ? depth_ : -depth_) * on.normal);
+      lead_to(hip);
     } else {
-      hips_.push_back(on.position + (is_outside ? depth_ : -depth_) * on.normal);
+      hips_.push_back(hip);
     }
     last_ = on;
     was_outside_ = is_outside;

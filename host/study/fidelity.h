@@ -15,7 +15,7 @@
 namespace gliss {
 
 // HIPs `depth` beneath the surface, about `step` apart: over face after face, mostly straight on.
-// Where a crease's other side is nearer than `depth` they go outside, and in again where it is not:
+// They go outside where a crease's other side is nearer than `depth`, and in again where it is not:
 // within the solid a contact would stay on the side that it came from, deeper and deeper. No border
 // is crossed. Deterministic; empty where no face can be left.
 GLISS_EXPORT std::vector<Vec3> path_over(const Mesh& mesh, const Topology& topology,

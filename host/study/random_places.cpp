@@ -28,20 +28,11 @@ Vec3 Random::vector() {
   return {x, y, z};
 }
 
-Places::Places(const Mesh& mesh) {
-  std::vector<Vec3> corners;
-  std::vector<std::uint32_t> triangles;
-  for (std::size_t face = 0; face < mesh.face_count(); ++face) {
-    corners.clear();
-    triangles.clear();
-    for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c)
-      corners.push_back(mesh.positions[mesh.corner_vertex[c]]);
-    triangulate(corners, newell_normal(mesh, face), triangles);
-    for (std::size_t t = 0; t < triangles.size(); t += 3) {
-      corner_.insert(corner_.end(),
-                     {corners[triangles[t]], corners[triangles[t + 1]], corners[triangles[t + 2]]});
-      add_area();
-    }
+Places::Places(const Mesh& mesh) : corner_(triangles_of(mesh)) {
+  for (std::size_t t = 0; t < corner_.size(); t += 3) {
+    const Vec3* p = &corner_[t];
+    const double area = (p[1] - p[0]).cross(p[2] - p[0]).norm();
+    until_.push_back((until_.empty() ? 0 : until_.back()) + area);
   }
 }
 
@@ -55,12 +46,6 @@ Vec3 Places::choose(Random& random) const {
     v = 1 - v;
   }
   return p[0] + u * (p[1] - p[0]) + v * (p[2] - p[0]);
-}
-
-void Places::add_area() {
-  const Vec3* p = &corner_[corner_.size() - 3];
-  const double area = (p[1] - p[0]).cross(p[2] - p[0]).norm();
-  until_.push_back((until_.empty() ? 0 : until_.back()) + area);
 }
 
 BoxMeasure::BoxMeasure(const Mesh& mesh) {

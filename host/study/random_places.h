@@ -37,8 +37,6 @@ class Places {
   Vec3 choose(Random& random) const;
 
  private:
-  void add_area();
-
   std::vector<Vec3> corner_;   // [triangle][3]
   std::vector<double> until_;  // [triangle], sum of areas
 };

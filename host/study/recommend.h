@@ -25,10 +25,10 @@ struct Recommendation {
 // Chooses among the rows within the budget. Out are baselines that jump more than the patches that
 // jump least, within the budget or not, and baselines whose closed loops give the hand energy, or
 // that are shaded where no loop tells. Patches that give energy are out if any other row is left.
-// Of the rest, those with fewest jumps over all walks, then with fewest contacts held outside:
-// those stay whose difference lies within the spread. Of these the least p99 of the error of force,
-// or the quickest where the budget says what error is allowed; then the fewest bytes. The rows must
-// outlive the result.
+// Rows stay that have the fewest jumps over all walks, then those with the fewest contacts held
+// outside, each but for the spread. The least p99 of the error of force decides between them, or
+// the quickest tick where the budget says what error is allowed; then the fewest bytes. The rows
+// must outlive the result.
 GLISS_EXPORT Recommendation recommend(const std::vector<CompareRow>& rows,
                                       const CompareBudget& budget);
 

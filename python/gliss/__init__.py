@@ -213,6 +213,11 @@ def _grid(values, name):
     return points.reshape(-1, 3), points.shape[:-1]
 
 
+def _shaped(array, shape):
+    """An array (n, ...) with the shape of the grid that its n points had."""
+    return array if len(shape) == 1 else array.reshape(shape + array.shape[1:])
+
+
 def _unpadded(padded):
     """Offsets and corners of [n, i0, i1, ..., n, ...]."""
     counts, at = [], 0
@@ -435,9 +440,7 @@ class Surface:
         """
         points, shape = _grid(points, "points")
         found = _gliss.nearest(self._open, points, method)
-        if len(shape) != 1:
-            found = {name: array.reshape(shape + array.shape[1:]) for name, array in found.items()}
-        return Contacts(found)
+        return Contacts({name: _shaped(array, shape) for name, array in found.items()})
 
     def contains(self, points, method="gregory"):
         """True for each point that lies inside: bool (n,), or of the shape of a grid (..., 3)."""
@@ -449,8 +452,7 @@ class Surface:
         points: as for nearest. stiffness: N/m, or text. method as for nearest.
         """
         points, shape = _grid(points, "points")
-        force = _gliss.force(self._open, points, stiffness, method)
-        return force if len(shape) == 1 else force.reshape(shape + (3,))
+        return _shaped(_gliss.force(self._open, points, stiffness, method), shape)
 
     def evaluate(self, face, xi_eta):
         """Points of patches.

@@ -204,23 +204,13 @@ gliss_object usual_object() {
   return object;
 }
 
-// Objects of ABI 1.4 are the first that have a size of their own choice.
 void require_object_size(std::size_t size) {
   require(size == sizeof(gliss_object),
           "gliss_object: begin with gliss_object_init() of a header that the library knows");
 }
 
-// Element i of an array whose elements have the size that the first one tells.
-gliss_object object_at(const gliss_object* objects, std::size_t i) {
-  const std::size_t stride = objects->size;
-  require_object_size(stride);
-  gliss_object object = usual_object();
-  std::memcpy(&object, reinterpret_cast<const char*>(objects) + i * stride, stride);
-  require(object.size == stride, "gliss_object: all objects begin with the same size");
-  return object;
-}
-
 gliss::SceneObject object_of(const gliss_object& from) {
+  require_object_size(from.size);
   need(from.surface, "gliss_object: surface is NULL");
   gliss::SceneObject object;
   object.cache = from.surface->cache;
@@ -395,9 +385,7 @@ std::int32_t gliss_object_set_defaults(gliss_object* object, std::size_t size) {
   return attempt([&] {
     need(object, "object: is NULL");
     require_object_size(size);
-    gliss_object usual = usual_object();
-    usual.size = static_cast<std::uint32_t>(size);
-    std::memcpy(object, &usual, size);
+    *object = usual_object();
   });
 }
 
@@ -409,15 +397,14 @@ std::int32_t gliss_hand_create(const gliss_object* objects, std::size_t count, c
     require(hips == 0 || points != nullptr, "points: is NULL");
     std::vector<gliss::SceneObject> scene;
     std::vector<gliss_surface*> surfaces;
-    double tick = gliss::ContactTracker::kTick;
     for (std::size_t i = 0; i < count; ++i) {
-      const gliss_object object = object_at(objects, i);
-      scene.push_back(object_of(object));
-      surfaces.push_back(object.surface);
-      require(object.tick >= 1e-6 && object.tick <= 1, "tick: is not from 1e-6 to 1 s");
-      require(i == 0 || object.tick == tick, "tick: is not the same in all objects");
-      tick = object.tick;
+      scene.push_back(object_of(objects[i]));
+      surfaces.push_back(objects[i].surface);
     }
+    const double tick = count == 0 ? gliss::ContactTracker::kTick : objects[0].tick;
+    require(tick >= 1e-6 && tick <= 1, "tick: is not from 1e-6 to 1 s");
+    for (std::size_t i = 1; i < count; ++i)
+      require(objects[i].tick == tick, "tick: is not the same in all objects");
     std::vector<Vec3> tool;
     for (std::size_t i = 0; i < hips; ++i) tool.push_back(vector_of(points + 3 * i));
     *out = new gliss_hand{std::move(surfaces), gliss::Tracker(scene, tool),

@@ -161,6 +161,7 @@ typedef struct {
 GLISS_API int32_t gliss_object_set_defaults(gliss_object* object, size_t size);
 static inline gliss_object gliss_object_init(void) {
   gliss_object object;
+  object.size = 0; /* so that a library that does not know this header refuses it in use, too */
   gliss_object_set_defaults(&object, sizeof object);
   return object;
 }

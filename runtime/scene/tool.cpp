@@ -13,24 +13,6 @@ namespace {
 constexpr double kChoices = 8;       // places to choose from, for each point
 constexpr int kMostPlaces = 10'000;  // on a triangle
 
-// The corners of the triangles that the faces fall into, three each.
-std::vector<Vec3> triangles_of(const Mesh& mesh) {
-  std::vector<Vec3> triangles, face;
-  std::vector<std::uint32_t> corners;
-  for (std::size_t f = 0; f < mesh.face_count(); ++f) {
-    face.clear();
-    Vec3 normal = Vec3::Zero();
-    for (std::uint32_t c = mesh.face_begin[f]; c < mesh.face_begin[f + 1]; ++c)
-      face.push_back(mesh.positions[mesh.corner_vertex[c]]);
-    for (std::size_t i = 0; i < face.size(); ++i)
-      normal += (face[i] - face[0]).cross(face[(i + 1) % face.size()] - face[0]);
-    corners.clear();
-    triangulate(face, normal, corners);
-    for (const std::uint32_t c : corners) triangles.push_back(face[c]);
-  }
-  return triangles;
-}
-
 // The vertices, and lattices of points on the faces, `step` apart.
 std::vector<Vec3> places_on(const Mesh& mesh, std::span<const Vec3> triangles, double step) {
   std::vector<Vec3> places = mesh.positions;

@@ -11,7 +11,7 @@ namespace {
 
 Json json_of(const Vec3& v) {
   Json list = Json::array();
-  for (const double x : v) list.push_back(std::isfinite(x) ? Json(x) : Json(nullptr));
+  for (const double x : v) list.push_back(number(x));
   return list;
 }
 

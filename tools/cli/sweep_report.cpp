@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <optional>
+
 #include "tools/cli/command.h"
 #include "tools/cli/sweep_statistics.h"
 
@@ -9,22 +11,22 @@ namespace gliss::tools {
 
 namespace {
 
-// How often the force jumps, by depth: what a hand feels of a sweep.
+// Counts the jumps of each method, a line a depth: a hand feels these of a sweep.
 std::string jumps_text(const SweepResult& result) {
   std::string text;
-  const double* depth = nullptr;
+  std::optional<double> depth;
   for (const SweepStatistics& s : result.statistics) {
-    text += depth != nullptr && *depth == s.depth
-                ? ", "
-                : fmt::format("{}at {} the force jumps in 100,000 steps: ",
-                              depth != nullptr ? "\n" : "", depth_name(s.depth));
+    if (depth) text += *depth == s.depth ? ", " : "\n";
+    if (depth != s.depth)
+      text += fmt::format("at {} the force jumps in 100,000 steps: ", depth_name(s.depth));
     text += fmt::format("{} {:.0f}", method_name(s.method), s.jumps_per_100k());
-    depth = &s.depth;
+    depth = s.depth;
   }
   return text + "\n";
 }
 
-// Where samples are so far apart that a smooth force changes by 20 % from one to the next.
+// Names the depths at which samples are so far apart that a smooth force changes by 20 % from one
+// to the next.
 std::string sparse_text(const SweepResult& result) {
   std::string text;
   for (const SweepStatistics& s : result.statistics) {

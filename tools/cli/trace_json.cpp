@@ -1,7 +1,5 @@
 #include "tools/cli/trace_json.h"
 
-#include <cmath>
-
 #include "gliss/surface/names.h"
 
 namespace gliss::tools {
