@@ -9,9 +9,13 @@
 // (smooth_turn). Normals along a side are those of C' x T for T = k C' + h m, as in ribbon.h, so
 // that patches join with G1 continuity whatever k and h are.
 
-// How much sides bend and twist for the vertex's sake: beyond, they do more harm than good. Between
-// two quads a mid-side normal turns by at most FAIR_MOST_SMOOTH_TURN (rad).
+// How much sides bend and twist for the vertex's sake: beyond, they do more harm than good. A shape
+// operator holds as far as the shortest side goes that it was fit to. A side that is more than
+// FAIR_REACH times as long bends and twists less for it, in proportion; but always by a quarter of
+// what its tangents hold it off its chord, and by half of what its normals turn. Between two quads
+// a mid-side normal turns by at most FAIR_MOST_SMOOTH_TURN (rad).
 #define FAIR_MOST_BEND K(2.5f)
+#define FAIR_REACH K(4)
 #define FAIR_MOST_TWIST K(1.25f)
 #define FAIR_MOST_SMOOTH_TURN K(0.15625f)
 // The least cosine between a corner's normal and the face's that counts in full (fair_middle).
@@ -62,6 +66,7 @@ FN real3 second_at_end(fair_curve c) {
 typedef struct {
   real3 x, y;       // unit tangents
   real xx, xy, yy;  // the operator in them
+  real reach;       // the length of the shortest side that it was fit to
 } shape_operator;
 
 FN real3 turn_along(shape_operator s, real3 t) {
@@ -74,12 +79,14 @@ typedef struct {
   real3 x, y;
   real m[6], v[3];  // normal equations: xx, x y, x z, yy, yz, zz; right-hand side
   real count;       // of the sides
+  real reach;       // the length of the shortest
 } shape_fit;
 
 FN shape_fit start_fit(real3 normal, real3 tangent) {
   shape_fit f = {};
   f.x = unit3(fma3(-dot3(tangent, normal), normal, tangent));
   f.y = cross3(normal, f.x);
+  f.reach = splat(K(INFINITY));
   return f;
 }
 
@@ -122,7 +129,7 @@ FN shape_operator solve_fit(shape_fit f) {
   const real l5 = sqrt(f.m[5] + more - l2 * l2 - l4 * l4);
   const real a = f.v[0] / l0, b = (f.v[1] - l1 * a) / l3, c = (f.v[2] - l2 * a - l4 * b) / l5;
   const real z = c / l5, y = (b - l4 * z) / l3, x = (a - l1 * y - l2 * z) / l0;
-  const shape_operator s = {f.x, f.y, x, y, z};
+  const shape_operator s = {f.x, f.y, x, y, z, f.reach};
   return s;
 }
 
@@ -132,24 +139,34 @@ typedef struct {
   real bend, twist;
 } fair_change;
 
-// `t`, `second`: C' and C'' at the end; `own`: n' there; `e`: the edge's direction. As n_c = C' x
-// (n x e), the change of n has to be measured along n x e, which is not quite across C'.
-FN fair_change fair_change_of(shape_operator s, real3 n, real3 e, real3 t, real3 second,
-                              real3 own) {
+// `t`, `second`: C' and C'' at the end; `own`: n' there; `e`: the edge's direction; `lean`: of
+// both tangents to it. As n_c = C' x (n x e), the change of n has to be measured along n x e, which
+// is not quite across C'.
+FN fair_change fair_change_of(shape_operator s, real3 n, real3 e, real3 t, real3 second, real3 own,
+                              real lean, real most_twist) {
   const real3 asked = turn_along(s, t), m = cross3(n, e);
+  const real length = norm3(t), held = smaller(splat(K(1)), FAIR_REACH * s.reach / length),
+             most_bend = FAIR_MOST_BEND * length;
   const fair_change r = {
-      clamp_to(-dot3(t, asked) - dot3(n, second), FAIR_MOST_BEND * norm3(t)),
+      clamp_to(-dot3(t, asked) - dot3(n, second),
+               smaller(most_bend, larger(held * most_bend, K(2) * lean))),
       clamp_to(dot3(m, sub3(asked, own)) / larger(dot3(m, cross3(n, unit3(t))), splat(TINY)),
-               splat(FAIR_MOST_TWIST))};
+               smaller(most_twist, larger(held * FAIR_MOST_TWIST, K(0.5f) * norm3(own))))};
   return r;
 }
+
+// The lengths of both end tangents across the edge's direction. Cubic, the curve is an eighth of
+// that off its chord.
+FN real lean_of(fair_curve c, real3 e) { return norm3(cross3(c.t0, e)) + norm3(cross3(c.t1, e)); }
 
 // The `turn` of a side between two quads, for whose normals there is no more than degree 2: that of
 // the shape operators of its ends at mid-side.
 FN real3 smooth_turn(fair_curve c, shape_operator s0, shape_operator s1) {
   const real3 e = unit3(c.edge), rise = sub3(c.n1, c.n0), sum = add3(c.n0, c.n1);
-  const real a = fair_change_of(s0, c.n0, e, c.t0, second_at_start(c), rise).twist,
-             b = fair_change_of(s1, c.n1, e, c.t1, second_at_end(c), rise).twist;
+  const real lean = lean_of(c, e), most_twist = splat(FAIR_MOST_TWIST);
+  const real a = fair_change_of(s0, c.n0, e, c.t0, second_at_start(c), rise, lean, most_twist)
+                     .twist,
+             b = fair_change_of(s1, c.n1, e, c.t1, second_at_end(c), rise, lean, most_twist).twist;
   return mul3(K(0.5f) * clamp_to(a - b, splat(K(4) * FAIR_MOST_SMOOTH_TURN)),
               unit3(cross3(sum, e)));
 }
@@ -161,12 +178,12 @@ FN real3 sum_of(scalar f, scalar g, real3 a, real3 b) {
 
 // The side with the shape operators of its ends, or without: its normal is then
 // (1 - t) n_0 + t n_1 + t (1 - t) turn.
-FN void fair_side(fair_curve c, shape_operator s0, shape_operator s1, mask shaped, real3 turn,
-                  control_out out) {
+FN void fair_side(fair_curve c, shape_operator s0, shape_operator s1, mask shaped, real twist_share,
+                  real3 turn, control_out out) {
   const real3 rise = sub3(c.n1, c.n0), e = unit3(c.edge);
-  const real none = splat(K(0));
-  fair_change a = fair_change_of(s0, c.n0, e, c.t0, second_at_start(c), rise),
-              b = fair_change_of(s1, c.n1, e, c.t1, second_at_end(c), rise);
+  const real none = splat(K(0)), lean = lean_of(c, e), most_twist = FAIR_MOST_TWIST * twist_share;
+  fair_change a = fair_change_of(s0, c.n0, e, c.t0, second_at_start(c), rise, lean, most_twist),
+              b = fair_change_of(s1, c.n1, e, c.t1, second_at_end(c), rise, lean, most_twist);
   a.bend = pick(shaped, a.bend, none);
   a.twist = pick(shaped, a.twist, none);
   b.bend = pick(shaped, b.bend, none);

@@ -10,6 +10,7 @@
 
 #include "gliss/base/plain_arithmetic.h"
 #include "gliss/build/face_rays.h"
+#include "gliss/build/flat_regions.h"
 #include "gliss/mesh/sectors.h"
 
 namespace gliss {
@@ -92,6 +93,8 @@ class Bulges {
   bool is_wide(double bulge, std::uint32_t side, std::uint32_t corner) const {
     return bulge > most(side, corner) * (1 + kMargin);
   }
+  double radius_over(std::uint32_t side) const;
+  double most_lean(std::uint32_t side, std::uint32_t corner) const;
   Ends lean_bulges(std::uint32_t side) const;
   Ends tangent_bulges(std::uint32_t side, const Tangents& t) const;
   std::optional<Tangents> tangents(std::uint32_t side) const;
@@ -185,6 +188,30 @@ double Bulges::most(std::uint32_t side, std::uint32_t corner) const {
   return kShare * std::max(width(side, corner), room_[mesh_.corner_vertex[corner]]);
 }
 
+// The radius by which the faces at a side bend over it; infinity where they do not.
+double Bulges::radius_over(std::uint32_t side) const {
+  const std::uint32_t twin = topology_.side_twin[side];
+  if (twin == kNone || is_crease(side)) return kInfinity;
+  const Vec3 along = edge_of(mesh_, topology_, side).stableNormalized();
+  double extent = 0;  // of both faces, across the side
+  for (const std::uint32_t s : {side, twin}) {
+    const std::uint32_t face = topology_.side_face[s];
+    double farthest = 0;
+    for (std::uint32_t c = mesh_.face_begin[face]; c < mesh_.face_begin[face + 1]; ++c)
+      farthest = std::max(farthest, (position(c) - position(side)).cross(along).norm());
+    extent += farthest;
+  }
+  const Vec3 one = newell_normal(mesh_, topology_.side_face[side]),
+             other = newell_normal(mesh_, topology_.side_face[twin]);
+  return extent / 2 / std::atan2(one.cross(other).norm(), one.dot(other));
+}
+
+// The bulge that needs no turn of the normal: a rim is as thick as it is round.
+double Bulges::most_lean(std::uint32_t side, std::uint32_t corner) const {
+  const double room = room_[mesh_.corner_vertex[corner]];
+  return kShare * std::max(width(side, corner), std::min(room, 2 * radius_over(side)));
+}
+
 // The bulges of tangents as long as the side, at right angles to the normals of its corners.
 Ends Bulges::lean_bulges(std::uint32_t side) const {
   if (mesh_.has_tangents(side)) return {};
@@ -238,8 +265,8 @@ Bulges::Surroundings Bulges::surroundings(const std::vector<std::uint32_t>& corn
         around.is_open = true;
       } else {
         const double length = edge.norm();
-        around.edges.push_back(
-            {edge.stableNormalized(), length, std::min(1.0, most(side, c) / (kBulge * length))});
+        around.edges.push_back({edge.stableNormalized(), length,
+                                std::min(1.0, most_lean(side, c) / (kBulge * length))});
       }
     }
   }
@@ -295,7 +322,11 @@ std::optional<Vec3> Bulges::turned(const Vec3& normal, const Surroundings& aroun
 void Bulges::turn_normals() {
   const std::vector<Ends> bulges =
       bulges_of([this](std::uint32_t side) { return lean_bulges(side); });
-  if (!find_rooms(bulges)) return;
+  find_rooms(bulges);
+  const auto is_wide = [this](double bulge, std::uint32_t side, std::uint32_t corner) {
+    return bulge > kShare * width(side, corner) * (1 + kMargin) &&
+           bulge > most_lean(side, corner) * (1 + kMargin);
+  };
   std::vector<std::uint32_t> place(mesh_.normals.size(), kNone);  // [normal], among those to turn
   std::vector<std::vector<std::uint32_t>> corners;
   for (std::uint32_t c = 0; c < mesh_.corner_vertex.size(); ++c) {
@@ -391,6 +422,7 @@ Topology complete_mesh(Mesh& mesh, Construction construction, const ParallelFor&
   add_vertex_normals(mesh, normal_weights(construction), parallel);
   Topology topology = build_topology(mesh);
   mesh.most_sag.clear();
+  if (made) keep_flat_regions(mesh, topology, parallel);
   Bulges bulges(mesh, topology, parallel);
   if (made) bulges.turn_normals();
   bulges.shorten_tangents();

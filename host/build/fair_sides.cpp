@@ -149,6 +149,21 @@ const FairVertex<double>* FairSides::shape_of(std::uint32_t vertex) const {
   return i < has_shape_.size() && has_shape_[i] ? &shapes_[i] : nullptr;
 }
 
+// A turn of the normals at mid-side lifts a face by its extent across the side: one that is short
+// for its faces turns less.
+double FairSides::twist_share(std::uint32_t side) const {
+  constexpr double kShort = 0.5;
+  const Vec3 from = frame_.position(side),
+             edge = frame_.position(next_side(mesh_, topology_, side)) - from;
+  double across = 0;  // times the edge's length
+  for (const std::uint32_t s : {side, topology_.side_twin[side]}) {
+    if (s == kNone) continue;
+    const Vec3 way = frame_.position(prev_side(mesh_, topology_, s)) - from;
+    across = std::max(across, way.cross(edge).norm());
+  }
+  return std::min(1.0, edge.squaredNorm() / (kShort * across));
+}
+
 void FairSides::sides_of(std::span<const std::uint32_t> faces, std::vector<double>& out) const {
   thread_local std::vector<FairSide<double>> sides;
   sides.clear();
@@ -164,6 +179,7 @@ void FairSides::sides_of(std::span<const std::uint32_t> faces, std::vector<doubl
       s.from = *from;
       s.to = *to;
       (joined == 4 ? s.turns : s.bends) = 1;
+      s.twist_share = twist_share(side);
     }
   }
   out.resize(sides.size() * kFairReals);

@@ -30,6 +30,7 @@ class FairSides {
   void put_corner(std::uint32_t side, double* reals) const;  // position, unit normal
   bool is_flat(std::uint32_t face) const;
   std::uint32_t joined_valence(std::uint32_t side) const;
+  double twist_share(std::uint32_t side) const;
   FairEdge<double> edge(std::uint32_t side, std::uint32_t joined) const;
   void find_shapes(std::size_t begin, std::size_t end);
   // Adds the edges that leave vertices_[i]; false: it has no shape that they agree on.

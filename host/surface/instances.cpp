@@ -36,7 +36,7 @@ int chosen_isa() {
   const auto named = std::find(std::begin(kIsaNames), std::end(kIsaNames), std::string_view(wish));
   if (named == std::end(kIsaNames)) {
     throw std::invalid_argument("GLISS_ISA: '" + std::string(wish) +
-                                "' is none of baseline, v3, v4");
+                                "' is not one of baseline, v3, v4");
   }
   return std::min(static_cast<int>(named - std::begin(kIsaNames)), best);
 }

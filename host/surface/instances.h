@@ -72,10 +72,11 @@ struct FairEdge {
   Real by_arc = {};  // 0 or 1
 };
 
-// The shape operator of a vertex: xx, xy and yy in two unit tangents.
+// The shape operator of a vertex: xx, xy and yy in two unit tangents; and the length of the
+// shortest side that it was fit to.
 template <class Real>
 struct FairVertex {
-  Real x[3] = {}, y[3] = {}, shape[3] = {};
+  Real x[3] = {}, y[3] = {}, shape[3] = {}, reach = {};
 };
 
 // A side of a face, and the vertices of its ends. These bend it (`bends` is 1 and not 0), or tell
@@ -85,6 +86,7 @@ struct FairSide {
   FairEdge<Real> edge;
   FairVertex<Real> from, to;
   Real bends = {}, turns = {};
+  Real twist_share = {};  // of the most that its normals may turn for them, 0 to 1
 };
 
 // Where the mesh frame lies in the mesh: PatchCache's origin, and 1 / its scale.

@@ -19,16 +19,17 @@ std::optional<Level> find_level(std::string_view name) {
 }
 
 std::optional<Level> find_surface(std::string_view name) {
-  constexpr std::string_view kFair = "fair", kFairLevel = "fair-";
-  if (name == kFair) return Level{.construction = Construction::kFair};
-  const bool is_fair = name.starts_with(kFairLevel);
-  std::optional<Level> level = find_level(is_fair ? name.substr(kFairLevel.size()) : name);
-  if (level) level->construction = is_fair ? Construction::kFair : Construction::kPaper;
+  const std::size_t dash = name.find('-');
+  const auto named = find_named(kConstructionNames, name.substr(0, dash));
+  const Construction construction = named.value_or(Construction::kPaper);
+  if (named && dash == name.npos) return Level{.construction = construction};
+  std::optional<Level> level = find_level(named ? name.substr(dash + 1) : name);
+  if (level) level->construction = construction;
   return level;
 }
 
 std::string no_level(const std::string& name) {
-  return "'" + name + "' is none of " + listed(kLevelNames) +
+  return "'" + name + "' is not one of " + listed(kLevelNames) +
          ", table:1 to table:" + std::to_string(kMostTableCells);
 }
 

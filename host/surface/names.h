@@ -62,6 +62,10 @@ inline constexpr Named<PatchKind> kPatchKindNames[] = {{"exact", PatchKind::kPla
                                                        {"split", PatchKind::kSplit},
                                                        {"bent", PatchKind::kBent}};
 
+inline const char* construction_name(Construction construction) {
+  return name_of(kConstructionNames, construction);
+}
+
 // "table:8" is a table of other than the usual number of cells.
 inline std::string level_name(const Level& level) {
   const std::string name = name_of(kLevelNames, level.kind);
@@ -76,6 +80,11 @@ inline std::string surface_name(const Level& level) {
   const std::string name = name_of(kConstructionNames, level.construction);
   return level.kind == Level::kExact ? name : name + "-" + level_name(level);
 }
+// "paper", "paper-ribbon", "fair-table:8": both constructions by their names, for tables of both.
+inline std::string full_surface_name(const Level& level) {
+  const std::string name = construction_name(level.construction);
+  return level.kind == Level::kExact ? name : name + "-" + level_name(level);
+}
 // The level of a construction, each as it is chosen or else exact and fair.
 inline Level chosen_level(const std::optional<Level>& level,
                           const std::optional<Construction>& construction) {
@@ -83,9 +92,7 @@ inline Level chosen_level(const std::optional<Level>& level,
   chosen.construction = construction.value_or(chosen.construction);
   return chosen;
 }
-inline const char* construction_name(Construction construction) {
-  return name_of(kConstructionNames, construction);
-}
+// By either of its names.
 GLISS_EXPORT std::optional<Level> find_surface(std::string_view name);
 GLISS_EXPORT std::optional<Level> find_level(std::string_view name);
 GLISS_EXPORT std::string no_level(const std::string& name);  // why there is none of that name

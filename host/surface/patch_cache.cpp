@@ -99,9 +99,13 @@ bool has_folds(const Surface<Real>& s) {
 void find_folds(PatchCache& cache) {
   cache.winding = nullptr;
   if (!cache.open.empty()) return;
+  bool has_bent = false;
+  for (std::uint32_t p = 0; p < cache.patch_count() && !has_bent; ++p)
+    has_bent = cache.folded[p] &&
+               (cache.kind[p] == PatchKind::kBent || cache.kind[p] == PatchKind::kPlain);
   std::visit(
       [&](const auto& s) {
-        if (has_folds(s)) cache.winding = std::make_shared<const WindingTree>(s);
+        if (has_bent || has_folds(s)) cache.winding = std::make_shared<const WindingTree>(s);
       },
       cache.surface);
 }

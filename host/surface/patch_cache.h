@@ -99,7 +99,7 @@ struct GLISS_EXPORT PatchCache {
   // [face], 1: its part, the faces that edges join to it, has an open border; empty: no part has
   // one. Not in files: find_open_parts makes it.
   SharedArray<std::uint8_t> open;
-  // Null where no face folds over its neighbours. Not in files: find_folds makes it.
+  // Null where normals say what is inside (find_folds). Not in files: find_folds makes it.
   std::shared_ptr<const WindingTree> winding;
 
   Precision precision() const {
@@ -125,8 +125,9 @@ struct GLISS_EXPORT PatchCache {
 // Fills `open` of a cache whose other arrays are there.
 GLISS_EXPORT void find_open_parts(PatchCache& cache);
 
-// Makes `winding` of a cache whose other arrays are there, where a polygon faces against the normal
-// at one of its corners and no part is open.
+// Makes `winding` of a cache whose other arrays are there, where no part is open, and a polygon
+// faces against the normal at one of its corners, or a patch folds or is bent: there normals do not
+// say what is inside.
 GLISS_EXPORT void find_folds(PatchCache& cache);
 
 // Throws std::invalid_argument unless the cache has patches.

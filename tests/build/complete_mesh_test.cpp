@@ -2,8 +2,10 @@
 // shapes are what they are without any limit, and patches are as smooth as ever.
 #include "gliss/build/complete_mesh.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -59,6 +61,41 @@ Mesh rod(std::uint32_t around, double radius, double length, bool is_bent = fals
   return mesh;
 }
 
+// A slab with round corners of `radius` and a half round rim, as CAD triangulates it: its straight
+// sides are strips of two triangles, far longer than they are wide, beside fine arcs.
+Mesh rounded_slab(double length, double width, double thickness, double radius, std::uint32_t rim,
+                  std::uint32_t corner) {
+  Mesh mesh;
+  mesh.source = "rounded slab";
+  const std::uint32_t around = 4 * (corner + 1);
+  for (std::uint32_t i = 0; i <= rim; ++i) {
+    const double up = std::numbers::pi * (i / static_cast<double>(rim) - 0.5);
+    const double out = radius - thickness / 2 * (1 - std::cos(up));
+    for (std::uint32_t k = 0; k < around; ++k) {
+      const std::uint32_t quarter = k / (corner + 1), step = k % (corner + 1);
+      const double turn = std::numbers::pi / 2 * (quarter + step / static_cast<double>(corner));
+      const double x = quarter == 0 || quarter == 3 ? 1 : -1, y = quarter < 2 ? 1 : -1;
+      mesh.positions.push_back({x * (length / 2 - radius) + out * std::cos(turn),
+                                y * (width / 2 - radius) + out * std::sin(turn),
+                                thickness / 2 * std::sin(up)});
+    }
+  }
+  const auto at = [&](std::uint32_t ring, std::uint32_t k) { return ring * around + k % around; };
+  for (std::uint32_t i = 0; i < rim; ++i)
+    for (std::uint32_t k = 0; k < around; ++k)
+      add_face(mesh, {at(i, k), at(i, k + 1), at(i + 1, k + 1), at(i + 1, k)});
+  std::vector<std::uint32_t> bottom, top;
+  for (std::uint32_t k = 0; k < around; ++k) {
+    bottom.push_back(around - 1 - k);
+    top.push_back(at(rim, k));
+  }
+  for (const auto& cap : {bottom, top}) {
+    mesh.corner_vertex.insert(mesh.corner_vertex.end(), cap.begin(), cap.end());
+    mesh.face_begin.push_back(static_cast<std::uint32_t>(mesh.corner_vertex.size()));
+  }
+  return test::in_triangles(mesh);
+}
+
 struct Built {
   Mesh mesh;
   Topology topology;
@@ -106,6 +143,33 @@ TEST(CompleteMesh, thin_parts_are_as_thick_as_their_meshes) {
       EXPECT_LE(departure(box({100, 4, 4})), most * 4);
       EXPECT_LE(departure(rod(12, 0.5, 100)), (is_sharp ? 0.1 : 2.0 / 3) * 1);
       EXPECT_LE(departure(rod(12, 0.2, 60, true)), 2.0 / 3 * 0.4);
+    }
+  }
+}
+
+// No face is sharp, so that nothing but fine arcs at their ends bends the long sides. What bulges
+// is a side of the outline, within the plane of the slab.
+TEST(CompleteMesh, long_sides_beside_fine_arcs_stay_straight) {
+  for (const Mesh& slab :
+       {rounded_slab(203.2, 304.8, 12.7, 25.4, 12, 6), rounded_slab(20, 300, 4, 4, 6, 3),
+        rounded_slab(150, 150, 1, 20, 8, 10), rounded_slab(60, 16, 8, 6, 16, 16)}) {
+    SCOPED_TRACE(fmt::format("{} vertices", slab.positions.size()));
+    const Built built(slab);
+    const double half = slab.positions.back().z(), side = slab.positions.front().norm();
+    EXPECT_LE(built.departure(), std::max(2 * half / 3, 0.01 * side));
+    for (const Construction construction : {Construction::kFair, Construction::kPaper}) {
+      // The flat of the top, whose rim the round one touches.
+      const Built flat(slab, construction);
+      const std::vector<DomainPoint> at = spread_points(flat.cache, 20000);
+      std::vector<SurfacePoint> points(at.size());
+      evaluate(flat.cache, at, points);
+      const auto faces = static_cast<std::uint32_t>(slab.face_count());
+      const auto on_top =
+          std::ranges::count_if(slab.positions, [&](const Vec3& p) { return p.z() == half; });
+      const auto cap = static_cast<std::uint32_t>(on_top - 2);  // triangles
+      for (std::size_t i = 0; i < at.size(); ++i) {
+        if (at[i].face >= faces - cap) EXPECT_NEAR(points[i].position.z(), half, 1e-9 * half);
+      }
     }
   }
 }

@@ -15,7 +15,9 @@
 // normal is not assumed. It reads a mesh and its twins as data, and uses nothing else of Gliss.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <limits>
 #include <optional>
 
 #include "gliss/mesh/topology.h"
@@ -274,6 +276,24 @@ class Fair {
   }
 
   // ---- Steps 3 and 4 ----
+  /// Of the sides that S is fit to.
+  Real shortest_at(std::uint32_t v) const {
+    Real least = std::numeric_limits<Real>::infinity();
+    for (std::uint32_t s = 0; s < sides_.size(); ++s)
+      if (mesh_.corner_vertex[s] == v || mesh_.corner_vertex[next(s)] == v)
+        least = std::min(least, (position(next(s)) - position(s)).norm());
+    return least;
+  }
+  /// Twice the length over the farther of both triangles' third vertices, at most 1.
+  Real short_share(std::uint32_t s) const {
+    const V from = position(s), way = position(next(s)) - from;
+    Real farthest = 0;
+    for (const std::uint32_t t : {s, twin(s)})
+      if (t != kNone)
+        farthest =
+            std::max(farthest, (position(next(next(t))) - from).cross(way).norm() / way.norm());
+    return std::min(Real(1), 2 * way.norm() / farthest);
+  }
   Side last_side(std::uint32_t s, Side side) {
     const auto& S0 = shapes_[mesh_.corner_vertex[s]];
     const auto& S1 = shapes_[mesh_.corner_vertex[next(s)]];
@@ -289,6 +309,7 @@ class Fair {
     };
     const Poly C = side.C, n = side.n;
     const Poly dC = derivative(C), ddC = derivative(dC), dn = derivative(n);
+    const Real lean = value(dC, 0).cross(side.e).norm() + value(dC, 1).cross(side.e).norm();
     // t^2 (1 - t)^3 / 2 and t^3 (1 - t)^2 / 2; t (1 - t)^2 and the same of 1 - t.
     const std::vector<Real> bend[2] = {{0, 0, 0.5L, -1.5L, 1.5L, -0.5L}, {0, 0, 0, 0.5L, -1, 0.5L}};
     const std::vector<Real> turn[2] = {{0, 1, -2, 1}, {0, 0, 1, -1}};
@@ -296,12 +317,18 @@ class Fair {
       const auto end = static_cast<Real>(i);
       const auto& S = i == 0 ? *S0 : *S1;
       const V d = value(dC, end), n_i = normal(i == 0 ? s : next(s));
-      const Real curve = clamped(-d.dot(S * d) - n_i.dot(value(ddC, end)), kMostBend * d.norm(),
-                                 clamps_.curvature);
+      const Real share =
+          std::min(Real(1), 4 * shortest_at(mesh_.corner_vertex[i == 0 ? s : next(s)]) / d.norm());
+      const Real curve =
+          clamped(-d.dot(S * d) - n_i.dot(value(ddC, end)),
+                  std::min(kMostBend * d.norm(), std::max(share * kMostBend * d.norm(), 2 * lean)),
+                  clamps_.curvature);
       side.C = sum(side.C, along(curve * n_i, bend[i]));
       const V b = n_i.cross(d.normalized()), m = n_i.cross(side.e);
-      const Real twist =
-          clamped(m.dot(S * d - value(dn, end)) / m.dot(b), kMostTwist, clamps_.twist);
+      const Real twist = clamped(m.dot(S * d - value(dn, end)) / m.dot(b),
+                                 std::min(kMostTwist * short_share(s),
+                                          std::max(share * kMostTwist, value(dn, end).norm() / 2)),
+                                 clamps_.twist);
       side.n = sum(side.n, along((i == 0 ? twist : -twist) * b, turn[i]));
     }
     return side;
