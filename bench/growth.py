@@ -44,7 +44,7 @@ def decades(text):
     first, _, last = text.partition(":")
     first, last = float(first), float(last or first)
     if not 1 <= first <= last < math.inf:
-        raise argparse.ArgumentTypeError(f"'{text}' is no range of sizes, as 1e3:1e5")
+        raise argparse.ArgumentTypeError(f"'{text}' is not a range of sizes, as 1e3:1e5")
     return [round(first * 10 ** i) for i in range(math.floor(math.log10(last / first) + 1e-9) + 1)]
 
 
@@ -84,7 +84,7 @@ class Bench:
         self.gliss, self.backend, self.precision = os.path.abspath(gliss), backend, precision
         self.folder = folder
         self.point = folder / "point.csv"
-        self.point.write_text("patch,xi,eta\n0,0,0\n")
+        self.point.write_text("face,xi,eta\n0,0,0\n")
 
     def run(self, command, *words):
         return best([self.gliss, command, *map(str, words), "--backend", self.backend, "--quiet"])

@@ -151,7 +151,7 @@ def measured(gliss, parts, folder, limit):
     faces = write_obj(parts, folder / "mesh.obj")
     write_path(folder / "path.csv")
     write_path(folder / "hips.csv", every=10)
-    (folder / "points.csv").write_text("patch,xi,eta\n0,0,0\n")
+    (folder / "points.csv").write_text("face,xi,eta\n0,0,0\n")
     (folder / "scene.toml").write_text(SCENE)
     row = {"faces": faces, "seconds": {}, "wrong": {}}
     for name, words in COMMANDS:

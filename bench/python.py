@@ -30,7 +30,7 @@ def main():
     options = parser.parse_args()
     surface = gliss.Surface(*torus(60, 24), unit="mm")
     rng = np.random.default_rng(1)
-    on = surface.evaluate(rng.integers(surface.faces, size=options.hips), rng.uniform(-0.5, 0.5, (options.hips, 2)))
+    on = surface.evaluate(rng.integers(surface.face_count, size=options.hips), rng.uniform(-0.5, 0.5, (options.hips, 2)))
     hips = on.point - rng.uniform(-2, 2, (options.hips, 1)) * on.normal  # mm
 
     def seconds(work):

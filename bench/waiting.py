@@ -33,7 +33,7 @@ def write_inputs(folder, vertices, faces, hips, points):
         for _ in range(hips):
             file.write("%r,%r,%r\n" % tuple(x + rng.gauss(0, 0.01) * s for x, s in zip(rng.choice(vertices), sizes)))
     with (folder / "points.csv").open("w") as file:
-        file.write("patch,xi,eta\n")
+        file.write("face,xi,eta\n")
         for _ in range(points):
             file.write("%d,%r,%r\n" % (rng.randrange(faces), rng.uniform(-0.3, 0.3), rng.uniform(-0.3, 0.3)))
     return 0.005 * sum(s * s for s in sizes) ** 0.5

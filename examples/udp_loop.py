@@ -39,7 +39,7 @@ def main(port, seconds):
         except (TimeoutError, socket.timeout):
             continue  # the device's own watchdog takes a force away that is not renewed for 20 ms
         if len(state) != STATE.size:
-            sys.exit(f"udp:{port}: answers what is no state of a device that does not turn")
+            sys.exit(f"udp:{port}: answers what is not a state of a device that does not turn")
         _, _, flags, _, answers, _, _, _, z, *_ = STATE.unpack(state)
         if flags & ENDED:
             break

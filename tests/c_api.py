@@ -54,7 +54,7 @@ with tempfile.TemporaryDirectory() as name:
     surface = ctypes.c_void_p()
     if lib.gliss_surface_load(b"none.obj", None, ctypes.byref(surface)) != 2 or \
             b"none.obj" not in lib.gliss_last_error():
-        sys.exit("a missing file is no bad input")
+        sys.exit("a missing file is not a bad input")
     if lib.gliss_surface_load(bytes(folder / "ball.obj"), None, ctypes.byref(surface)):
         sys.exit(lib.gliss_last_error())
     contact = (ctypes.c_uint64 * 16)()

@@ -12,7 +12,7 @@ done
 "$gliss" generate torus --irregular 1 -o "$scratch/torus.obj" >/dev/null
 # Points all over the domain of a quad, its centre, corners and sides included.
 awk 'BEGIN {
-  print "patch,xi,eta"
+  print "face,xi,eta"
   for (p = 0; p < 1440; p += 7) {
     printf "%d,0,0\n%d,1,0\n%d,0,1\n%d,0.5,0.5\n", p, p, p, p
     for (i = 0; i < 12; ++i) {

@@ -17,7 +17,7 @@ case ${1+${1,,}} in
 esac
 case ${2-mm} in
   m | cm | mm | um | nm | in | inch | *metre | *meter) ;;
-  *) echo "'$2' is no unit: m, cm, mm, um, nm or in is one." >&2; exit 2 ;;
+  *) echo "'$2' is not a unit: m, cm, mm, um, nm or in is one." >&2; exit 2 ;;
 esac
 mesh=${1:+$(realpath -- "$1")} unit=${2:-mm}
 

@@ -130,7 +130,7 @@ std::vector<std::uint32_t> read_edges(const std::string& path, const Mesh& mesh,
     for (std::size_t i = 0; i < 2; ++i) {
       const std::optional<std::int64_t> number = detail::parse_integer(words[i]);
       if (!number || *number < 0 || *number >= static_cast<std::int64_t>(mesh.positions.size())) {
-        fail(fmt::format("{} is no vertex: they are numbered from 0 to {}",
+        fail(fmt::format("{} is not a vertex: they are numbered from 0 to {}",
                          detail::quoted(words[i]), mesh.positions.size() - 1));
       }
       edge[i] = static_cast<std::uint32_t>(*number);

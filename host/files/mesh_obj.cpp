@@ -100,7 +100,7 @@ class ObjReader {
   }
 
   [[noreturn]] void fail_corner(std::string_view word) {
-    report_.fail("syntax", place(), "{} is no corner (v, v/vt, v//vn or v/vt/vn)", quoted(word));
+    report_.fail("syntax", place(), "{} is not a corner (v, v/vt, v//vn or v/vt/vn)", quoted(word));
   }
 
   Report::Place place() const {

@@ -252,7 +252,8 @@ void read_off(std::string_view text, Mesh& mesh, Report& report) {
     if (first.empty()) first = cursor.word();
     const std::optional<std::int64_t> vertices = parse_integer(first);
     if (!vertices || *vertices < 0) {
-      report.fail("syntax", {.line = cursor.line()}, "{} is no number of vertices", quoted(first));
+      report.fail("syntax", {.line = cursor.line()}, "{} is not a number of vertices",
+                  quoted(first));
     }
     const std::int64_t faces = cursor.integer("number of faces");
     if (faces < 0) report.fail("syntax", {.line = cursor.line()}, "{} faces", faces);

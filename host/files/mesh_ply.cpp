@@ -61,7 +61,7 @@ class Body {
   std::int64_t integer(Type type) {
     const double value = number(type);
     if (!std::isfinite(value) || value != std::floor(value)) {
-      fail_item(fmt::format("{} is no integer", value));
+      fail_item(fmt::format("{} is not an integer", value));
     }
     return static_cast<std::int64_t>(std::clamp(value, -0x1p62, 0x1p62));
   }

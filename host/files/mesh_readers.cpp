@@ -174,7 +174,7 @@ double TextCursor::number(std::string_view what) {
   const std::optional<double> value = parse_number(found);
   if (!value) {
     const bool comma = found.find(',') != found.npos;
-    report_.fail("syntax", {.line = line()}, "{} {} is no number{}", what, quoted(found),
+    report_.fail("syntax", {.line = line()}, "{} {} is not a number{}", what, quoted(found),
                  comma ? ": decimals follow a point, not a comma" : "");
   }
   return *value;
@@ -183,7 +183,8 @@ double TextCursor::number(std::string_view what) {
 std::int64_t TextCursor::integer(std::string_view what) {
   const std::string_view found = required(what);
   const std::optional<std::int64_t> value = parse_integer(found);
-  if (!value) report_.fail("syntax", {.line = line()}, "{} {} is no integer", what, quoted(found));
+  if (!value)
+    report_.fail("syntax", {.line = line()}, "{} {} is not an integer", what, quoted(found));
   return *value;
 }
 

@@ -132,7 +132,7 @@ void read_ascii(std::string_view text, Mesh& mesh, Report& report) {
       expect(keyword.substr(3), keyword);
       open = keyword == "endfacet" ? "solid" : "";
     } else {
-      report.fail("syntax", {.line = cursor.line()}, "{} is no word of an STL",
+      report.fail("syntax", {.line = cursor.line()}, "{} is not a word of an STL",
                   detail::quoted(keyword));
     }
   }

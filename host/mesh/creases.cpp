@@ -320,7 +320,7 @@ CreaseRules parse_creases(std::string_view text) {
     } else {
       if (word.find_first_of("0123456789") == std::string_view::npos)
         throw UnitError(detail::message("creases: '", word,
-                                        "' is none of an angle, such as 40deg, ",
+                                        "' is not one of an angle, such as 40deg, ",
                                         "auto, normals, groups, edges:FILE and none"));
       const double angle = parse_angle(word);
       if (!(angle >= 0 && angle < std::numbers::pi))

@@ -17,9 +17,10 @@ namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 constexpr std::size_t kPoints = 20000, kPointsPerFace = 64, kMostPoints = 1000000;
-constexpr double kMeasureFor = 0.1;  // s, each rate
-constexpr std::size_t kGrain = 256;  // points measured between two polls
-constexpr int kRides = 5;            // along each path, for the time of a tick
+constexpr double kMeasureFor = 0.1;      // s, each rate
+constexpr double kFarthestGuess = 1000;  // times the triangles that were tried
+constexpr std::size_t kGrain = 256;      // points measured between two polls
+constexpr int kRides = 5;                // along each path, for the time of a tick
 
 // Items a second of work that does `items` at a time.
 template <class Poll, class Work>
@@ -372,10 +373,10 @@ DenseRow Comparison::match(Method method, const CompareRow& target, std::uint64_
   if (!row.reached) {
     const double slope = std::log(row.max_force_step / last_step) /
                          std::log(static_cast<double>(row.triangles) / last_triangles);
-    row.needed_triangles =
-        last_step > 0 && slope < 0
-            ? row.needed_triangles * std::pow(target.max_force_step / row.max_force_step, 1 / slope)
-            : kUnknown;
+    const double times = last_step > 0 && slope < 0
+                             ? std::pow(target.max_force_step / row.max_force_step, 1 / slope)
+                             : kUnknown;
+    row.needed_triangles = times < kFarthestGuess ? times * row.needed_triangles : kUnknown;
   }
   return row;
 }

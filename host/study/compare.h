@@ -25,6 +25,10 @@ struct CompareCandidate {
 
   bool operator==(const CompareCandidate&) const = default;
   std::string name() const {
+    return method == Method::kGregory ? full_surface_name(level) : method_name(method);
+  }
+  // The old name, until 0.3.
+  std::string level_name() const {
     return method == Method::kGregory ? surface_name(level) : method_name(method);
   }
 };
@@ -134,6 +138,7 @@ class GLISS_EXPORT Comparison {
   // The exact surface of each construction, as pictures of at most `most_points`.
   std::vector<std::pair<Construction, SurfacePicture>> pictures(std::size_t most_points) const;
 
+  const CompareWalks& walks() const { return walks_; }
   std::size_t row_count() const;
   // Calls `measured` after each row.
   std::vector<CompareRow> measure(const std::function<void()>& measured = nullptr) const;

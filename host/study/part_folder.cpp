@@ -196,7 +196,7 @@ void PartFolder::discard(std::size_t part) {
   damaged_.push_back(path);
   if (std::remove(path.c_str()) != 0 && errno != ENOENT) {  // another shard has done so
     throw std::system_error(errno, std::generic_category(),
-                            fmt::format("'{}' is no part and cannot be removed", path));
+                            fmt::format("'{}' is not a part and cannot be removed", path));
   }
   --kept_;
 }

@@ -77,9 +77,10 @@ std::string reason_for(const CompareRow& row, const std::vector<CompareRow>& row
   const CompareRow* least = fewest(patches, jumps_of);
   const bool is_least =
       least == nullptr || is_baseline(row) || jumps.value - jumps_of(*least).value <= jumps.spread;
-  reasons.push_back(fmt::format(
-      "the force jumps {:.3g} (± {:.2g}) times in 100,000 ticks, {}", jumps.value, jumps.spread,
-      is_least ? "no more than with any patches" : "as seldom as the budget allows"));
+  reasons.push_back(
+      fmt::format("the force jumps {:.0f} ± {:.0f} times in 100,000 ticks{}, {}", jumps.value,
+                  jumps.spread, row.walks.size() > 1 ? " (the mean of all walks)" : "",
+                  is_least ? "no more than with any patches" : "as seldom as the budget allows"));
   if (makes_energy(row))
     reasons.push_back(
         fmt::format("closed loops give the hand up to {:.2g} % of force x way, as "
@@ -103,7 +104,7 @@ std::string reason_for(const CompareRow& row, const std::vector<CompareRow>& row
   for (const CompareRow& other : rows) {
     if (!is_baseline(other) || !makes_energy(other) || jumps_of(other).value >= jumps.value)
       continue;
-    text += fmt::format("; {} jumps {:.3g} times, but may give the hand energy",
+    text += fmt::format("; {} jumps {:.0f} times, but may give the hand energy",
                         other.candidate.name(), jumps_of(other).value);
     break;
   }

@@ -33,4 +33,10 @@ std::string no_level(const std::string& name) {
          ", table:1 to table:" + std::to_string(kMostTableCells);
 }
 
+std::string no_surface(const std::string& name) {
+  return "'" + name +
+         "' is not one of fair, paper, shaded, flat, fair-LEVEL and paper-LEVEL, where LEVEL is "
+         "ribbon, bezier, table or table:N";
+}
+
 }  // namespace gliss

@@ -95,7 +95,9 @@ inline Level chosen_level(const std::optional<Level>& level,
 // By either of its names.
 GLISS_EXPORT std::optional<Level> find_surface(std::string_view name);
 GLISS_EXPORT std::optional<Level> find_level(std::string_view name);
-GLISS_EXPORT std::string no_level(const std::string& name);  // why there is none of that name
+// Why there is none of that name.
+GLISS_EXPORT std::string no_level(const std::string& name);
+GLISS_EXPORT std::string no_surface(const std::string& name);
 
 inline const char* method_name(Method method) { return name_of(kMethodNames, method); }
 inline const char* precision_name(Precision precision) {

@@ -44,19 +44,18 @@ class CsvFile final : public ResultFile {
     }
     columns_ = columns;
     for (std::size_t c = 0; c < columns.size(); ++c) {
-      write_text(columns[c].name);
-      end_field(c);
+      if (!columns[c].old_name.empty()) renamed_.push_back(c);
     }
+    write_row([&](std::size_t c) { write_text(columns[c].name); },
+              [&](std::size_t c) { write_text(columns[c].old_name); });
     return 0;
   }
 
   void append(TableId, std::span<const ColumnData> block) override {
     const std::size_t rows = block_rows(columns_, block);
     for (std::size_t row = 0; row < rows; ++row) {
-      for (std::size_t c = 0; c < block.size(); ++c) {
-        write_field(block[c], row);
-        end_field(c);
-      }
+      const auto write = [&](std::size_t c) { write_field(block[c], row); };
+      write_row(write, write);
     }
   }
 
@@ -100,10 +99,23 @@ class CsvFile final : public ResultFile {
     output_.write("\"");
   }
 
-  void end_field(std::size_t column) { output_.write(column + 1 < columns_.size() ? "," : "\n"); }
+  // All columns, and those with an old name by it once more.
+  template <class Write, class WriteRenamed>
+  void write_row(const Write& write, const WriteRenamed& write_renamed) {
+    for (std::size_t c = 0; c < columns_.size(); ++c) {
+      if (c > 0) output_.write(",");
+      write(c);
+    }
+    for (const std::size_t c : renamed_) {
+      output_.write(",");
+      write_renamed(c);
+    }
+    output_.write("\n");
+  }
 
   Output output_;
   std::vector<Column> columns_;
+  std::vector<std::size_t> renamed_;
 };
 
 }  // namespace

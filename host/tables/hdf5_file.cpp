@@ -207,6 +207,9 @@ class Hdf5File final : public PlainFile {
                    H5P_DEFAULT, creation, H5P_DEFAULT),
         H5Dclose, fmt::format("{}: column '{}'", action_, column.name));
     if (!column.unit.empty()) hdf5::write_attribute(dataset, {"unit", column.unit}, action_);
+    if (!column.old_name.empty())
+      check(H5Lcreate_hard(group, column.name.c_str(), group, column.old_name.c_str(), H5P_DEFAULT,
+                           H5P_DEFAULT));
   }
 
   // Only the table at hand is open: an open dataset holds a chunk in memory, and tables may be

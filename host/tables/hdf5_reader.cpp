@@ -200,7 +200,7 @@ std::vector<std::string> Hdf5Reader::texts(const std::string& column) const {
   hdf5::Quiet quiet;
   const Dataset d = open(column);
   const auto type = readable_text(d.type, d.action);
-  if (!type) throw std::runtime_error(d.action + ": its rows are no texts of a fixed length");
+  if (!type) throw std::runtime_error(d.action + ": its rows are not texts of a fixed length");
   const std::size_t bytes = H5Tget_size(*type);
   std::vector<std::string> values;
   values.reserve(d.rows);

@@ -82,8 +82,12 @@ class NpyFile final : public ResultFile {
 
   void write_header() {
     std::string fields;
-    for (const Column& column : columns_)
-      fields += fmt::format("('{}', '{}'), ", column.name, descr_of(column.type));
+    for (const Column& column : columns_) {
+      const std::string name = column.old_name.empty()
+                                   ? fmt::format("'{}'", column.name)
+                                   : fmt::format("('{}', '{}')", column.old_name, column.name);
+      fields += fmt::format("({}, '{}'), ", name, descr_of(column.type));
+    }
     const std::string header = npy::header_of(fmt::format(
         "{{'descr': [{}], 'fortran_order': False, 'shape': ({:>20},), }}", fields, rows_));
     check(std::fwrite(header.data(), 1, header.size(), stream_.get()) == header.size());

@@ -79,11 +79,18 @@ class HeaderParser {
     fields.push_back({std::move(name), *descr, {}, 0, 0});
     return true;
   }
+  // A name, or a title that NumPy finds the field by as well, and the name.
+  std::optional<std::string> field_name() {
+    if (!take('(')) return text();
+    if (!text() || !take(',')) return {};
+    const auto name = text();
+    return take(')') ? name : std::nullopt;
+  }
   bool read_descr() {
     if (!take('[')) return add_field("", text());
     while (!take(']')) {
       if (!take('(')) return false;
-      const auto name = text();
+      const auto name = field_name();
       if (!name || name->empty() || !take(',') || !add_field(*name, text())) return false;
       if (!take(')')) return false;  // a third word is the shape of fields that are arrays
       take(',');
@@ -210,7 +217,7 @@ class NpyTable final : public TableReader {
     read_whole(begin, text);
     HeaderParser header(text);
     if (!header.parse())
-      refuse("a header that NumPy does not write, or fields that are no numbers");
+      refuse("a header that NumPy does not write, or fields that are not numbers");
     begin_ = begin + length;
     place(header, request);
   }
@@ -266,8 +273,8 @@ class NpyTable final : public TableReader {
   void add(const std::string& name) {
     const Field& field = *find(name);
     if (field.type.kind == 0)
-      refuse(
-          fmt::format("column '{}': '{}' is no type of little-endian numbers", name, field.descr));
+      refuse(fmt::format("column '{}': '{}' is not a type of little-endian numbers", name,
+                         field.descr));
     head_.names_.push_back(name);
   }
 

@@ -4,7 +4,17 @@ namespace gliss {
 
 Columns& Columns::add(std::initializer_list<const char*> names, ColumnType type,
                       const std::string& unit) {
-  for (const char* name : names) columns_.push_back({name, type, unit});
+  for (const char* name : names) {
+    for (Column& column : columns_) {
+      if (column.old_name == name) column.old_name.clear();
+    }
+    columns_.push_back({name, type, unit, ""});
+  }
+  return *this;
+}
+
+Columns& Columns::was(const char* old_name) {
+  columns_.back().old_name = old_name;
   return *this;
 }
 

@@ -21,6 +21,8 @@ class GLISS_EXPORT Columns {
  public:
   Columns& add(std::initializer_list<const char*> names, ColumnType type = ColumnType::kFloat64,
                const std::string& unit = "");
+  // The last column has been called so. A column that is added by that name later takes it.
+  Columns& was(const char* old_name);
   const std::vector<Column>& list() const { return columns_; }
 
  private:

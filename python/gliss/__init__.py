@@ -19,6 +19,7 @@ import enum as _enum
 import inspect as _inspect
 import os as _os
 import shlex as _shlex
+import sys as _sys
 import tempfile as _tempfile
 import typing as _typing
 import warnings as _warnings
@@ -218,6 +219,25 @@ def _shaped(array, shape):
     return array if len(shape) == 1 else array.reshape(shape + array.shape[1:])
 
 
+def _also_named(rows, **old_names):
+    """The same structured rows, fields of which have their old names as well."""
+    names, fields = rows.dtype.names, rows.dtype.fields
+    return rows.view(_np.dtype({"names": names, "formats": [fields[name][0] for name in names],
+                                "offsets": [fields[name][1] for name in names],
+                                "titles": [old_names.get(name) for name in names], "itemsize": rows.dtype.itemsize}))
+
+
+def _progress(progress, name):
+    """A function of (done, total), or None."""
+    if progress is None or progress is False:
+        return None
+    if progress is True:
+        return lambda done, total: print(f"gliss: {name}: {100 * done // max(total, 1)} %", file=_sys.stderr, flush=True)
+    if not callable(progress):
+        raise TypeError(f"progress: expected a function of (done, total), or True, found {progress!r}")
+    return progress
+
+
 def _unpadded(padded):
     """Offsets and corners of [n, i0, i1, ..., n, ...]."""
     counts, at = [], 0
@@ -345,9 +365,14 @@ class Surface:
         return self._open.unit
 
     @property
-    def faces(self):
+    def face_count(self):
         """Number of faces of the mesh, after repairs; `polygons` are the faces themselves."""
         return self._open.faces
+
+    @property
+    def faces(self):
+        """The old name of `face_count`, until 0.3: the faces of Surface(vertices, faces) are an array."""
+        return self._was("faces", "face_count")
 
     @property
     def vertices(self):
@@ -366,9 +391,18 @@ class Surface:
         return self._open.creases
 
     @property
-    def patches(self):
+    def patch_count(self):
         """Number of patches: one a face, or one for each triangle of a face that was split."""
         return self._open.patches
+
+    @property
+    def patches(self):
+        """The old name of `patch_count`, until 0.3."""
+        return self._was("patches", "patch_count")
+
+    def _was(self, old, new):
+        _warnings.warn(f"Surface.{old} is Surface.{new} now; the old name goes in 0.3", DeprecationWarning, stacklevel=3)
+        return getattr(self, new)
 
     @property
     def level(self):
@@ -422,7 +456,7 @@ class Surface:
         return self._open.findings
 
     def __repr__(self):
-        return (f"<gliss.Surface of {self.faces} faces, {self.construction} {self.level}, {self.precision}, "
+        return (f"<gliss.Surface of {self.face_count} faces, {self.construction} {self.level}, {self.precision}, "
                 f"unit {_gliss.unit_name(self.unit)}>")
 
     def save(self, path):
@@ -477,7 +511,7 @@ class Surface:
         return Triangles(_gliss.tessellate(self._open, cells))
 
     def sweep(self, depth, samples=None, *, rings=8, methods=("gregory", "shaded", "flat"), stiffness="0.5N/mm",
-              output=None, parts=None):
+              output=None, parts=None, progress=None):
         """Samples the force beneath the whole surface, as ``gliss sweep`` does. A Sweep.
 
         depth: below the surface, in m or text such as "2mm"; one, or a list of them.
@@ -486,6 +520,7 @@ class Surface:
         that the file's attribute command_line names.
         parts: folder where finished parts wait until all is done; None: `output` with the ending .parts, where there
         is an output; "none": nowhere. A sweep that Ctrl-C ended goes on from there, in Python or by the program.
+        progress: a function of (contacts done, of all), called a few times a second; True writes lines to sys.stderr.
         """
         methods = [methods] if isinstance(methods, str) else list(methods)
         path = "" if output is None else _os.fspath(output)
@@ -505,7 +540,29 @@ class Surface:
             command_line = "Python: Surface.sweep"
         return Sweep(_gliss.sweep(self._open, depth, dict(
             samples=samples, rings=rings, methods=methods, stiffness=stiffness, output=path, parts=folder,
-            command_line=command_line)))
+            command_line=command_line, progress=_progress(progress, "sweep"))))
+
+    def compare(self, *, surfaces=("fair", "paper", "paper-ribbon", "paper-bezier", "paper-table", "shaded", "flat"),
+                precisions=("float", "double"), solvers=("newton",), depth=None, stiffness="0.5N/mm", settle=0, walks=8,
+                walk_ticks=2500, leaving=None, seed=1, dense_limit=500000, max_force_error=None, max_tick=None,
+                max_memory=None, progress=None):
+        """Measures what each surface of the mesh costs and how it feels, and recommends one, as ``gliss compare`` does.
+
+        surfaces: also "fair-bezier", "paper-table:8" and the like. precisions, solvers: which to measure.
+        depth: of the HIPs, in m or text such as "2mm"; one, or a list; None: 1 % of the diagonal. settle: s.
+        walks: random walks of walk_ticks each, by `seed`; 0: none. leaving: hands that leave; None: 5 a walk.
+        dense_limit: triangles of the densest mesh tried for flat and shaded; 0: none.
+        max_force_error: a share of stiffness x depth. max_tick: s. max_memory: bytes. Budgets of the recommendation.
+        progress: a function of (rows done, of all); True writes lines to sys.stderr.
+        A dict as ``gliss compare --json`` has it: "rows", "dense", "recommended", "reason" and what was done. It takes
+        seconds to minutes. ValueError, also for a cache that does not keep its mesh.
+        """
+        names = {"surfaces": surfaces, "precisions": precisions, "solvers": solvers}
+        lists = {name: [value] if isinstance(value, str) else list(value) for name, value in names.items()}
+        return _gliss.compare(self._open, dict(
+            lists, depth=depth, stiffness=stiffness, settle=settle, walks=walks, walk_ticks=walk_ticks, leaving=leaving,
+            seed=seed, dense_limit=dense_limit, max_force_error=max_force_error, max_tick=max_tick, max_memory=max_memory,
+            progress=_progress(progress, "compare")))
 
     def trace(self, path, stiffness="0.5N/mm", method="gregory", *, time=None, **options):
         """Tracks a HIP along a path, a tick a row, as a device loop does. A Trace.
@@ -616,10 +673,11 @@ class Loop:
         """The ticks since the last read, a structured array (n,).
 
         number; time, lateness, compute, age in s; missed periods before it; position (3,) m, orientation (4,) w x y z;
-        rendered and sent (3,) N, rendered_torque and sent_torque (3,) N m; state and reason of the guard, bytes;
+        rendered and sent (3,) N, rendered_torque and sent_torque (3,) N m; guard, its state, and reason, bytes;
         object (-1: none is near), touching, face, distance in m and negative inside, iterations, flags.
+        The guard's state has its old name, state, as well, until 0.3.
         """
-        return self._open.read()
+        return _also_named(self._open.read(), guard="state")
 
     def wait(self, timeout=None):
         """Waits for the loop to end, at most `timeout` s, and returns whether it has."""

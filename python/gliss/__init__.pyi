@@ -1,6 +1,6 @@
 import enum
 import os
-from collections.abc import Iterator, KeysView, Mapping, Sequence
+from collections.abc import Callable, Iterator, KeysView, Mapping, Sequence
 from types import TracebackType
 from typing import Any, Literal, NamedTuple, final, overload
 
@@ -152,6 +152,8 @@ class Surface:
     @property
     def unit(self) -> float: ...
     @property
+    def face_count(self) -> int: ...
+    @property
     def faces(self) -> int: ...
     @property
     def vertices(self) -> _Floats: ...
@@ -159,6 +161,8 @@ class Surface:
     def polygons(self) -> list[_Indices]: ...
     @property
     def creases(self) -> int: ...
+    @property
+    def patch_count(self) -> int: ...
     @property
     def patches(self) -> int: ...
     @property
@@ -193,7 +197,16 @@ class Surface:
         self, depth: _Quantity | Sequence[_Quantity], samples: float | None = None, *, rings: int = 8,
         methods: _Method | Sequence[_Method] = ("gregory", "shaded", "flat"), stiffness: _Quantity = "0.5N/mm",
         output: _Path | None = None, parts: _Path | None = None,
+        progress: Callable[[int, int], object] | bool | None = None,
     ) -> Sweep: ...
+    def compare(
+        self, *, surfaces: str | Sequence[str] = ("fair", "paper", "paper-ribbon", "paper-bezier", "paper-table", "shaded", "flat"),
+        precisions: str | Sequence[str] = ("float", "double"), solvers: str | Sequence[str] = ("newton",),
+        depth: _Quantity | Sequence[_Quantity] | None = None, stiffness: _Quantity = "0.5N/mm", settle: _Quantity = 0,
+        walks: int = 8, walk_ticks: int = 2500, leaving: int | None = None, seed: int = 1, dense_limit: int = 500000,
+        max_force_error: float | None = None, max_tick: float | None = None, max_memory: float | None = None,
+        progress: Callable[[int, int], object] | bool | None = None,
+    ) -> dict[str, Any]: ...
     def trace(
         self, path: ArrayLike, stiffness: _Quantity = "0.5N/mm", method: _Method = "gregory", *, time: ArrayLike | None = None,
         settle: _Quantity = "5ms", friction: float | tuple[float, float] = 0.0, friction_settle: _Quantity = 0.0,

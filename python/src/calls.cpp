@@ -1,5 +1,7 @@
 #include "calls.h"
 
+#include <chrono>
+
 #include "gliss/thread/clock.h"
 
 namespace gliss::python {
@@ -33,6 +35,18 @@ py::custom_type_setup made_by_functions() {
       return PyErr_Format(PyExc_TypeError, "%s: No constructor defined!", type->tp_name);
     };
   });
+}
+
+void Progress::reach(std::uint64_t done, std::uint64_t total) const {
+  if (call_.is_none()) return;
+  const auto now = std::chrono::steady_clock::now().time_since_epoch();
+  std::int64_t next = next_;
+  if (done < total &&
+      (now.count() < next ||
+       !next_.compare_exchange_strong(next, (now + std::chrono::milliseconds(200)).count())))
+    return;
+  const py::gil_scoped_acquire held;
+  call_(done, total);
 }
 
 }  // namespace gliss::python

@@ -3,6 +3,8 @@
 
 #include <pybind11/pybind11.h>
 
+#include <atomic>
+#include <cstdint>
 #include <utility>
 
 namespace gliss::python {
@@ -30,6 +32,18 @@ class Call {
 
  private:
   py::gil_scoped_release released_;
+};
+
+// Calls a Python function (done, total) at most five times a second, and at the end; None: nothing.
+// For any thread within released(). What the function raises ends the work.
+class Progress {
+ public:
+  explicit Progress(py::object call) : call_(std::move(call)) {}
+  void reach(std::uint64_t done, std::uint64_t total) const;
+
+ private:
+  py::object call_;
+  mutable std::atomic<std::int64_t> next_ = 0;  // ns, by the steady clock
 };
 
 // Does the work without the GIL, and returns what it returns. Throws what it throws, and the Python

@@ -30,7 +30,7 @@ struct TickRow {
   double time, lateness, compute, age;
   std::uint64_t missed;
   double position[3], orientation[4], rendered[3], sent[3], rendered_torque[3], sent_torque[3];
-  char state[16], reason[24];
+  char guard[16], reason[24];
   std::int32_t object;
   bool touching;
   std::uint32_t face;
@@ -56,7 +56,7 @@ TickRow row_of(const LoopTick& tick) {
   copy(tick.sent, row.sent);
   copy(tick.rendered_torque, row.rendered_torque);
   copy(tick.sent_torque, row.sent_torque);
-  std::string(guard_state_name(tick.state)).copy(row.state, sizeof row.state);
+  std::string(guard_state_name(tick.state)).copy(row.guard, sizeof row.guard);
   std::string(guard_reason_name(tick.reason)).copy(row.reason, sizeof row.reason);
   row.object = tick.object == LoopTick::kNothing ? -1 : static_cast<std::int32_t>(tick.object);
   row.touching = tick.touching;
@@ -195,7 +195,7 @@ class Loop {
 
 void bind_loop(py::module_& module) {
   PYBIND11_NUMPY_DTYPE(TickRow, number, time, lateness, compute, age, missed, position, orientation,
-                       rendered, sent, rendered_torque, sent_torque, state, reason, object,
+                       rendered, sent, rendered_torque, sent_torque, guard, reason, object,
                        touching, face, distance, iterations, flags);
   py::class_<Loop>(module, "OpenLoop", made_by_functions())
       .def("read", &Loop::read)

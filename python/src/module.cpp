@@ -13,5 +13,6 @@ PYBIND11_MODULE(_gliss, module) {
   gliss::python::bind_questions(module);
   gliss::python::bind_touch(module);
   gliss::python::bind_sweep(module);
+  gliss::python::bind_compare(module);
   gliss::python::bind_loop(module);
 }

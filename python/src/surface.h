@@ -32,6 +32,7 @@ void bind_surface(py::module_& module);    // opening and saving
 void bind_questions(py::module_& module);  // nearest, force, evaluate, tessellate
 void bind_touch(py::module_& module);      // trace and hand
 void bind_sweep(py::module_& module);
+void bind_compare(py::module_& module);
 void bind_loop(py::module_& module);
 
 }  // namespace gliss::python

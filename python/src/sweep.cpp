@@ -54,6 +54,7 @@ py::dict sweep(const OpenSurface& surface, py::handle depth, const py::dict& opt
   const auto output = text(options, "output"), folder = text(options, "parts");
   const tools::Provenance provenance{text(options, "command_line"), surface.path,
                                      surface.cache->unit, surface.crease_radius};
+  const Progress progress(options["progress"]);
   const SweepResult result = released([&] {
     std::optional<tools::SampleFile> file;
     if (!output.empty()) file.emplace(output, *surface.cache, grid, provenance);
@@ -61,8 +62,9 @@ py::dict sweep(const OpenSurface& surface, py::handle depth, const py::dict& opt
     if (!folder.empty()) parts.emplace(folder, *surface.cache, grid, file.has_value());
     SweepSink sink;
     if (file) sink = [&](const SweepBlock& block) { file->add(block); };
-    const auto reach = [](std::uint64_t, std::uint64_t) {
+    const auto reach = [&](std::uint64_t done, std::uint64_t total) {
       poll();
+      progress.reach(done, total);
       return true;
     };
     SweepResult swept =

@@ -89,7 +89,7 @@ void need(const void* pointer, const char* what) { require(pointer != nullptr, w
 Vec3 vector_of(const double* v) { return {v[0], v[1], v[2]}; }
 void store(const Vec3& v, double* to) { std::copy_n(v.data(), 3, to); }
 
-constexpr char kNoRotation[] = "rotation: is no unit quaternion w, x, y, z";
+constexpr char kNoRotation[] = "rotation: is not a unit quaternion w, x, y, z";
 
 // The rotation of w, x, y, z at a position; nothing where that is invalid, but for numbers that are
 // not finite: these are Tracker::step's to tell.
@@ -117,7 +117,8 @@ gliss::Method method_of(std::uint32_t method) {
     case GLISS_FLAT:
       return gliss::Method::kFlat;
     default:
-      throw std::invalid_argument("method: is none of GLISS_GREGORY, GLISS_SHADED and GLISS_FLAT");
+      throw std::invalid_argument(
+          "method: is not one of GLISS_GREGORY, GLISS_SHADED and GLISS_FLAT");
   }
 }
 
@@ -222,7 +223,7 @@ gliss::SceneObject object_of(const gliss_object& from) {
   object.effects.damping = from.damping;
   object.effects.viscosity = from.viscosity;
   object.effects.magnet = {from.magnet_force, from.magnet_range};
-  require(from.texture <= 2, "texture: is none of 0, 1 and 2");
+  require(from.texture <= 2, "texture: is not one of 0, 1 and 2");
   constexpr gliss::Relief kReliefs[] = {gliss::Relief::kNone, gliss::Relief::kGrating,
                                         gliss::Relief::kNoise};
   object.effects.texture = {kReliefs[from.texture], from.texture_height, from.texture_period,

@@ -29,7 +29,7 @@ Motion::Motion(std::vector<double> times, const std::vector<Pose>& poses, bool r
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (!(times_[i] >= 0 && std::isfinite(times_[i]))) refuse(i, "is not at 0 s or later");
     if (i > 0 && !(times_[i] > times_[i - 1])) refuse(i, "is not later than the one before it");
-    if (!is_rigid(poses[i])) refuse(i, "is no rotation and translation");
+    if (!is_rigid(poses[i])) refuse(i, "is not a rotation and translation");
     turns_.emplace_back(Eigen::Quaterniond(Eigen::Matrix3d(poses[i].linear())));
     places_.push_back(poses[i].translation());
   }

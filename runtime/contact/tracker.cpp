@@ -26,7 +26,7 @@ QueryOptions query_of(const SceneObject& object) {
 // Why nothing can be touched of an object, as the end of a sentence about it; null: it can.
 const char* fault_of(const SceneObject& object) {
   if (!object.pose.matrix().allFinite()) return "has a pose that is not finite";
-  if (!is_rigid(object.pose)) return "has a pose that is no rotation and translation";
+  if (!is_rigid(object.pose)) return "has a pose that is not a rotation and translation";
   if (object.motion != nullptr && object.poses != nullptr)
     return "has a motion and poses, of which it can follow one";
   if (!is_stiffness(object.stiffness)) return "has a stiffness that is not 0 or more";

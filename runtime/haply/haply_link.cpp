@@ -104,11 +104,11 @@ void HaplyLink::open(const HaplyOptions& options) {
   }
   socket_.next_layer().set_option(tcp::no_delay(true), error);
   socket_.read_message_max(HaplyDevice::kLargestMessage);
-  error = wait_for("is no WebSocket: it did not answer the handshake", [&](const auto& done) {
+  error = wait_for("is not a WebSocket: it did not answer the handshake", [&](const auto& done) {
     socket_.async_handshake(fmt::format("{}:{}", options.host, options.port), "/", done);
   });
   if (error)
-    throw LoopError(fmt::format("{} is no WebSocket ({}); {}", where_, error.message(), kCure));
+    throw LoopError(fmt::format("{} is not a WebSocket ({}); {}", where_, error.message(), kCure));
   error = wait_for("sent no state", [&](const auto& done) { socket_.async_read(buffer_, done); });
   if (error)
     throw LoopError(fmt::format("{} sent no state ({}); {}", where_, error.message(), kCure));

@@ -17,7 +17,8 @@ Columns recorded_columns(bool turns) {
       .add({"vx", "vy", "vz"}, kFloat64, "m/s")
       .add({"fx", "fy", "fz", "sent_x", "sent_y", "sent_z"}, kFloat64, "N")
       .add({"state", "guard", "reason"}, kText)
-      .add({"object", "patch"}, kUint32)
+      .add({"object", "face"}, kUint32)
+      .was("patch")
       .add({"distance"}, kFloat64, "m")
       .add({"iterations", "crossings", "flags"}, kUint32);
   if (turns)

@@ -123,7 +123,7 @@ void TomlTable::get(const std::string& key, Nanoseconds& value) {
   double seconds = 0;
   get(key, seconds, parse_time);
   if (!has(key)) return;
-  if (!(std::abs(seconds) <= 1e6)) fail(key, "is no time a loop could keep");
+  if (!(std::abs(seconds) <= 1e6)) fail(key, "is not a time a loop could keep");
   value = Nanoseconds(std::llround(seconds * 1e9));
 }
 

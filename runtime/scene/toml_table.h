@@ -48,7 +48,7 @@ class TomlTable {
     get(key, text);
     if (text.empty()) return;
     const auto found = find_named(names, text);
-    if (!found) fail(key, fmt::format("'{}' is none of {}", text, listed(names)));
+    if (!found) fail(key, fmt::format("'{}' is not one of {}", text, listed(names)));
     value = *found;
   }
 

@@ -403,7 +403,7 @@ TEST(CApi, refuses_null_and_what_is_none) {
   refused(gliss_surface_nearest(nullptr, 0, v, 0, 8, 1, &contact), "surface: is NULL");
   refused(gliss_surface_nearest(ball.surface, 0, nullptr, 0, 8, 1, &contact), "points: is NULL");
   refused(gliss_surface_nearest(ball.surface, 0, v, 0, 8, 1, nullptr), "out: is NULL");
-  refused(gliss_surface_nearest(ball.surface, 3, v, 0, 8, 1, &contact), "method: is none of");
+  refused(gliss_surface_nearest(ball.surface, 3, v, 0, 8, 1, &contact), "method: is not one of");
   refused(gliss_surface_nearest(ball.surface, 0, v, 0, 2, 1, &contact), "bytes: of a number");
   refused(gliss_surface_evaluate(ball.surface, nullptr, v, v, 1, v, v), "face: is NULL");
   const std::uint32_t beyond = 1u << 30;
@@ -438,7 +438,7 @@ TEST(CApi, refuses_null_and_what_is_none) {
   refused(ball.make(&options, &surface), "smooth");
   options = GLISS_OPTIONS_INIT;
   options.crease = "sharp";
-  refused(ball.make(&options, &surface), "creases: 'sharp' is none of");
+  refused(ball.make(&options, &surface), "creases: 'sharp' is not one of");
   options = GLISS_OPTIONS_INIT;
   options.orient = 2;
   refused(ball.make(&options, &surface), "orient: is neither");
@@ -451,7 +451,7 @@ TEST(CApi, refuses_null_and_what_is_none) {
   refused(gliss_hand_create(&bad, 1, nullptr, 0, &none), "SceneObject 0 has a static friction");
   bad = object;
   bad.texture = 7;
-  refused(gliss_hand_create(&bad, 1, nullptr, 0, &none), "texture: is none of");
+  refused(gliss_hand_create(&bad, 1, nullptr, 0, &none), "texture: is not one of");
   const std::uint32_t begin[] = {0, 3}, corners[] = {0, 1, 99};
   const double points[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
   EXPECT_EQ(gliss_surface_from_arrays(points, 0, 3, begin, corners, 1, nullptr, &surface), 2);

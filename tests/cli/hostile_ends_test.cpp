@@ -123,7 +123,7 @@ TEST_F(HostileEnds, are_errors_where_files_may_not_grow) {
            "-o made.csv --quiet",
            "run scene.toml --no-wait --seconds 5 --record made.csv",
            "run scene.toml --no-wait --seconds 5 --record made.h5",
-           "run scene.toml --no-wait --seconds 1 --report made.json"}) {
+           "run scene.toml --no-wait --seconds 1 --summary made.json"}) {
     const Outcome outcome = go(command, [] { return limit_files(60); });
     EXPECT_EQ(outcome.code, 1) << command << ": " << outcome.err;
     EXPECT_THAT(outcome.err, HasSubstr("File too large")) << command;
@@ -205,7 +205,7 @@ TEST_F(HostileEnds, leave_whole_files_whenever_a_signal_comes) {
   for (const std::string command :
        {"sweep ball.gliss --depth 1mm --samples 1e8 -o made.h5", "judge --seconds 60",
         "compare ball.obj --unit mm --walks 1000", "serve scene.toml --port 0",
-        "run scene.toml --record made.csv --report made.json"}) {
+        "run scene.toml --record made.csv --summary made.json"}) {
     for (const int signal : kSignals) {
       for (int i = 0; i < tries; ++i) {
         Process process(folder_ / "", test::kProgram, words_of(command));

@@ -81,16 +81,16 @@ TEST_F(HostileProgram, writes_no_output_over_an_input) {
                             "sweep ball.obj --depth 1mm --summary ball.obj",
                             "sweep ball.obj --depth 1mm -o ball.csv --summary ball.obj",
                             "compare ball.obj --path path.csv --depth 1mm -o path.csv",
-                            "run scene.toml --no-wait --seconds 0.1 --report scene.toml",
+                            "run scene.toml --no-wait --seconds 0.1 --summary scene.toml",
                             "run scene.toml --no-wait --seconds 0.1 -o hand.csv",
-                            "run scene.toml --no-wait --seconds 0.1 --report ball.obj",
+                            "run scene.toml --no-wait --seconds 0.1 --summary ball.obj",
                             "run scene.toml --device replay:path.csv --no-wait -o path.csv"}) {
     SCOPED_TRACE(words);
     expect_error(gliss(words), 2, "is read, and would be lost where it is written as well");
   }
   EXPECT_EQ(folder_.read("path.csv"), path);
   EXPECT_EQ(folder_.read("scene.toml"), scene);
-  expect_error(gliss("run scene.toml --no-wait --seconds 0.1 -o a.csv --report ./a.csv"), 2,
+  expect_error(gliss("run scene.toml --no-wait --seconds 0.1 -o a.csv --summary ./a.csv"), 2,
                "'./a.csv' would be written twice");
   EXPECT_FALSE(fs::exists(folder_ / "ball.csv"));
 }
@@ -191,7 +191,7 @@ TEST_F(HostileProgram, names_what_a_result_lacks) {
   expect_error(keep_only("u.h5", "", {"x"}), 2, "HDF5 without 'statistics', 'ticks'");
   ASSERT_EQ(mkfifo((folder_ / "p.json").c_str(), 0600), 0);
   expect_error(gliss("report p.json -o a.html"), 2, "it is a pipe");
-  EXPECT_EQ(gliss("run scene.toml --device sim --no-wait --seconds 0.1 --report run.html").code, 0);
+  EXPECT_EQ(gliss("run scene.toml --device sim --no-wait --seconds 0.1 --summary run.html").code, 0);
   expect_error(gliss("report run.html -o run.html"), 2, "is read, and would be lost");
 }
 #endif

@@ -65,7 +65,7 @@ TEST_F(ProjectParts, are_those_of_a_whole) {
   test::write_hips(folder_ / "some.npy", 2000, kPartRows - 1000);
   ASSERT_EQ(
       gliss("project ball.obj --unit mm --method flat --hip some.npy -o some.npy.out.npy").code, 0);
-  const std::vector<std::string> columns = {"patch", "xi", "x", "nz", "distance", "flags"};
+  const std::vector<std::string> columns = {"face", "xi", "x", "nz", "distance", "flags"};
   const InputTable all = read_table(folder_ / "p.h5",
                                     {.alternatives = {columns}, .optional = {"id"}}),
                    some = read_table(folder_ / "some.npy.out.npy", {.alternatives = {columns}});

@@ -78,8 +78,8 @@ TEST_F(RunEnd, goes_on_without_what_is_refused_unless_that_is_required) {
 
 TEST_F(RunEnd, names_what_is_wrong_before_anything_runs) {
   const std::size_t files = folder_.file_count();
-  expect_error(run("scene.toml --device phantom"), 2, "'phantom' is none of sim, replay:FILE");
-  expect_error(run("scene.toml --device replay"), 2, "'replay' is none of");
+  expect_error(run("scene.toml --device phantom"), 2, "'phantom' is not one of sim, replay:FILE");
+  expect_error(run("scene.toml --device replay"), 2, "'replay' is not one of");
   expect_error(run("scene.toml --device replay:none.csv"), 2, "none.csv");
   expect_error(run("scene.toml --device udp:70000"), 2, "70000");
   expect_error(run("scene.toml --device udp:0"), 2, "port");
@@ -88,7 +88,7 @@ TEST_F(RunEnd, names_what_is_wrong_before_anything_runs) {
   expect_error(run("scene.toml --device sim --seconds 0"), 2, "--seconds");
   expect_error(run("scene.toml --device sim -o none/run.csv"), 1, "none/run.csv");
   expect_error(run("scene.toml --device sim -o none/run.h5"), 1, "none/run.h5");
-  expect_error(run("scene.toml --device sim --report none/run.json"), 1, "none/run.json");
+  expect_error(run("scene.toml --device sim --summary none/run.json"), 1, "none/run.json");
   folder_.write("nan.csv", "x,y,z\n0,0,nan\n");
   expect_error(run("scene.toml --device replay:nan.csv"), 2, "nan.csv:2: column 'z'");
   folder_.write("none.h5", "");

@@ -107,7 +107,7 @@ TEST_F(Run, renders_the_forces_of_a_trace_byte_for_byte) {
       EXPECT_EQ(felt[column], trace[column]) << path << ' ' << column;
     for (std::size_t i = 0; i < felt.rows(); ++i) {
       if (felt["state"][i] == "free") continue;
-      EXPECT_EQ(felt["patch"][i], trace["patch"][i]) << i;
+      EXPECT_EQ(felt["face"][i], trace["face"][i]) << i;
     }
   }
 }

@@ -32,7 +32,7 @@ TEST(SignsPage, shows_the_distances_that_its_commands_give) {
     if (commands.empty()) return;
     const ScratchFolder folder;
     const std::string output = output_of(commands, folder);
-    const TextTable table(output.substr(output.find("patch,xi")));
+    const TextTable table(output.substr(output.find("face,xi")));
     ASSERT_EQ(table.rows(), shown.size()) << commands;
     for (std::size_t i = 0; i < shown.size(); ++i)
       EXPECT_NEAR(table.number("distance", i), shown[i], 0.0051) << commands;

@@ -272,7 +272,7 @@ TEST_F(Slips, seams_whose_vertices_are_a_little_apart_are_said_with_the_length_t
 TEST_F(Slips, numbers_with_commas_and_headers_that_are_none_are_told_the_rule) {
   folder_.write("comma.obj", "v 0,5 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   EXPECT_THAT(refusal("info comma.obj"),
-              HasSubstr("comma.obj:1: coordinate '0,5' is no number: decimals follow a point"));
+              HasSubstr("comma.obj:1: coordinate '0,5' is not a number: decimals follow a point"));
   const auto refused = [&](const std::string& text) {
     folder_.write("hips.csv", text);
     return refusal("project torus.obj --unit mm --hip hips.csv");

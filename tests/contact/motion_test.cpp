@@ -67,7 +67,7 @@ TEST(Motion, refuses_what_is_none_and_names_the_pose) {
   EXPECT_EQ(error({-1}, {rest}), "motion: pose 0 is not at 0 s or later");
   EXPECT_EQ(error({0, std::nan("")}, {rest, rest}), "motion: pose 1 is not at 0 s or later");
   for (const Pose& bad : {mirror, stretched, nan}) {
-    EXPECT_EQ(error({0, 1}, {rest, bad}), "motion: pose 1 is no rotation and translation");
+    EXPECT_EQ(error({0, 1}, {rest, bad}), "motion: pose 1 is not a rotation and translation");
     EXPECT_FALSE(is_rigid(bad));
     PoseChannel channel;
     EXPECT_FALSE(channel.publish(bad));

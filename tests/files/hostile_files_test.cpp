@@ -390,7 +390,7 @@ TEST_F(HostileHdf5, with_texts_of_variable_length_is_refused) {
     const Hdf5Reader file(name, "a trace");
     EXPECT_THAT(message_of<std::runtime_error>([&] { file.texts("method"); }),
                 AllOf(HasSubstr(name + "' as a trace: column 'method': "),
-                      HasSubstr("its rows are no texts of a fixed length")));
+                      HasSubstr("its rows are not texts of a fixed length")));
     EXPECT_EQ(file.text_attribute("unit"), std::nullopt);
     EXPECT_EQ(file.number_attribute("unit"), std::nullopt);
     EXPECT_EQ(file.rows("method"), 2u);

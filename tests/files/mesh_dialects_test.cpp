@@ -59,7 +59,7 @@ TEST_F(MeshDialects, off_lines_that_lack_a_number_or_have_one_too_many_are_named
             "a.off:4: a number of vertex 1 is missing");
   EXPECT_EQ(refusal("a.off", "OFF\n2 1 0\n0 0 0 .5 0 0\n.5 1 0 1 0 0\n"),
             "a.off:4: after lines of several vertices, or of columns that the header does not "
-            "name, the number of sides '.5' is no integer");
+            "name, the number of sides '.5' is not an integer");
   EXPECT_EQ(refusal("a.off", "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n4 0 1 2\n3 2 1 0\n"),
             "a.off: the file ends after 1 of 2 faces; face 0 goes on over line 6, or has fewer "
             "than 4 sides");
@@ -276,7 +276,7 @@ TEST_F(MeshDialects, stl_words_may_be_written_apart_or_together) {
     EXPECT_EQ(load("a.stl", before + text).corner_vertex, right.corner_vertex);
     EXPECT_THAT(codes(), IsEmpty());
   }
-  EXPECT_EQ(refusal("a.stl", "solid\nend\n"), "a.stl:2: 'end' is no word of an STL");
+  EXPECT_EQ(refusal("a.stl", "solid\nend\n"), "a.stl:2: 'end' is not a word of an STL");
 }
 
 // ---- All ----------------------------------------------------------------------------------------

@@ -113,14 +113,14 @@ TEST_F(MeshTest, obj_refusals_name_the_line) {
        {"/", "//", "/1", "1///", "1/2/3/4", "1/x", "x", "1.0", "1//1/", "+-1"}) {
     EXPECT_EQ(
         refused(fmt::format("\nf 2 3 {}", corner)),
-        fmt::format("a.obj:10: face 0: '{}' is no corner (v, v/vt, v//vn or v/vt/vn)", corner));
+        fmt::format("a.obj:10: face 0: '{}' is not a corner (v, v/vt, v//vn or v/vt/vn)", corner));
   }
   EXPECT_EQ(refused("f 1 2"), "a.obj:9: face 0: only 2 distinct vertices, a face needs 3");
   EXPECT_EQ(refused("f"), "a.obj:9: face 0: only 0 distinct vertices, a face needs 3");
   EXPECT_EQ(refused("f 1 2 1 2"), "a.obj:9: face 0: only 2 distinct vertices, a face needs 3");
   EXPECT_EQ(refused("v 1 2"), "a.obj:9: coordinate is missing");
   EXPECT_EQ(refused("v 1 2,5 3"),
-            "a.obj:9: coordinate '2,5' is no number: decimals follow a point, not a comma");
+            "a.obj:9: coordinate '2,5' is not a number: decimals follow a point, not a comma");
   EXPECT_EQ(refused("v 1 nan 3\nf 1 2 9"), "a.obj:9: vertex 8: (1, nan, 3) is not finite");
   EXPECT_EQ(refused("v 1 1e999 3\nf 1 2 9"), "a.obj:9: vertex 8: (1, inf, 3) is not finite");
   EXPECT_EQ(refused("vn 1 -inf 3"), "a.obj:9: normal is not finite (-inf)");
@@ -162,7 +162,7 @@ TEST_F(MeshTest, off_counts_may_not_lie) {
   EXPECT_EQ(refusal("a.off", "OFF\n3 1 0\n" + vertices + "3 0 1 -1\n"),
             "a.off:6: face 0: vertex index -1 is out of range");
   EXPECT_EQ(refusal("a.off", "OFF\n3 1 0\n" + vertices + "3 0 1 \\\n2\n"),
-            "a.off:6: vertex index '\\' is no integer");
+            "a.off:6: vertex index '\\' is not an integer");
   EXPECT_EQ(refusal("a.off", "4OFF\n"),
             "a.off:1: the header must be OFF, COFF, NOFF or STOFF, not '4OFF'");
 }

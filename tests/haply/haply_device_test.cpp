@@ -465,13 +465,13 @@ TEST(HaplyDevice, says_in_a_line_why_it_cannot_be_had) {
 
   const HaplyMock http(well, HaplyMock::Kind::kHttp);
   EXPECT_THAT(error_of(options(http)),
-              AllOf(line(http), HasSubstr("is no WebSocket"), HasSubstr("cure: ")));
+              AllOf(line(http), HasSubstr("is not a WebSocket"), HasSubstr("cure: ")));
 
   const HaplyMock mute(well, HaplyMock::Kind::kMute);
   wrong = options(mute);
   wrong.connect_timeout = 50ms;
   EXPECT_THAT(error_of(wrong),
-              AllOf(line(mute), HasSubstr("is no WebSocket: it did not answer the handshake")));
+              AllOf(line(mute), HasSubstr("is not a WebSocket: it did not answer the handshake")));
 
   const HaplyMock silent([](std::uint64_t) { return HaplyReply{"", HaplyReply::kStaySilent}; });
   wrong = options(silent);

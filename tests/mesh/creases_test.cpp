@@ -83,7 +83,7 @@ TEST_F(CreasesTest, rules_are_words_between_commas) {
     EXPECT_THROW(parse_creases(wrong), UnitError) << wrong;
   EXPECT_EQ(
       test::message_of<UnitError>([] { parse_creases("foo"); }),
-      "creases: 'foo' is none of an angle, such as 40deg, auto, normals, groups, edges:FILE and "
+      "creases: 'foo' is not one of an angle, such as 40deg, auto, normals, groups, edges:FILE and "
       "none");
 }
 
@@ -342,9 +342,9 @@ TEST_F(CreasesTest, a_list_of_edges_is_checked_line_by_line) {
   };
   EXPECT_THAT(why("0 1\n0 2\n"), testing::HasSubstr("list.txt:2: the mesh has no edge 0 2"));
   EXPECT_THAT(why("\n\n0 1 2\n"), testing::HasSubstr("list.txt:3: an edge is two vertex numbers"));
-  EXPECT_THAT(why("0 8\n"), testing::HasSubstr("list.txt:1: '8' is no vertex"));
-  EXPECT_THAT(why("0 -1\n"), testing::HasSubstr("'-1' is no vertex"));
-  EXPECT_THAT(why("0 x\n"), testing::HasSubstr("'x' is no vertex"));
+  EXPECT_THAT(why("0 8\n"), testing::HasSubstr("list.txt:1: '8' is not a vertex"));
+  EXPECT_THAT(why("0 -1\n"), testing::HasSubstr("'-1' is not a vertex"));
+  EXPECT_THAT(why("0 x\n"), testing::HasSubstr("'x' is not a vertex"));
   EXPECT_ANY_THROW(load("cube.obj", kCube, {.creases = {.edges = path("missing.txt")}}));
 }
 

@@ -32,7 +32,7 @@ def test_faces_may_have_any_number_of_sides():
     prism = gliss.Surface([[np.cos(t), np.sin(t), z] for z in (0, 1) for t in np.arange(6) * np.pi / 3],
                           [[5, 4, 3, 2, 1, 0], [6, 7, 8, 9, 10, 11],
                            *([i, (i + 1) % 6, 6 + (i + 1) % 6, 6 + i] for i in range(6))], crease="40deg")
-    assert prism.faces == 8
+    assert prism.face_count == 8
     assert abs(prism.nearest([[0, 0, 0.9]]).distance[0] + 0.1) < 1e-9
 
 
@@ -123,9 +123,9 @@ def test_any_number_of_threads_may_ask(knot, points):
 
 
 def test_a_surface_says_what_it_is(cube):
-    assert (cube.unit, cube.faces, cube.level, cube.construction, cube.precision) == (0.01, 6, "exact", "fair", "double")
+    assert (cube.unit, cube.face_count, cube.level, cube.construction, cube.precision) == (0.01, 6, "exact", "fair", "double")
     assert (cube.bounds == [[0, 0, 0], [1, 1, 1]]).all()
-    assert cube.nbytes > 0 and cube.patches >= 6 and cube.backend == "tbb" and cube.threads >= 1
+    assert cube.nbytes > 0 and cube.patch_count >= 6 and cube.backend == "tbb" and cube.threads >= 1
     assert repr(cube) == "<gliss.Surface of 6 faces, fair exact, double, unit cm>"
     other = gliss.Surface(CUBE, QUADS, level="table:8", construction="paper", precision="float", backend="serial")
     assert (other.level, other.construction, other.precision, other.backend, other.unit) == (

@@ -37,7 +37,7 @@ def test_python_reads_every_tick(scene, program, tmp_path):
     forces = np.column_stack([recorded[name] for name in ("fx", "fy", "fz")])
     assert ticks["rendered"].tobytes() == forces.tobytes()
     assert ticks["touching"].any() and (ticks["distance"][ticks["touching"]] < 0).all()
-    assert set(ticks["state"]) <= {b"start", b"run", b"hold", b"ramp", b"safe"}
+    assert set(ticks["guard"]) <= {b"start", b"run", b"hold", b"ramp", b"safe"}
     assert ticks["position"].shape == (len(ticks), 3) and (ticks["orientation"] == [1, 0, 0, 0]).all()
 
 
@@ -86,7 +86,7 @@ def test_slips_of_loops_are_told(scene, tmp_path):
     bad.write_text("[[object]]\nmash = 3\n")
     with pytest.raises(gliss.SceneError, match="bad.toml"):
         gliss.Loop(bad)
-    with pytest.raises(ValueError, match="device: 'hand' is none of sim"):
+    with pytest.raises(ValueError, match="device: 'hand' is not one of sim"):
         gliss.Loop(scene, "hand")
     with pytest.raises(gliss.DeviceError, match="no haptic device answered"):
         gliss.Loop(scene, "udp:10937")

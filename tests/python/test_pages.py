@@ -18,4 +18,4 @@ def test_a_page_runs(page, knot_file, tmp_path, monkeypatch, capsys):
     names = {}
     for block in blocks:
         exec(compile(block, page, "exec"), names)
-    assert blocks and names["surface"].faces == 1440
+    assert blocks and names["surface"].face_count == 1440

@@ -21,7 +21,7 @@ def test_nearest_and_force_are_those_of_project(knot, knot_file, points, program
             "0.7N/mm", "-o", tmp_path / "nearest.npy", "--quiet")
     table = np.load(tmp_path / "nearest.npy")
     c = knot.nearest(points, method)
-    same(c.face, table, ["patch"])
+    same(c.face, table, ["face"])
     same(c.domain, table, ["xi", "eta"])
     same(c.point, table, ["x", "y", "z"])
     same(c.normal, table, ["nx", "ny", "nz"])
@@ -46,7 +46,8 @@ def test_trace_is_that_of_the_program(knot, knot_file, path, program, tmp_path, 
     t = knot.trace(path, "0.6N/mm", **options)
     same(t.force, table, ["fx", "fy", "fz"])
     same(t.point, table, ["scp_x", "scp_y", "scp_z"])
-    same(t.face, table, ["patch"])
+    same(t.face, table, ["face"])
+    assert (table["patch"] == table["face"]).all()  # its old name
     assert (t.touching == (table["state"] == b"contact")).all() and t.touching.any()
     if "friction" in options:
         same(t.cone_share, table, ["cone_share"])

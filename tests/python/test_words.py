@@ -1,4 +1,5 @@
 """What users of NumPy and trimesh expect of a surface, and what it says by itself."""
+import json
 import pickle
 import warnings
 
@@ -47,7 +48,7 @@ def test_a_surface_has_its_mesh_and_pickles(knot, points, tmp_path):
     for surface in (box, knot):
         again = pickle.loads(pickle.dumps(surface))
         assert np.array_equal(again.force(points), surface.force(points))
-        assert (again.unit, again.faces, again.precision) == (surface.unit, surface.faces, surface.precision)
+        assert (again.unit, again.face_count, again.precision) == (surface.unit, surface.face_count, surface.precision)
 
 
 def test_a_mesh_is_checked_whatever_is_wrong_with_it(knot_file, tmp_path):
@@ -86,3 +87,45 @@ def test_it_warns_of_what_the_program_says(knot_file):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         gliss.load(knot_file, unit="mm")
+
+
+def test_compare_measures_what_the_program_does(program, tmp_path):
+    program("generate", "goldberg", "--frequency", "2", "-o", tmp_path / "ball.obj")
+    told = []
+    found = gliss.load(tmp_path / "ball.obj", unit="mm").compare(
+        surfaces=["fair", "paper-ribbon", "flat"], precisions="double", depth="0.5mm", walks=2, walk_ticks=200, dense_limit=0,
+        progress=lambda done, total: told.append((done, total)))
+    assert [row["surface"] for row in found["rows"]] == ["fair", "paper-ribbon", "flat"]
+    words = ["--levels", "fair,paper-ribbon,flat", "--precisions", "double", "--depth", "0.5mm", "--walks", "2",
+             "--walk-ticks", "200", "--dense-limit", "0", "--json", "--quiet"]
+    same = json.loads(program("compare", tmp_path / "ball.obj", "--unit", "mm", *words))
+    for row, other in zip(found["rows"], same["rows"]):  # times differ
+        assert row["max_force_error"] == other["max_force_error"] and row["walks"] == other["walks"]
+    assert found["recommended"]["surface"] == "fair" and "jumps" in found["reason"]
+    assert told[-1] == (3, 3)
+    with pytest.raises(ValueError, match="surfaces: 'best' is not one of fair, paper"):
+        gliss.Surface(CUBE, QUADS).compare(surfaces="best")
+
+
+def test_progress_is_told_and_may_end_the_work(knot, capsys):
+    told = []
+    knot.sweep("1mm", rings=4, progress=lambda done, total: told.append((done, total)))
+    assert told and told[-1][0] == told[-1][1] > 0
+    knot.sweep("1mm", rings=2, progress=True)
+    assert "gliss: sweep: 100 %" in capsys.readouterr().err
+
+    def stop(done, total):
+        raise KeyError("enough")
+
+    with pytest.raises(KeyError, match="enough"):
+        knot.sweep("1mm", rings=4, progress=stop)
+    with pytest.raises(TypeError, match="progress: expected a function"):
+        knot.sweep("1mm", progress=3)
+
+
+def test_old_names_work_for_a_version():
+    cube = gliss.Surface(CUBE, QUADS)
+    with pytest.warns(DeprecationWarning, match="Surface.faces is Surface.face_count now"):
+        assert cube.faces == cube.face_count == 6
+    with pytest.warns(DeprecationWarning):
+        assert cube.patches == cube.patch_count

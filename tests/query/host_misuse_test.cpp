@@ -199,7 +199,7 @@ TEST(HostMisuse, an_instruction_set_of_no_known_name_is_an_error) {
     const test::Outcome outcome = with(isa);
     EXPECT_EQ(outcome.code, 2) << isa;
     EXPECT_EQ(outcome.err,
-              "gliss: GLISS_ISA: '" + std::string(isa) + "' is none of baseline, v3, v4\n");
+              "gliss: GLISS_ISA: '" + std::string(isa) + "' is not one of baseline, v3, v4\n");
     EXPECT_FALSE(std::filesystem::exists(folder / "a.gliss"));
   }
   for (const char* isa : {"baseline", "v3", "v4", ""}) EXPECT_EQ(with(isa).code, 0) << isa;

@@ -220,7 +220,7 @@ TEST_F(Report, PagesOfSweepsStaySmall) {
 }
 
 TEST_F(Report, RunsTellTheSameByReportAndRecording) {
-  make("run", "scene.toml --no-wait --seconds 2 --record run.h5 --report run.json");
+  make("run", "scene.toml --no-wait --seconds 2 --record run.h5 --summary run.json");
   make("run", "scene.toml --no-wait --seconds 2 --record run.csv");
   auto results = results_of("run.json run.h5 run.csv");
   const auto &figures = results[0]["figures"], &recorded = results[1]["figures"];
@@ -410,7 +410,7 @@ TEST_F(Report, GrowthIsOfPositiveFigures) {
   expect_error(gliss("report", "wrong.json -o other.html"), 2, "JSON that is damaged");
   folder_.write("wrong.json", R"({"growth": {"sweeps": []}})");
   expect_error(gliss("report", "wrong.json -o other.html"), 2,
-               "wrong.json: 'growth/meshes' is no list");
+               "wrong.json: 'growth/meshes' is not a list");
 }
 
 TEST_F(Report, RefusesWhatItDoesNotKnow) {
@@ -426,7 +426,7 @@ TEST_F(Report, RefusesWhatItDoesNotKnow) {
   folder_.write("cut.json", "{\"rows\": [");
   expect_refused("cut.json", "'cut.json' " + page_less + ": JSON that is damaged");
   folder_.write("run.json", R"({"histograms": {"wake": 3}})");
-  expect_refused("run.json", "run.json: 'histograms/wake' is no list");
+  expect_refused("run.json", "run.json: 'histograms/wake' is not a list");
   folder_.write("forces.csv", "step,fx\n1,2\n");
   expect_refused("forces.csv", "forces.csv:1: missing columns: wanted step,x,y,z");
   folder_.write("number.csv", std::string(kTraceHeader) + "1,flat,0,0,0,0,0,0,no,0,0,0,free\n");

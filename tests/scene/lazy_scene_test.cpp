@@ -45,7 +45,7 @@ TEST_F(LazyScene, names_line_and_key_of_what_does_not_go_together) {
   EXPECT_EQ(refusal("mesh = \"a.obj\"\nrings = 3\n"),
             "scene.toml:4: object.rings: goes with patches = \"lazy\"");
   EXPECT_EQ(refusal("mesh = \"a.obj\"\npatches = \"some\"\n"),
-            "scene.toml:4: object.patches: 'some' is none of all, lazy");
+            "scene.toml:4: object.patches: 'some' is not one of all, lazy");
   EXPECT_TRUE(refusal("mesh = \"a.obj\"\npatches = \"lazy\"\nrings = 1\n")
                   .starts_with("scene.toml:5: object.rings"));
 }

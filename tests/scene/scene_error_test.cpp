@@ -267,13 +267,13 @@ TEST(SceneError, names_numbers_that_are_not_finite) {
 TEST(SceneError, names_words_that_are_no_choice) {
   expect_refused({
       {"[[object]]\nmesh = 'ball.obj'\nmethod = 'phong'\n",
-       "3: object.method: ", "'phong' is none of gregory, shaded, flat"},
+       "3: object.method: ", "'phong' is not one of gregory, shaded, flat"},
       {"[[object]]\nmesh = 'ball.obj'\nsolver = 'bisect'\n",
        "3: object.solver: ", "newton, gauss-newton, paper"},
       {"[[object]]\nmesh = 'ball.obj'\nprecision = 'half'\n",
        "3: object.precision: ", "float, double"},
-      {"[[object]]\nmesh = 'ball.obj'\nlevel = 'coarse'\n",
-       "3: object.level: ", "'coarse' is none of exact, ribbon, bezier, table, table:1 to table:"},
+      {"[[object]]\nmesh = 'ball.obj'\nlevel = 'coarse'\n", "3: object.level: ",
+       "'coarse' is not one of exact, ribbon, bezier, table, table:1 to table:"},
       {"[[object]]\nmesh = 'ball.obj'\ntolerance = 1\n", "3: object.tolerance: ", "less than 1"},
       {"[[object]]\nmesh = 'ball.obj'\niterations = 0\n", "3: object.iterations: ", "1 to 10000"},
       {"[[object]]\nmesh = 'ball.obj'\nunit = 'parsec'\n", "3: object.unit: ", "parsec"},

@@ -294,9 +294,9 @@ TEST_F(Compare, writes_tables_and_names_what_is_wrong) {
   EXPECT_THAT(folder_.read("rows.csv"),
               HasSubstr("level,precision,solver,backend,bytes_per_patch"));
   const std::pair<std::vector<std::string>, const char*> wrong[] = {
-      {{"--levels", "exact,best"}, "--levels: 'best' is none of"},
+      {{"--levels", "exact,best"}, "--levels: 'best' is not one of fair, paper"},
       {{"--levels", "flat,flat"}, "'flat' is there twice"},
-      {{"--backends", "cuda"}, "--backends: 'cuda' is none of"},
+      {{"--backends", "cuda"}, "--backends: 'cuda' is not one of"},
       {{"--max-force-error", "little"}, "--max-force-error: 'little' is not a number"},
       {{"--depth", "0"}, "--depth: '0' is not positive"},
       {{"--walks", "many"}, "--walks: 'many' is not"},

@@ -150,7 +150,7 @@ TEST_F(HostileParts, that_cannot_be_removed_are_named) {
   SweepParts parts = open();
   EXPECT_THAT(
       test::message_of<std::system_error>([&] { swept(cache_, *engine_, options_, &parts); }),
-      AllOf(HasSubstr(paths_[1]), HasSubstr("is no part and cannot be removed"),
+      AllOf(HasSubstr(paths_[1]), HasSubstr("is not a part and cannot be removed"),
             HasSubstr("Directory not empty")));
 }
 

@@ -53,7 +53,10 @@ TEST(Level, names_are_read_back) {
     EXPECT_FALSE(find_level(name)) << name;
   for (const std::string name : {"exact", "table:2", "fair", "fair-ribbon", "fair-table:64"})
     EXPECT_EQ(surface_name(find_surface(name).value()), name);
-  for (const std::string name : {"", "fair-", "fair-fair", "fairtable", "fair-table:0", "paper"})
+  for (const std::string name : {"paper", "paper-table:2", "fair", "fair-ribbon"})
+    EXPECT_EQ(full_surface_name(find_surface(name).value()), name);
+  EXPECT_EQ(find_surface("paper-ribbon"), find_surface("ribbon"));
+  for (const std::string name : {"", "fair-", "fair-fair", "fairtable", "fair-table:0", "paper-"})
     EXPECT_FALSE(find_surface(name)) << name;
 }
 
@@ -335,7 +338,7 @@ TEST(Level, commands_take_it_and_caches_keep_it) {
   const auto unknown = run({"info", "torus.obj", "--level", "best"});
   EXPECT_EQ(unknown.code, 2);
   EXPECT_THAT(unknown.err,
-              ::testing::HasSubstr("--level: 'best' is none of exact, ribbon, bezier"));
+              ::testing::HasSubstr("--level: 'best' is not one of exact, ribbon, bezier"));
 }
 
 }  // namespace

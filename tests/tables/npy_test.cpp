@@ -122,7 +122,7 @@ TEST_F(Npy, versions_and_types_are_read_and_others_refused_by_name) {
   EXPECT_EQ(refusal("\x93NUMPX\1" + plain), "not an .npy file");
   EXPECT_EQ(refusal(npy(plain, three, 9)), "a version of .npy that is not known");
   EXPECT_EQ(refusal(npy("{'descr': '>f8', 'fortran_order': False, 'shape': (1, 3), }", three)),
-            "column 'x': '>f8' is no type of little-endian numbers");
+            "column 'x': '>f8' is not a type of little-endian numbers");
   EXPECT_THAT(refusal(npy("{'descr': '<f8', 'fortran_order': False, 'shape': (1, 4), }", three)),
               HasSubstr("an array of 4 columns without names; wanted x,y,z or x_mm,y_mm,z_mm"));
   EXPECT_EQ(refusal(npy("{'descr': '<f8', 'fortran_order': False, 'shape': (3,), }", three)),

@@ -61,7 +61,7 @@ std::vector<std::uint32_t> parse_faces(const Mesh& mesh, const std::string& text
     const auto first = parse_number<std::uint32_t>("--faces", ends.front()),
                last = parse_number<std::uint32_t>("--faces", ends.back());
     if (ends.size() > 2 || last < first) {
-      throw InputError(fmt::format("--faces: '{}' is no range", item));
+      throw InputError(fmt::format("--faces: '{}' is not a range", item));
     }
     if (last >= mesh.face_count()) {
       throw InputError(fmt::format("--faces: {} is beyond the last of {}, which is {}", last,

@@ -7,7 +7,8 @@
 #include "gliss/base/units.h"
 #include "gliss/build/build_cache.h"
 #include "gliss/generate/generate.h"
-#include "gliss/study/compare.h"
+#include "gliss/study/compare_mesh.h"
+#include "tools/cli/compare_json.h"
 #include "tools/cli/compare_picture.h"
 #include "tools/cli/compare_report.h"
 #include "tools/cli/curvature.h"
@@ -19,30 +20,14 @@ namespace gliss::tools {
 namespace {
 
 struct ComparingOptions : SurfaceOptions {
-  CompareOptions compare;
-  std::vector<double> depths;  // m; empty: a hundredth of the mesh's diagonal
+  MeshComparisonOptions comparing;
   std::string path, reference, output;
   int ticks = 4000;
-  WalkOptions walk{.walkers = 8};
-  std::optional<std::size_t> leaving;  // hands; kHandsAWalk for each walk by default
   std::string walk_depth = "0.5%";
   CompareBudget budget;
   int dense_limit = 500000;
   bool with_picture = false;
 };
-
-constexpr std::size_t kLoops = 40;  // closed ones
-constexpr std::size_t kHandsAWalk = 5;
-constexpr double kFaster = 10;  // than the slow walks are the fast ones
-
-const std::vector<CompareCandidate> kEverything = {
-    {Method::kGregory, {.construction = Construction::kFair}},
-    {Method::kGregory, {Level::kExact, 0, Construction::kPaper}},
-    {Method::kGregory, {Level::kRibbon, 0, Construction::kPaper}},
-    {Method::kGregory, {Level::kBezier, 0, Construction::kPaper}},
-    {Method::kGregory, {Level::kTable, kTableCells, Construction::kPaper}},
-    {Method::kShaded, {}},
-    {Method::kFlat, {}}};
 
 CompareCandidate parse_candidate(const std::string& name) {
   if (name == "shaded") return {Method::kShaded, {}};
@@ -67,7 +52,7 @@ double parse_memory(const std::string& option, const std::string& text) {
 }
 
 void add_walk_options(Command& command, ComparingOptions& options) {
-  WalkOptions& walk = options.walk;
+  WalkOptions& walk = options.comparing.walk;
   const auto count = [](const char* name, std::size_t least) {
     return [=](const std::string& text) {
       const auto number = parse_number<std::size_t>(name, text);
@@ -81,17 +66,17 @@ void add_walk_options(Command& command, ComparingOptions& options) {
        "random walks over the whole mesh, in which jumps and lost contacts are counted; 0: none; "
        "default 8"},
       [&walk, read = count("--walks", 0)](const std::string& text) { walk.walkers = read(text); });
-  command.option({"--walk-ticks", "N", "ticks of a walk; default 2500"},
+  command.option({"--walk-ticks", "N", "length of a walk, in ticks; default 2500"},
                  [&walk, read = count("--walk-ticks", 1)](const std::string& text) {
                    walk.ticks = read(text);
                  });
   command.option({"--walk-depth", "DEPTH",
-                  "of walks: a length, or a share of the mesh's diagonal; default 0.5%"},
+                  "how deep walks go: a length, or a share of the mesh's diagonal; default 0.5%"},
                  options.walk_depth);
   command.option(
       {"--walk-step", "RATIO",
-       "of the depth, that a walk moves in a tick: 1%, the default, stands for a loop of "
-       "1000 Hz, 2% for 500 Hz, 10% for 100 Hz"},
+       "how far a walk moves in a tick, as a share of its depth: 1%, the default, stands for a "
+       "loop of 1000 Hz, 2% for 500 Hz, 10% for 100 Hz"},
       [&walk](const std::string& text) {
         walk.step = parse_ratio("--walk-step", text);
         if (!(walk.step > 0 && walk.step <= 1))
@@ -101,38 +86,40 @@ void add_walk_options(Command& command, ComparingOptions& options) {
                   "hands that press in anywhere, slide, leave and rest outside, in which contacts "
                   "that are held there are counted; 0: none; default: 5 a walk"},
                  [&options, read = count("--leaving", 0)](const std::string& text) {
-                   options.leaving = read(text);
+                   options.comparing.leaving = read(text);
                  });
-  command.option({"--seed", "N", "of walks and leaving hands; default 1"},
+  command.option({"--seed", "N", "seed of the walks and the leaving hands; default 1"},
                  [&walk](const std::string& text) {
                    walk.seed = parse_number<std::uint64_t>("--seed", text);
                  });
 }
 
 void describe(Command& command, ComparingOptions& options) {
-  options.compare.candidates = kEverything;
-  CompareOptions& compare = options.compare;
+  CompareOptions& compare = options.comparing.measuring;
+  compare.candidates = all_candidates();
   add_mesh_options(command, options, "MESH_OR_CACHE");
   command.option(
       {"--levels", "LIST",
-       "of exact, ribbon, bezier, table, table:N, fair, shaded, flat; without table:N all"},
+       "surfaces to compare, any of fair, paper, paper-ribbon, paper-bezier, paper-table, "
+       "paper-table:N, shaded, flat; fair-ribbon and the like as well; default: the first five, "
+       "shaded and flat"},
       [&](const std::string& text) {
         compare.candidates = parse_list("--levels", text, parse_candidate);
       });
-  command.option({"--precisions", "LIST", "of float and double; both by default"},
+  command.option({"--precisions", "LIST", "precisions to compare: float, double; both by default"},
                  [&](const std::string& text) {
                    compare.precisions =
                        parse_list("--precisions", text, [](const std::string& name) {
                          return parse_name("--precisions", name, kPrecisionNames);
                        });
                  });
-  command.option({"--solvers", "LIST", "of newton (default), gauss-newton and paper"},
+  command.option({"--solvers", "LIST", "solvers to compare: newton (default), gauss-newton, paper"},
                  [&](const std::string& text) {
                    compare.solvers = parse_list("--solvers", text, [](const std::string& name) {
                      return parse_name("--solvers", name, kSolverNames);
                    });
                  });
-  command.option({"--backends", "LIST", "of tbb (default), serial, opencl and auto"},
+  command.option({"--backends", "LIST", "backends to compare: tbb (default), serial, opencl, auto"},
                  [&](const std::string& text) {
                    compare.backends = parse_list("--backends", text, [](const std::string& name) {
                      return std::string(parse_name("--backends", name, kBackendNames));
@@ -140,12 +127,13 @@ void describe(Command& command, ComparingOptions& options) {
                  });
   add_step_options(command, compare.solving);
   add_settle_option(command, compare.settle);
-  command.option({"--depth", "LIST", "of the HIPs; default: 1 % of the mesh's diagonal"},
-                 [&](const std::string& text) { options.depths = parse_depths(text); });
+  command.option({"--depth", "LIST", "depths of the HIPs; default: 1 % of the mesh's diagonal"},
+                 [&](const std::string& text) { options.comparing.depths = parse_depths(text); });
   command.option({"--path", "FILE", "HIPs, one a tick, instead of a path of its own"},
                  options.path);
   command.option(
-      {"--ticks", "N", "of its own path, a thousandth of the diagonal apart; default 4000"},
+      {"--ticks", "N",
+       "length of its own path, whose ticks are a thousandth of the diagonal apart; default 4000"},
       options.ticks, 100, 10000000);
   add_walk_options(command, options);
   add_stiffness_option(command, compare.stiffness);
@@ -153,18 +141,19 @@ void describe(Command& command, ComparingOptions& options) {
       {"--reference", "MESH",
        "the true surface: a dense mesh in the same unit, or knot, torus, goldberg as generated"},
       options.reference);
-  command.option({"--max-force-error", "RATIO", "budget: as 1%, of stiffness x depth"},
+  command.option({"--max-force-error", "RATIO",
+                  "budget: the largest error of the force, as 1% of stiffness x depth"},
                  [&](const std::string& text) {
                    options.budget.force_error = parse_ratio("--max-force-error", text);
                  });
-  command.option({"--max-tick", "TIME", "budget: as 5us"},
+  command.option({"--max-tick", "TIME", "budget: the longest tick, as 5us"},
                  [&](const std::string& text) { options.budget.tick = parse_time(text); });
-  command.option({"--max-memory", "SIZE", "budget: as 64MiB"}, [&](const std::string& text) {
-    options.budget.memory = parse_memory("--max-memory", text);
-  });
+  command.option(
+      {"--max-memory", "SIZE", "budget: the most memory, as 64MiB"},
+      [&](const std::string& text) { options.budget.memory = parse_memory("--max-memory", text); });
   command.option(
       {"--dense-limit", "N",
-       "triangles of the densest mesh tried for flat and shaded; 0: none; default 500000"},
+       "how many triangles the densest mesh for flat and shaded may have; 0: none; default 500000"},
       options.dense_limit, 0, 100000000);
   command.flag("--picture", options.with_picture,
                "with --json: the surface of each construction with its curvature, and the places "
@@ -172,23 +161,13 @@ void describe(Command& command, ComparingOptions& options) {
   add_output_option(command, options.output, "rows as a table: .h5, .csv or .npy");
 }
 
-std::vector<ComparePath> make_paths(const ComparingOptions& options, const Mesh& mesh,
-                                    const Topology& topology, const PatchCache& exact) {
-  std::vector<ComparePath> paths;
-  if (!options.path.empty()) {
-    std::vector<Vec3> hips = points_in_metres(read_hips(options, options.path));
-    for (Vec3& hip : hips) hip /= mesh.unit;
-    const double depth = options.depths.size() == 1 ? options.depths.front() : 0;
-    if (!(depth > 0)) throw InputError("--path: needs the one --depth that its HIPs have");
-    if (hips.empty()) throw InputError(fmt::format("--path: {} has no HIPs", options.path));
-    paths.push_back({depth, std::move(hips)});
-    return paths;
-  }
-  std::vector<double> depths = options.depths;
-  if (depths.empty()) depths = {0.01 * diagonal_of(exact.bounds()) * mesh.unit};
-  for (const double depth : depths)
-    paths.push_back({depth, own_path(mesh, topology, exact, depth, options.ticks)});
-  return paths;
+std::vector<Vec3> read_path(const ComparingOptions& options, const Mesh& mesh) {
+  std::vector<Vec3> hips = points_in_metres(read_hips(options, options.path));
+  if (options.comparing.depths.size() != 1)
+    throw InputError("--path: needs the one --depth that its HIPs have");
+  if (hips.empty()) throw InputError(fmt::format("--path: {} has no HIPs", options.path));
+  for (Vec3& hip : hips) hip /= mesh.unit;
+  return hips;
 }
 
 // The depth of walks, m.
@@ -199,29 +178,6 @@ double walk_depth_of(const ComparingOptions& options, const Mesh& mesh) {
                           : parse_length(text);
   if (!(depth > 0)) throw InputError(fmt::format("--walk-depth: '{}' is not positive", text));
   return depth;
-}
-
-// Hands that rest for twice as long as a contact may go on, and longer.
-LeavingOptions leaving_of(const ComparingOptions& options) {
-  const std::size_t hands = options.leaving.value_or(kHandsAWalk * options.walk.walkers);
-  return {hands, 100 + 2 * held_bound(options.compare.settle), options.walk.seed};
-}
-
-CompareWalks make_walks(const ComparingOptions& options, const Mesh& mesh, const Topology& topology,
-                        const Engine& engine) {
-  CompareWalks made;
-  const ParallelFor parallel = engine.build_backend().parallel;
-  made.leaving = leaving_paths(mesh, topology, leaving_of(options), parallel);
-  if (options.walk.walkers == 0) return made;
-  made.depth = walk_depth_of(options, mesh);
-  WalkOptions walk = options.walk;
-  walk.depth = made.depth / mesh.unit;
-  for (const double times : {1.0, kFaster}) {
-    walk.step = std::min(1.0, times * options.walk.step);
-    made.sets.push_back({walk.step, walk_paths(mesh, topology, walk, parallel)});
-  }
-  made.loops = loop_paths(mesh, topology, walk.depth, kLoops, walk.seed);
-  return made;
 }
 
 // From a point in the mesh's unit to the true surface.
@@ -263,53 +219,26 @@ void write_table(const ComparingOptions& options, const PatchCache& exact,
   file->close();
 }
 
-// The patches that dense triangles are to match: exact ones in double, if there are such.
-const CompareRow* smoothest(const std::vector<CompareRow>& rows) {
-  const CompareRow* best = nullptr;
-  for (const CompareRow& row : rows) {
-    if (row.candidate.method != Method::kGregory) continue;
-    if (best == nullptr) best = &row;
-    if (row.candidate.level == Level{} && row.precision == Precision::kDouble) return &row;
-  }
-  return best;
-}
-
 // The mesh of a file, or that of a cache, which has normals.
 Mesh compared_mesh(const ComparingOptions& options) {
   if (!is_cache(options)) return read_mesh(options);
   return mesh_of(options, read_cache(options), "compare the mesh itself");
 }
 
-// A mesh, and the same without its creases: walks and baselines are the same with them and without.
-struct ComparedMesh {
-  explicit ComparedMesh(const ComparingOptions& options) : mesh(compared_mesh(options)) {
-    normals_given = !mesh.normals.empty();
-    if (!mesh.sharp.empty()) {
-      smooth = mesh;
-      smooth.sharp.clear();
-      add_vertex_normals(smooth);
-    }
-    topology = complete_mesh(mesh, Construction::kPaper);
-  }
-  const Mesh& baseline() const { return mesh.sharp.empty() ? mesh : smooth; }
-
-  Mesh mesh, smooth;
-  Topology topology;
-  bool normals_given;
-};
-
-CompareOptions measuring_options(const ComparingOptions& options, const ComparedMesh& compared) {
-  CompareOptions measuring = options.compare;
-  measuring.normals_given = compared.normals_given;
-  measuring.most_jumps = options.with_picture ? kMostRowJumps : 0;
-  measuring.baseline = &compared.baseline();
-  measuring.poll = stop_if_interrupted;
-  measuring.make_engine = [&](const std::string& backend) {
+MeshComparisonOptions comparing(const ComparingOptions& options, const ComparedMesh& compared) {
+  MeshComparisonOptions made = options.comparing;
+  if (!options.path.empty()) made.hips = read_path(options, compared.mesh);
+  made.ticks = static_cast<std::size_t>(options.ticks);
+  if (made.walk.walkers > 0) made.walk_depth = walk_depth_of(options, compared.baseline());
+  made.truth = true_distance(options, compared.mesh);
+  made.measuring.most_jumps = options.with_picture ? kMostRowJumps : 0;
+  made.measuring.poll = stop_if_interrupted;
+  made.measuring.make_engine = [&](const std::string& backend) {
     CommonOptions common = options;
     common.backend = backend;
     return make_engine(common);
   };
-  return measuring;
+  return made;
 }
 
 std::vector<CompareRow> measure_rows(const ComparingOptions& options,
@@ -318,22 +247,12 @@ std::vector<CompareRow> measure_rows(const ComparingOptions& options,
   return comparison.measure([&] { watch.add(1); });
 }
 
-// Dense triangles for those baselines that have a row.
-std::vector<DenseRow> match_dense(const ComparingOptions& options, const Comparison& comparison,
-                                  const std::vector<CompareRow>& rows, const CompareRow* target) {
-  std::vector<DenseRow> dense;
-  if (target == nullptr || options.dense_limit == 0) return dense;
+std::vector<DenseRow> dense_rows(const ComparingOptions& options, const Comparison& comparison,
+                                 const std::vector<CompareRow>& rows) {
+  if (options.dense_limit == 0 || smoothest(rows) == nullptr) return {};
   Watch watch(options, "dense meshes", 2, "methods");
-  for (const Method method : {Method::kShaded, Method::kFlat}) {
-    const bool wanted = std::any_of(rows.begin(), rows.end(), [&](const CompareRow& row) {
-      return row.candidate.method == method;
-    });
-    if (wanted)
-      dense.push_back(
-          comparison.match(method, *target, static_cast<std::uint64_t>(options.dense_limit)));
-    watch.add(1);
-  }
-  return dense;
+  return match_dense(comparison, rows, static_cast<std::uint64_t>(options.dense_limit),
+                     [&] { watch.add(1); });
 }
 
 void run(const ComparingOptions& options) {
@@ -342,57 +261,36 @@ void run(const ComparingOptions& options) {
     throw InputError("--picture: needs --json, which it is a part of");
   const Stopwatch clock;
   const auto engine = make_engine(options);
-  const ComparedMesh compared(options);
-  const Mesh& mesh = compared.mesh;
-  const PatchCache exact = build(mesh, options, *engine);
-  std::vector<ComparePath> paths = make_paths(options, mesh, compared.topology, exact);
-  std::vector<double> depths;
-  for (const ComparePath& path : paths) depths.push_back(path.depth);
-  tell_tight_curvature(options, exact, *std::max_element(depths.begin(), depths.end()));
-  CompareWalks walks = make_walks(options, compared.baseline(), compared.topology, *engine);
-  const LeavingOptions leaving = leaving_of(options);
-  const std::string walks_text =
-      text_of(walks, options.walk) + text_of(leaving, options.compare.settle);
+  const ComparedMesh compared(compared_mesh(options));
+  const PatchCache surface = build(compared.mesh, options, *engine);
+  MeshComparisonOptions how = comparing(options, compared);
+  if (how.depths.empty()) how.depths = {compared_depth(surface)};
+  tell_tight_curvature(options, surface, *std::max_element(how.depths.begin(), how.depths.end()));
+  const Comparison comparison = compare_mesh(compared, surface, how, *engine);
+  const std::vector<CompareRow> rows = measure_rows(options, comparison);
+  const std::vector<DenseRow> dense = dense_rows(options, comparison, rows);
+  const Recommendation best = recommend(rows, options.budget);
+  if (!options.output.empty()) write_table(options, surface, rows);
+
   Json json = {{"program", "gliss"},
                {"version", GLISS_VERSION},
                {"command_line", command_line()},
                {"mesh", options.surface},
-               {"faces", mesh.face_count()},
-               {"unit", unit_name(mesh.unit)},
-               {"mesh_hash", hash_name(exact.mesh_hash)},
-               {"depths_m", depths},
-               {"stiffness_N_per_m", options.compare.stiffness},
-               {"walks", json_of(walks, options.walk)},
-               {"leaving", json_of(leaving)},
-               {"rows", Json::array()},
-               {"dense", Json::array()},
-               {"recommended", nullptr}};
-
-  const Comparison comparison(mesh, compared.topology, std::move(paths), std::move(walks),
-                              true_distance(options, mesh), measuring_options(options, compared));
-  const std::vector<CompareRow> rows = measure_rows(options, comparison);
-  const CompareRow* target = smoothest(rows);
-  const std::vector<DenseRow> dense = match_dense(options, comparison, rows, target);
-  const Recommendation best = recommend(rows, options.budget);
-  if (!options.output.empty()) write_table(options, exact, rows);
-
+               {"faces", compared.mesh.face_count()},
+               {"unit", unit_name(compared.mesh.unit)},
+               {"mesh_hash", hash_name(surface.mesh_hash)}};
+  json.update(json_of(how, comparison, rows, dense, best));
   std::string text = feel_text(rows) +
                      "* no other is better in jumps, p99 of the error, tick and memory at once\n" +
-                     walks_text + "\n" + cost_text(rows);
-  for (const CompareRow& row : rows) {
-    json["rows"].push_back(json_of(row));
-    if (options.with_picture && !json["walks"].is_null())
-      json["rows"].back()["jumps"] = jumps_json(row.jumps);
-  }
-  for (const DenseRow& row : dense) {
-    text += text_of(row);
-    json["dense"].push_back(json_of(row, *target));
-  }
+                     text_of(comparison.walks(), how.walk) +
+                     text_of(leaving_of(how), how.measuring.settle) + "\n" + cost_text(rows);
+  for (const DenseRow& row : dense) text += text_of(row);
   text += text_of(best, options.budget);
-  if (best.row != nullptr) json["recommended"] = recommendation_json(*best.row);
-  json["reason"] = best.reason;
-  if (options.with_picture)
-    json["picture"] = picture_json(comparison.pictures(kMostPicturePoints), mesh.unit);
+  if (options.with_picture) {
+    for (std::size_t i = 0; i < rows.size() && !json["walks"].is_null(); ++i)
+      json["rows"][i]["jumps"] = jumps_json(rows[i].jumps);
+    json["picture"] = picture_json(comparison.pictures(kMostPicturePoints), compared.mesh.unit);
+  }
   json["seconds"] = clock.seconds();
   report(options, text, json, options.output == "-");
 }

@@ -22,33 +22,40 @@ struct EvalOptions : TableOptions {
 void describe(Command& command, EvalOptions& options) {
   add_surface_options(command, options, "MESH_OR_CACHE");
   add_input_option(command, "--at", options.points,
-                   "points: columns patch,xi,eta; a patch is the number of its face, from 0");
+                   "points: columns face,xi,eta; face is its number, from 0");
   add_output_option(command, options.output, "table to write; CSV on standard output without it");
   add_keep_option(command, options.keep);
 }
 
-// The patches of the table, all of them faces of the cache, and xi and eta in their domains.
+// The column of faces, or by its old name.
+const LargeArray<double>& faces_of(const InputTable& table) {
+  return *table.find(table.alternative == 0 ? "face" : "patch");
+}
+
+// The points of the table, whose faces the cache has, and xi and eta in their domains.
 InputTable read_domain_points(const EvalOptions& options, const PatchCache& cache) {
   const Watch watch(options, "read " + options.points);
-  InputTable table = read_table(options.points, {.alternatives = {{"patch", "xi", "eta"}},
-                                                 .optional = options.keep,
-                                                 .poll = stop_if_interrupted});
+  InputTable table =
+      read_table(options.points, {.alternatives = {{"face", "xi", "eta"}, {"patch", "xi", "eta"}},
+                                  .optional = options.keep,
+                                  .poll = stop_if_interrupted});
   check_kept(options.keep, table, options.points);
-  const auto &patch = *table.find("patch"), &xi = *table.find("xi"), &eta = *table.find("eta");
+  const auto &faces = faces_of(table), &xi = *table.find("xi"), &eta = *table.find("eta");
   const auto refuse = [&](std::size_t row, const std::string& problem) {
     throw CsvError(fmt::format("{}: {}", table.place(row), problem));
   };
   for (std::size_t i = 0; i < table.rows; ++i) {
-    if (!(patch[i] >= 0 && patch[i] < cache.mesh_face_count) || patch[i] != std::floor(patch[i])) {
-      refuse(i, fmt::format("no patch {}; they are 0 to {}", patch[i], cache.mesh_face_count - 1));
+    if (!(faces[i] >= 0 && faces[i] < cache.mesh_face_count) || faces[i] != std::floor(faces[i])) {
+      refuse(i, fmt::format("there is no face {}; they are 0 to {}", faces[i],
+                            cache.mesh_face_count - 1));
     }
-    const DomainPoint point{static_cast<std::uint32_t>(patch[i]), xi[i], eta[i]};
+    const DomainPoint point{static_cast<std::uint32_t>(faces[i]), xi[i], eta[i]};
     if (cache.first_patch(point.face) == kNone) {
-      refuse(i, fmt::format("patch {} is not in this cache of a region", patch[i]));
+      refuse(i, fmt::format("face {} is not in this cache of a region", faces[i]));
     }
     if (!in_domain(cache, point)) {
-      refuse(i, fmt::format("({}, {}) is outside the domain of patch {}, a regular {}-gon", xi[i],
-                            eta[i], patch[i], cache.face_valence[point.face]));
+      refuse(i, fmt::format("({}, {}) is outside the domain of face {}, a regular {}-gon", xi[i],
+                            eta[i], faces[i], cache.face_valence[point.face]));
     }
   }
   return table;
@@ -72,11 +79,12 @@ void run(const EvalOptions& options) {
   const auto engine = make_engine(options);
   const PatchCache cache = open_surface(options, *engine);
   const InputTable points = read_domain_points(options, cache);
-  const auto &patch = *points.find("patch"), &xi = *points.find("xi"), &eta = *points.find("eta");
+  const auto &faces = faces_of(points), &xi = *points.find("xi"), &eta = *points.find("eta");
   const UnitChange length(cache.unit, options.unit);
   const auto file = create_described_file(options.output, cache, options);
   Columns columns;
-  columns.add({"patch"}, ColumnType::kUint32)
+  columns.add({"face"}, ColumnType::kUint32)
+      .was("patch")
       .add({"xi", "eta"})
       .add({"x", "y", "z", "dxi_x", "dxi_y", "dxi_z", "deta_x", "deta_y", "deta_z"},
            ColumnType::kFloat64, unit_name(options.unit))
@@ -88,7 +96,7 @@ void run(const EvalOptions& options) {
       options, "eval", points.rows, "points", [&](std::size_t begin, std::size_t end, Watch&) {
         const std::size_t rows = end - begin;
         const auto face = table.extend<std::uint32_t>(rows);
-        std::copy_n(&patch[begin], rows, face.begin());
+        std::copy_n(&faces[begin], rows, face.begin());
         table.fill(rows, [&](std::size_t i) { return xi[begin + i]; });
         table.fill(rows, [&](std::size_t i) { return eta[begin + i]; });
         const VectorColumns position = extend_vectors(table, rows),

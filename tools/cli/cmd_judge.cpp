@@ -36,8 +36,8 @@ struct JudgeOptions : ReportOptions {
 };
 
 void describe(Command& command, JudgeOptions& options) {
-  command.option({"--seconds", "SECONDS", "how long, 0.1 to 86400; default 30"}, options.seconds,
-                 0.1, 86400);
+  command.option({"--seconds", "SECONDS", "how long to measure, 0.1 to 86400; default 30"},
+                 options.seconds, 0.1, 86400);
   command.flag("--require-rt", options.require_realtime,
                "make it an error where real-time scheduling or locked memory is refused");
 }

@@ -30,8 +30,7 @@ void describe(Command& command, ProjectOptions& options) {
                    "HIPs: columns x,y,z in the unit of --unit, or x_mm,y_mm,z_mm");
   add_output_option(command, options.output, "table to write; CSV on standard output without it");
   command.option(
-      {"--stiffness", "STIFFNESS",
-       "adds the force of the method, fx,fy,fz, with this force over depth"},
+      {"--stiffness", "STIFFNESS", "stiffness; adds the columns fx,fy,fz, the force"},
       [&options](const std::string& text) { options.stiffness = positive_stiffness(text); });
   add_keep_option(command, options.keep);
   add_solver_options(command, options.query);

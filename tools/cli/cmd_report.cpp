@@ -21,7 +21,7 @@ struct ReportingOptions : ReportOptions {
 
 void describe(Command& command, ReportingOptions& options) {
   command.list({"RESULTS", "FILE...",
-                "files left by gliss trace, sweep, compare --json, run --report, --json or "
+                "files left by gliss trace, sweep, compare --json, run --summary, --json or "
                 "--record, or by bench/growth.py",
                 true},
                [&options](const std::string& path) {

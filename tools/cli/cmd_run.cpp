@@ -30,9 +30,9 @@ using namespace std::chrono_literals;
 
 struct RunOptions : ReportOptions {
   int threads = 0;
-  std::string scene, device = "sim", recording, report;
+  std::string scene, device = "sim", recording, summary;
   double seconds = 0;  // 0: until the device ends
-  bool no_wait = false, require_realtime = false, cpu_time = false;
+  bool no_wait = false, require_realtime = false, cpu_time = false, has_old_summary = false;
 };
 
 void describe(Command& command, RunOptions& options) {
@@ -40,8 +40,8 @@ void describe(Command& command, RunOptions& options) {
   command.option({"--device", "DEVICE", std::string(kDeviceWords) + "; default sim"},
                  options.device);
   command.flag("--no-wait", options.no_wait,
-               "tick after tick as fast as it goes, in a time of its own; for sim and replay");
-  command.option({"--seconds", "SECONDS", "end after so long; default: when the device ends"},
+               "run ticks as fast as possible, in simulated time; for sim and replay");
+  command.option({"--seconds", "SECONDS", "end after this time; default: when the device ends"},
                  options.seconds, 1e-3, 1e7);
   command.option(
       {"-o,--record", "FILE", "record each tick: .h5, .hdf5 or .csv"},
@@ -50,8 +50,14 @@ void describe(Command& command, RunOptions& options) {
           throw InputError(fmt::format("'{}' must end in .h5, .hdf5 or .csv", path));
         options.recording = path;
       });
-  command.option({"--report", "FILE", "write figures, histograms and what led to trips, as JSON"},
-                 options.report);
+  command.option({"--summary", "FILE",
+                  "write a summary as JSON: figures, histograms, the ticks before each trip"},
+                 options.summary);
+  command.option({"--report", "FILE", "the old name of --summary, which will go with 0.3"},
+                 [&](const std::string& path) {
+                   options.summary = path;
+                   options.has_old_summary = true;
+                 });
   command.option({"--threads", "N", "threads to build patches with; 0, the default: all"},
                  options.threads, 0, 4096);
   command.flag("--cpu-time", options.cpu_time,
@@ -336,10 +342,12 @@ std::vector<Attribute> provenance(const RunOptions& options, const Scene& scene,
 }
 
 void run(const RunOptions& options) {
+  if (options.has_old_summary && !options.quiet)
+    tell("gliss: --report: the summary is --summary now; the old name will go\n");
   const Scene scene = read_scene(options.scene, stop_if_interrupted);
   std::vector<std::string> inputs = scene.files;
   if (options.device.starts_with("replay:")) inputs.push_back(options.device.substr(7));
-  check_outputs({options.recording, options.report}, inputs);
+  check_outputs({options.recording, options.summary}, inputs);
   const std::vector<SceneObject> objects = open_objects(scene, options);
   for (std::size_t i = 0; i < objects.size(); ++i)
     tell_soft_spring(options, objects[i].stiffness, scene.objects[i].surface);
@@ -353,7 +361,7 @@ void run(const RunOptions& options) {
     recording.emplace(options.recording, provenance(options, scene, *device),
                       device->info().has_orientation);
   std::optional<AtomicFile> report_file;
-  if (!options.report.empty()) report_file.emplace(options.report);
+  if (!options.summary.empty()) report_file.emplace(options.summary);
 
   Tracker tracker(objects, open_hips(scene, {.poll = stop_if_interrupted}));
   rules.wait = !options.no_wait;

@@ -25,12 +25,12 @@ void describe(Command& command, ServeOptions& options) {
   add_scene_option(command, options.scene, "scene file (.toml): its [sim] and [device]");
   command.option({"--device", "DEVICE", std::string(kDeviceWords) + "; default sim"},
                  options.device);
-  command.option({"--port", "PORT", "of UDP on 127.0.0.1, 0: any that is free; default 10002"},
+  command.option({"--port", "PORT", "UDP port on 127.0.0.1; 0: any free one; default 10002"},
                  options.port, 0, 65535);
-  command.option({"--seconds", "SECONDS", "end after so long; default: when interrupted"},
+  command.option({"--seconds", "SECONDS", "end after this time; default: when interrupted"},
                  options.seconds, 1e-3, 1e7);
   command.flag("--at-once", options.at_once,
-               "the hand of sim and replay starts now, not when the first loop comes");
+               "start the hand of sim and replay now, not when the first loop comes");
 }
 
 void run(const ServeOptions& options) {

@@ -52,14 +52,14 @@ void describe(Command& command, SweepingOptions& options) {
   add_solver_options(command, options.sweep);
   command.option({"--samples", "COUNT", "points per depth over all faces, at least"},
                  options.samples, 1, 1e12);
-  command.option({"--rings", "N", "of the grid on each patch; default 8"}, options.rings, 1, 10000);
+  command.option({"--rings", "N", "rings of the grid on each patch; default 8"}, options.rings, 1,
+                 10000);
   command.exclude("--rings", "--samples");
   add_output_option(command, options.output, "samples: .h5 with statistics, .csv or .npy");
   command.option(
       {"--layout", "NAME",
-       "of samples in .h5: compact; or plain, where every row has its place from the "
-       "beginning: not compressed, and written by all ranks of gliss-mpi at once; "
-       "default compact"},
+       "how samples lie in .h5: compact (default), or plain, where every row has its place from "
+       "the beginning: not compressed, and written by all ranks of gliss-mpi at once"},
       [&options](const std::string& name) {
         if (name != "compact" && name != "plain")
           throw InputError(fmt::format("--layout: '{}' is neither compact nor plain", name));

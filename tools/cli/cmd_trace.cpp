@@ -174,7 +174,8 @@ void run(TracingOptions options) {
       .add({"method"}, ColumnType::kText)
       .add({"x", "y", "z", "scp_x", "scp_y", "scp_z"}, ColumnType::kFloat64, unit)
       .add({"fx", "fy", "fz"}, ColumnType::kFloat64, "N")
-      .add({"patch"}, ColumnType::kUint32)
+      .add({"face"}, ColumnType::kUint32)
+      .was("patch")
       .add({"state"}, ColumnType::kText);
   if (options.trace.friction.any())
     columns.add({"cone_share"}, ColumnType::kFloat64).add({"grip"}, ColumnType::kText);

@@ -65,7 +65,7 @@ void add_common_options(Command& command, CommonOptions& options) {
                    options.device = text;
                    options.has_old_device = true;
                  });
-  command.option({"--device-memory", "MIB", "memory of it to use at most; default: half of it"},
+  command.option({"--device-memory", "MIB", "the most of its memory to use; default: half of it"},
                  options.device_memory, 1, 1 << 24);
   add_common_options(command, static_cast<ReportOptions&>(options));
 }
@@ -82,27 +82,29 @@ void add_mesh_options(Command& command, SurfaceOptions& options, const std::stri
                    options.has_unit = true;
                  });
   command.flag("--strict", options.strict,
-               "refuse what is no sound mesh, and weld nothing, instead of mending it");
+               "refuse a mesh that is not sound, instead of mending it; weld nothing");
   command.flag("--keep-non-manifold", options.keep_non_manifold,
                "refuse non-manifold edges and vertices instead of cutting them open");
   command.flag("--split-non-manifold", options.split_non_manifold,
                "does nothing any more, and will go with 0.2");
   command.option({"--weld", "LENGTH",
-                  "weld borders whose vertices are no farther apart, as 0.01mm; default: those at "
-                  "the very same places; none: never"},
+                  "weld borders whose vertices are no farther apart, as 0.01mm; default: only "
+                  "vertices at the very same place; none: never"},
                  [&options](const std::string& text) { options.weld = parse_weld(text); });
-  command.option({"--normals", "NAME",
-                  "of the vertices: file, made (from the faces), or auto (default): made where the "
-                  "file has but those of its facets"},
-                 [&options](const std::string& text) {
-                   options.normals = parse_name("--normals", text, kNormalNames);
-                 });
-  command.option({"--orient", "NAME",
-                  "of closed parts: outward (default; one wound against the part around it is its "
-                  "cavity), or file: one that is inside out is a room"},
-                 [&options](const std::string& text) {
-                   options.orient = parse_name("--orient", text, kOrientNames);
-                 });
+  command.option(
+      {"--normals", "NAME",
+       "vertex normals to use: file, made (from the faces), or auto (default): made where the "
+       "file has only those of its facets"},
+      [&options](const std::string& text) {
+        options.normals = parse_name("--normals", text, kNormalNames);
+      });
+  command.option(
+      {"--orient", "NAME",
+       "how closed parts face: outward (default; one wound against the part around it is a "
+       "cavity), or file: one that is inside out is a room"},
+      [&options](const std::string& text) {
+        options.orient = parse_name("--orient", text, kOrientNames);
+      });
   command.flag("--flip", options.flip, "turn the faces of open parts over");
   command.option(
       {"--crease", "LIST",
@@ -183,7 +185,7 @@ double positive_stiffness(const std::string& text) {
 }
 
 void add_stiffness_option(Command& command, double& stiffness) {
-  command.option({"--stiffness", "STIFFNESS", "force over depth; default 0.5N/mm"},
+  command.option({"--stiffness", "STIFFNESS", "stiffness: force over depth; default 0.5N/mm"},
                  [&stiffness](const std::string& text) { stiffness = positive_stiffness(text); });
 }
 
@@ -197,17 +199,19 @@ void add_solver_options(Command& command, SolverOptions& options) {
 
 void add_step_options(Command& command, SolverOptions& options) {
   command.option({"--tolerance", "RATIO",
-                  "a solver's last step, of the patch's size; default: as the precision allows"},
+                  "when the solver stops: its last step over the patch's size; default: as the "
+                  "precision allows"},
                  options.tolerance, 0, 1);
-  command.option({"--iterations", "N", "of a solver at most; default 64"}, options.max_iterations,
-                 1, 10000);
+  command.option({"--iterations", "N", "the most steps of the solver; default 64"},
+                 options.max_iterations, 1, 10000);
 }
 
 void add_settle_option(Command& command, double& settle) {
   command.option(
       {"--settle", "TIME",
-       fmt::format("where a contact would leap it slides, and the force takes so long to change by "
-                   "20 %; 0: it leaps; default {}",
+       fmt::format("when the nearest point leaps elsewhere, the contact slides there: the time in "
+                   "which the "
+                   "force changes by 20 % meanwhile; 0: it leaps; default {}",
                    settle > 0 ? fmt::format("{:g}ms", 1e3 * settle) : "0")},
       [&settle](const std::string& text) { settle = settle_of("--settle", text, "5ms"); });
 }
@@ -215,8 +219,8 @@ void add_settle_option(Command& command, double& settle) {
 void add_friction_options(Command& command, FrictionOptions& friction) {
   command.option(
       {"--friction", "STATIC[,DYNAMIC]",
-       "coefficients of friction at rest and while the contact slips, which is the first where "
-       "there is no second; default 0: none"},
+       "coefficients of friction, at rest and while the contact slips; one number is both; "
+       "default 0: none"},
       [&friction](const std::string& text) {
         const std::vector<std::string> words = split(text, ',');
         if (words.size() > 2)
@@ -231,8 +235,8 @@ void add_friction_options(Command& command, FrictionOptions& friction) {
       });
   command.option(
       {"--friction-settle", "TIME",
-       "the time in which the one goes to the other by 63 % once a contact slips; default 0: at "
-       "once"},
+       "the time in which static friction falls to dynamic by 63 % once a contact slips; default "
+       "0: at once"},
       [&friction](const std::string& text) {
         friction.settle = settle_of("--friction-settle", text, "2ms");
       });
@@ -290,7 +294,7 @@ void add_effect_options(Command& command, EffectOptions& effects) {
 }
 
 void add_methods_option(Command& command, std::vector<Method>& methods) {
-  command.option({"--method", "LIST", "of gregory, shaded and flat; all by default"},
+  command.option({"--method", "LIST", "methods: gregory, shaded, flat; all by default"},
                  [&methods](const std::string& text) {
                    methods = parse_list("--method", text, [](const std::string& name) {
                      return parse_name("--method", name, kMethodNames);
@@ -313,7 +317,7 @@ Level parse_level(const std::string& option, const std::string& name) {
 
 Level parse_surface(const std::string& option, const std::string& name) {
   if (const auto level = find_surface(name)) return *level;
-  throw InputError(option + ": " + no_level(name) + ", fair, shaded, flat");
+  throw InputError(option + ": " + no_surface(name));
 }
 
 std::unique_ptr<Engine> make_engine(const CommonOptions& options) {

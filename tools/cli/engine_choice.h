@@ -31,7 +31,7 @@ template <class Value, std::size_t count>
 Value parse_name(const std::string& option, const std::string& wanted,
                  const Named<Value> (&names)[count]) {
   if (const auto value = find_named(names, wanted)) return *value;
-  throw InputError(option + ": '" + wanted + "' is none of " + listed(names));
+  throw InputError(option + ": '" + wanted + "' is not one of " + listed(names));
 }
 
 }  // namespace gliss::tools

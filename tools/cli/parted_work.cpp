@@ -109,15 +109,14 @@ void do_whole(PartedWork& work, const PartedOptions& options, const std::string&
 }  // namespace
 
 void add_parts_options(Command& command, PartedOptions& options) {
-  command.option(
-      {"--parts", "FOLDER",
-       "finished parts wait here until all is done, so that the same command goes on from them; "
-       "default OUTPUT.parts; none: nowhere"},
-      options.parts);
+  command.option({"--parts", "FOLDER",
+                  "folder for finished parts, from which the same command goes on after a stop; "
+                  "default OUTPUT.parts; none: no parts"},
+                 options.parts);
   command.option(
       {"--shard", "I/N",
-       "do every Nth part from the Ith on, the first being 1, as 3/16, and write no result: the "
-       "same command without --shard does, once all shards are done"},
+       "do only share I of N, as 3/16 (the first is 1), and write no result: run the same command "
+       "without --shard once all shards are done"},
       [&options](const std::string& text) { options.shard = parse_shard(text); });
 }
 

@@ -27,7 +27,8 @@ struct PartCounts {
 Columns projection_columns(const ProjectionOptions& options) {
   const std::string unit = unit_name(options.unit);
   Columns columns;
-  columns.add({"patch"}, ColumnType::kUint32)
+  columns.add({"face"}, ColumnType::kUint32)
+      .was("patch")
       .add({"xi", "eta"})
       .add({"x", "y", "z"}, ColumnType::kFloat64, unit)
       .add({"nx", "ny", "nz"})

@@ -53,7 +53,7 @@ std::unique_ptr<HapticDevice> open_device(const std::string& words, const Scene&
   if (kind == "udp" && !rest.empty())
     return std::make_unique<UdpDevice>(parse_number<std::uint16_t>("--device udp", rest));
   if (kind == "haply" && (words == kind || !rest.empty())) return open_haply(rest);
-  throw InputError(fmt::format("--device: '{}' is none of {}", words, kDeviceWords));
+  throw InputError(fmt::format("--device: '{}' is not one of {}", words, kDeviceWords));
 }
 
 }  // namespace gliss::tools

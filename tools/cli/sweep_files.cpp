@@ -17,7 +17,8 @@ Columns sample_columns(bool single, ColumnType real, const std::string& unit) {
   if (single) {
     columns.add({"depth"}, ColumnType::kFloat64, unit).add({"method"}, ColumnType::kText);
   }
-  return columns.add({"patch"}, ColumnType::kUint32)
+  return columns.add({"face"}, ColumnType::kUint32)
+      .was("patch")
       .add({"xi", "eta"}, real)
       .add({"hip_x", "hip_y", "hip_z", "scp_x", "scp_y", "scp_z"}, real, unit)
       .add({"fx", "fy", "fz"}, real, "N")

@@ -70,7 +70,8 @@ void SweepPicture::write_mesh(const std::string& path) const {
   data.points = packed(positions);
   data.face_begin = face_begin;
   data.corner_vertex = corners;
-  data.cell_data = {{"patch", 1, std::span<const std::uint32_t>(faces)},
+  data.cell_data = {{"face", 1, std::span<const std::uint32_t>(faces)},
+                    {"patch", 1, std::span<const std::uint32_t>(faces)},  // the old name
                     {"folded", 1, std::span<const std::uint32_t>(folded)},
                     {"rho_min", 1, std::span<const double>(rho_min)}};
   write_vtp(path, data);

@@ -12,7 +12,8 @@ namespace {
 
 constexpr char kWriter[] = "gliss compare";
 
-constexpr RowKey kRowKeys[] = {{"level", Expect::kText},
+constexpr RowKey kRowKeys[] = {{"surface", Expect::kText},
+                               {"level", Expect::kText},
                                {"construction", Expect::kText},
                                {"precision", Expect::kText},
                                {"solver", Expect::kText},
@@ -43,9 +44,10 @@ constexpr RowKey kDenseKeys[] = {
     {"bytes", Expect::kNumber},          {"max_force_step", Expect::kNumber},
     {"p99_force_step", Expect::kNumber}, {"jumps_per_100k", Expect::kNumber},
     {"lost_per_100k", Expect::kNumber},  {"tick_us", Expect::kNumber},
-    {"target_level", Expect::kText},     {"target_bytes", Expect::kNumber},
-    {"target_tick_us", Expect::kNumber}, {"memory_ratio", Expect::kNumber},
-    {"time_ratio", Expect::kNumber},     {"reached", Expect::kTruth}};
+    {"target", Expect::kText},           {"target_level", Expect::kText},
+    {"target_bytes", Expect::kNumber},   {"target_tick_us", Expect::kNumber},
+    {"memory_ratio", Expect::kNumber},   {"time_ratio", Expect::kNumber},
+    {"reached", Expect::kTruth}};
 
 constexpr RowKey kPictureKeys[] = {{"construction", Expect::kText, true},
                                    {"points", Expect::kNumber, true},
@@ -68,6 +70,12 @@ constexpr std::size_t kMostJumps = 20000;  // of all rows
 
 [[noreturn]] void refuse(const ReportSource& source, const std::string& what) {
   throw InputError(fmt::format("{}: {} is not what {} writes", source.path, what, kWriter));
+}
+
+// Files of before 0.2 name a surface by `old` alone.
+void name_surface(Json& row, const char* name, const char* old) {
+  if (row.is_object() && (!row.contains(name) || row[name].is_null()) && row.contains(old))
+    row[name] = row[old];
 }
 
 // True if `json` is as many numbers as packed() makes of them.
@@ -144,7 +152,9 @@ Json read_comparison(const Json& json, const ReportSource& source) {
   for (const char* name : {"faces", "recommended", "reason", "walks", "depths_m"})
     result[name] = json.value(name, Json());
   result["rows"] = read_rows(json["rows"], "rows", kRowKeys, kWriter, source);
+  name_surface(result["recommended"], "surface", "level");
   for (std::size_t i = 0; i < result["rows"].size(); ++i) {
+    name_surface(result["rows"][i], "surface", "level");
     const Json jumps = json["rows"][i].value("jumps", Json());
     if (jumps.is_array())
       result["rows"][i]["jumps"] = read_jumps(jumps, kMostJumps / result["rows"].size(),
@@ -154,6 +164,7 @@ Json read_comparison(const Json& json, const ReportSource& source) {
   const Json dense = json.value("dense", Json::array());
   result["dense"] =
       dense.is_array() ? read_rows(dense, "dense", kDenseKeys, kWriter, source) : Json::array();
+  for (Json& row : result["dense"]) name_surface(row, "target", "target_level");
   source.watch.add(source.bytes);
   return result;
 }

@@ -30,7 +30,7 @@ Json read_growth(const Json& growth, const ReportSource& source) {
   const auto read = [&](const char* list, std::span<const RowKey> keys) {
     const std::string path = fmt::format("growth/{}", list);
     if (!growth.contains(list) || !growth[list].is_array())
-      throw InputError(fmt::format("{}: '{}' is no list", source.path, path));
+      throw InputError(fmt::format("{}: '{}' is not a list", source.path, path));
     result[list] = read_rows(growth[list], path.c_str(), keys, "bench/growth.py", source);
   };
   read("sweeps", kSweepKeys);

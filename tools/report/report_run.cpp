@@ -60,7 +60,7 @@ Json read_run_report(const Json& json, const ReportSource& source) {
     if (bins == histograms.end() || !bins->is_array() ||
         !std::all_of(bins->begin(), bins->end(), is_bin)) {
       throw InputError(
-          fmt::format("{}: 'histograms/{}' is no list of [longest, count]", source.path, name));
+          fmt::format("{}: 'histograms/{}' is not a list of [longest, count]", source.path, name));
     }
   }
   source.watch.add(source.bytes);

@@ -136,13 +136,13 @@ function countedWhere({walks}) {
 
 function denseTable(result) {
   if (!result.dense.length) return null;
-  const header = [{text: 'Method'}, {text: 'As smooth as level'},
+  const header = [{text: 'Method'}, {text: 'As smooth as'},
     ...['Triangles', 'Memory', 'Patches’ memory', 'Memory ratio', 'Tick, µs', 'Patches’ tick, µs', 'Time ratio', 'Force step p99, N', 'Force step, N',
      'Jumps /100k', 'Lost /100k']
         .map(text => ({text, number: true})), {text: 'Reached'}];
   const times = ratio => ratio === null ? '–' : `${number(ratio)}×`;
   const rows = result.dense.map(d => [
-    swatch(methodColor(d.method), methodTitle(d.method)), String(d.target_level ?? '–'), count(d.triangles), bytes(d.bytes),
+    swatch(methodColor(d.method), methodTitle(d.method)), String(d.target ?? '–'), count(d.triangles), bytes(d.bytes),
     bytes(d.target_bytes), times(d.memory_ratio), number(d.tick_us), number(d.target_tick_us), times(d.time_ratio),
     number(d.p99_force_step), number(d.max_force_step), number(d.jumps_per_100k), number(d.lost_per_100k), d.reached === null ? '–' : d.reached ? 'yes' : 'no: the densest tried',
   ]);

@@ -1,8 +1,8 @@
 // Rows of a comparison: what they are called, and which of them belong together.
 
-const keys = ['level', 'precision', 'solver', 'backend'];
+const keys = ['surface', 'precision', 'solver', 'backend'];
 
-export const rowName = row => [`level ${row.level ?? '?'}`, row.precision, row.solver, row.backend].filter(Boolean).join(', ');
+export const rowName = row => [row.surface ?? '?', row.precision, row.solver, row.backend].filter(Boolean).join(', ');
 
 export const sameRow = (row, other) => keys.every(key => row[key] === other?.[key]);
 
@@ -25,7 +25,7 @@ const groups = {
   flat: ['Flat polygons', 'flat'],
 };
 
-export const groupOf = row => [row.construction, row.level].find(name => name in groups) ?? 'patches';
+export const groupOf = row => [row.construction, row.surface].find(name => name in groups) ?? 'patches';
 export const groupTitle = group => groups[group]?.[0] ?? group;
 export const groupColor = group => groups[group]?.[1] ?? 'neutral';
 
@@ -35,4 +35,4 @@ export function grouped(rows) {
 }
 
 // A group's own surface, where it was measured, or the first of it.
-export const chiefRow = rows => rows.find(({level}) => level === 'fair' || level === 'exact') ?? rows[0];
+export const chiefRow = rows => rows.find(({surface}) => ['fair', 'paper', 'exact'].includes(surface)) ?? rows[0];

@@ -115,7 +115,7 @@ class PathCharts {
     const step = method.step[index], rows = this.rowsAt(step, 'change');
     const at = [method.x[index], method.y[index], method.z[index]];
     return [`Tick ${count(step)}`, [...rows, [`|F| ${methodTitle(method.method).toLowerCase()}`, `${number(method.force[index])} N`],
-      ['patch', String(method.patch[index])], ['HIP', `${vector(at)} ${this.unit}`]]];
+      ['face', String(method.patch[index])], ['HIP', `${vector(at)} ${this.unit}`]]];
   }
 
   goTo(step) {
