@@ -650,6 +650,10 @@ def check(mesh, faces=None, unit=None, **options):
         return list(error.findings)
 
 
+_loops = _weakref.WeakSet()
+_os.register_at_fork(after_in_child=lambda: [loop._abandon() for loop in list(_loops)])
+
+
 class Loop:
     """A device loop over a scene file, 1000 times a second, in a C++ thread of its own that never waits for Python.
 
@@ -659,15 +663,17 @@ class Loop:
 
     device: "sim", "replay:FILE", "udp:PORT", "haply", as ``gliss run`` has it. seconds: 0 is until the device ends.
     wait=False: tick after tick as fast as it goes, in a time of its own, for sim and replay; no tick is lost then.
-    realtime: the loop's thread gets real-time scheduling and the process locked memory, where the system permits and no
-    other loop of the process has them; `refusals` says what was not to be had.
+    realtime: the loop's thread gets real-time scheduling and the process locked memory, where the system permits;
+    `refusals` says what was refused. cpu: the only processor that the thread runs on; None: any.
+    A process may have several loops, one a device. In a child of os.fork() they are closed.
 
     The loop begins at once. SceneError, MeshError, CacheError, DeviceError, OSError. One thread at a time may read.
     """
 
-    def __init__(self, scene, device="sim", *, seconds=0.0, wait=True, realtime=True, threads=0):
-        self._open = _gliss.open_loop(_os.fspath(scene), device, seconds, wait, realtime, threads)
-        _weakref.finalize(self, self._open.stop)  # also where Python ends
+    def __init__(self, scene, device="sim", *, seconds=0.0, wait=True, realtime=True, threads=0, cpu=None):
+        self._open = _gliss.open_loop(_os.fspath(scene), device, seconds, wait, realtime, threads, -1 if cpu is None else cpu)
+        self._end = _weakref.finalize(self, self._open.stop)  # also where Python ends
+        _loops.add(self)
 
     def read(self):
         """The ticks since the last read, a structured array (n,).
@@ -682,6 +688,17 @@ class Loop:
     def wait(self, timeout=None):
         """Waits for the loop to end, at most `timeout` s, and returns whether it has."""
         return self._open.wait(timeout)
+
+    def engage(self):
+        """Engages a guard that is safe again, as soon as it permits: with the hand in the open, and no fault.
+
+        The largest force then rises from zero within half a second. A wish that finds the guard at work is met.
+        """
+        self._open.engage()
+
+    def _abandon(self):
+        self._end.detach()
+        self._open.abandon()
 
     def close(self):
         """Ends the loop: the force goes to zero. DeviceError if the device failed. Once closed it reads no more."""

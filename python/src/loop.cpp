@@ -70,8 +70,8 @@ TickRow row_of(const LoopTick& tick) {
 class Loop {
  public:
   Loop(const std::string& path, const std::string& device, double seconds, bool wait, bool realtime,
-       int threads)
-      : seconds_(seconds), queue_(kRing) {
+       int threads, int cpu)
+      : seconds_(seconds), cpu_(cpu), queue_(kRing) {
     if (!(seconds >= 0 && seconds <= 1e7))
       throw py::value_error(fmt::format("seconds: {} is not from 0 to 1e7", seconds));
     check_file(path);
@@ -81,7 +81,10 @@ class Loop {
     running_ =
         std::async(std::launch::async, [this, wait, realtime] { run(wait, realtime); }).share();
   }
-  ~Loop() { stop(); }
+  ~Loop() {
+    stop();
+    if (abandoned_) (void)device_.release();
+  }
 
   py::array_t<TickRow> read() {
     require_open();
@@ -109,6 +112,16 @@ class Loop {
   void stop() {
     stopping_ = true;
     if (running_.valid()) running_.wait();
+  }
+  // For a child of fork(), which has no thread of the loop, and whose parent has the device: what
+  // would wait for the one or write to the other is left as it is.
+  void abandon() {
+    closed_ = abandoned_ = true;
+    if (running_.valid()) new std::shared_future<void>(std::move(running_));
+  }
+  void engage() {
+    require_open();
+    loop_->request_engage();
   }
   // The same, and says how it failed if it did.
   void close() {
@@ -156,12 +169,8 @@ class Loop {
   }
   void run(bool wait, bool realtime) {
     std::optional<Realtime> ready;
-    static std::atomic_flag taken = ATOMIC_FLAG_INIT;  // one a process
-    const bool is_first = wait && realtime && !taken.test_and_set();
-    if (wait && realtime && !is_first) {
-      refusals_ = {"real-time scheduling: another loop of this process has it"};
-    } else if (is_first) {
-      ready.emplace(RealtimeOptions{priority_, false});
+    if (wait && realtime) {
+      ready.emplace(RealtimeOptions{priority_, false, cpu_});
       refusals_ = ready->refusals();
     }
     has_begun_ = true;
@@ -171,15 +180,13 @@ class Loop {
       queue_.add(tick);
       return !stopping_ && !(seconds_ > 0 && in_seconds(tick.time) >= seconds_);
     });
-    ready.reset();
-    if (is_first) taken.clear();
   }
   void require_open() const {
     if (closed_) throw py::value_error("the loop is closed; expected one that is open");
   }
 
   double seconds_;
-  int priority_ = 0;
+  int priority_ = 0, cpu_ = -1;
   TickQueue queue_;
   std::unique_ptr<HapticDevice> device_;
   std::optional<Tracker> tracker_;
@@ -188,6 +195,7 @@ class Loop {
   LoopEnd end_ = LoopEnd::kStopped;
   std::atomic<bool> stopping_ = false, has_begun_ = false;
   std::atomic<bool> closed_ = false;
+  bool abandoned_ = false;
   std::shared_future<void> running_;
 };
 
@@ -202,6 +210,8 @@ void bind_loop(py::module_& module) {
       .def("wait", &Loop::wait)
       .def("stop", &Loop::stop, py::call_guard<py::gil_scoped_release>())
       .def("close", &Loop::close)
+      .def("abandon", &Loop::abandon)
+      .def("engage", &Loop::engage)
       .def_property_readonly("running", &Loop::is_running)
       .def_property_readonly("closed", &Loop::closed)
       .def_property_readonly("lost", &Loop::lost)
@@ -209,8 +219,8 @@ void bind_loop(py::module_& module) {
       .def_property_readonly("end", &Loop::end)
       .def_property_readonly("refusals", &Loop::refusals);
   module.def("open_loop", [](const std::string& scene, const std::string& device, double seconds,
-                             bool wait, bool realtime, int threads) {
-    return std::make_unique<Loop>(scene, device, seconds, wait, realtime, threads);
+                             bool wait, bool realtime, int threads, int cpu) {
+    return std::make_unique<Loop>(scene, device, seconds, wait, realtime, threads, cpu);
   });
 }
 

@@ -113,8 +113,10 @@ void HapticLoop::feel(Nanoseconds now, LoopTick& tick) noexcept {
   tick.state = out.state;
   tick.reason = out.reason;
   failed_ = !device_.write_wrench({tick.sent, tick.sent_torque}, now) || tick.input.fault;
-  if (options_.reengage && out.state == GuardState::kSafe && may_reengage(out.reason))
-    guard_.engage();
+  const bool may_engage = (options_.reengage && may_reengage(out.reason)) || engage_wanted_;
+  if (out.state == GuardState::kStart || out.state == GuardState::kRun ||
+      (out.state == GuardState::kSafe && may_engage && guard_.engage()))
+    engage_wanted_ = false;
 }
 
 void HapticLoop::describe(LoopTick& tick) const noexcept {
@@ -171,7 +173,7 @@ LoopEnd HapticLoop::run(const std::function<bool(const LoopTick&)>& on_tick) {
     describe(tick);
     record_.add({wake.deadline, tick.lateness, tick.compute, tick_error(tick.reason)}, tick.missed);
     if (failed_) end = LoopEnd::kDeviceFault;
-    if (!on_tick(tick)) end = end.value_or(LoopEnd::kStopped);
+    if (!on_tick(tick) || stop_wanted_) end = end.value_or(LoopEnd::kStopped);
     // A guard that was safe before a force could not be handed on has that fault still to count.
     const bool counted = !failed_ || guard_.count(GuardReason::kDeviceFault) > 0;
     if (end && counted && tick.state == GuardState::kSafe) return *end;

@@ -1,6 +1,7 @@
 // The device loop: each tick reads the device, follows the contact, guards the force and writes it.
 #pragma once
 
+#include <atomic>
 #include <functional>
 
 #include "gliss/base/export.h"
@@ -76,6 +77,13 @@ class GLISS_EXPORT HapticLoop {
   // another loop.
   LoopEnd run(const std::function<bool(const LoopTick&)>& on_tick);
 
+  // Ends the run as on_tick does by returning false. For any thread, also before run(); no wait.
+  void request_stop() noexcept { stop_wanted_ = true; }
+  // Engages a safe guard again as soon as it permits (Guard::engage), whatever made it safe: then
+  // the largest force rises from zero over engage_ramp. The wish stays until it is met; one that
+  // finds the guard at work is met. For any thread; no wait.
+  void request_engage() noexcept { engage_wanted_ = true; }
+
   const TickRecord& record() const { return record_; }  // errors: of GuardReason
   const Guard& guard() const { return guard_; }
 
@@ -89,6 +97,7 @@ class GLISS_EXPORT HapticLoop {
   Guard guard_;
   TickRecord record_;
   bool failed_ = false;  // the device, in the last tick
+  std::atomic<bool> stop_wanted_ = false, engage_wanted_ = false;
 };
 
 }  // namespace gliss

@@ -1,5 +1,7 @@
 #include "gliss/loop/verdict.h"
 
+#include <algorithm>
+
 namespace gliss {
 namespace {
 
@@ -23,7 +25,9 @@ const char* verdict_name(Verdict verdict) {
 }
 
 Verdict judge(const TickRecord& floor, const TickRecord& loop) {
-  if (meets(loop, kGood, floor.lateness().quantile(0.999))) return Verdict::kGood;
+  const Nanoseconds floor_wake =
+      std::min(floor.lateness().quantile(0.999), kLatestGoodWake - kGood.wake);
+  if (meets(loop, kGood, floor_wake)) return Verdict::kGood;
   return meets(loop, kUsable, Nanoseconds(0)) ? Verdict::kUsable : Verdict::kUnfit;
 }
 

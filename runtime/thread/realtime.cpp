@@ -1,13 +1,17 @@
 #include "gliss/thread/realtime.h"
 
+#include <fcntl.h>
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <cerrno>
+#include <cstdint>
 #include <cstring>
+#include <mutex>
 
 #include "gliss/base/message.h"
 
@@ -33,12 +37,31 @@ int set_scheduling(int policy, int priority) noexcept {
   return pthread_setschedparam(pthread_self(), policy, &parameters);
 }
 
-// Pages that the loop will reach are there before it runs.
-[[gnu::noinline]] void touch_stack() {
-  volatile char stack[Realtime::kStackBytes];
-  constexpr std::size_t kPage = 4096;
-  for (std::size_t i = 0; i < sizeof stack; i += kPage) stack[i] = 0;
+// Pages that the loop will reach are there before it runs: as many as `left`, above `end`.
+[[gnu::noinline]] void touch_stack(const char* end, std::size_t left) {
+  constexpr std::size_t kPage = 4096, kPiece = 4 * kPage;
+  volatile char stack[kPiece];
+  for (std::size_t i = 0; i < kPiece; i += kPage) stack[i] = 0;
+  const char* here = const_cast<const char*>(stack);
+  if (left > kPiece && here > end && static_cast<std::size_t>(here - end) > 2 * kPiece)
+    touch_stack(end, left - kPiece);
+  stack[0] = 0;  // after the call, so that it is no jump
 }
+
+// The lowest address of the calling thread's stack; null: unknown.
+const char* stack_end() {
+  pthread_attr_t attributes;
+  void* lowest = nullptr;
+  std::size_t size = 0;
+  if (pthread_getattr_np(pthread_self(), &attributes) != 0) return nullptr;
+  pthread_attr_getstack(&attributes, &lowest, &size);
+  pthread_attr_destroy(&attributes);
+  return static_cast<const char*>(lowest);
+}
+
+// The objects of this process that have locked its memory.
+std::mutex lock_mutex;
+int locks = 0;
 
 }  // namespace
 
@@ -52,9 +75,17 @@ Realtime::Realtime(const RealtimeOptions& options) {
   // Before SCHED_FIFO, which needs none and, on new kernels, takes none.
   prctl(PR_SET_TIMERSLACK, 1);
   // Before the lock, under which a stack that outgrows RLIMIT_MEMLOCK is SIGSEGV.
-  touch_stack();
+  touch_stack(stack_end(), kStackBytes);
   lock_memory();
   schedule(options.priority);
+  if (options.cpu >= 0) pin(options.cpu);
+  // Held as long as the file is open: no wake takes longer than so many microseconds.
+  awake_ = open("/dev/cpu_dma_latency", O_WRONLY | O_CLOEXEC);
+  const std::int32_t latency = 0;
+  if (awake_ >= 0 && write(awake_, &latency, sizeof latency) != sizeof latency) {
+    close(awake_);
+    awake_ = -1;
+  }
   if (!options.require || refusals_.empty()) return;
   restore();
   std::string all;
@@ -77,8 +108,26 @@ void Realtime::schedule(int wanted) {
                       "' in ", kLimitsFile, ", or give the program CAP_SYS_NICE"));
 }
 
+void Realtime::pin(int cpu) {
+  pthread_getaffinity_np(pthread_self(), sizeof old_cpus_, &old_cpus_);
+  cpu_set_t one;
+  CPU_ZERO(&one);
+  if (cpu < CPU_SETSIZE) CPU_SET(static_cast<std::size_t>(cpu), &one);
+  const int error = pthread_setaffinity_np(pthread_self(), sizeof one, &one);
+  pinned_ = error == 0;
+  if (pinned_) return;
+  std::string permitted;
+  for (std::size_t i = 0; i < CPU_SETSIZE; ++i) {
+    if (CPU_ISSET(i, &old_cpus_)) permitted += (permitted.empty() ? "" : ",") + std::to_string(i);
+  }
+  refusals_.push_back(detail::message("processor ", cpu, " is refused (", std::strerror(error),
+                                      "), the thread may run on ", permitted));
+}
+
 void Realtime::lock_memory() {
+  const std::lock_guard guard(lock_mutex);
   memory_locked_ = mlockall(MCL_CURRENT | MCL_FUTURE) == 0;
+  locks += memory_locked_;
   if (memory_locked_) return;
   const int error = errno;
   const rlim_t limit = limit_of(RLIMIT_MEMLOCK);  // bytes; ulimit says KiB
@@ -93,7 +142,11 @@ void Realtime::lock_memory() {
 void Realtime::restore() noexcept {
   if (priority_ > 0) set_scheduling(old_policy_, old_priority_);
   if (old_slack_ > 0) prctl(PR_SET_TIMERSLACK, old_slack_);
-  if (memory_locked_) munlockall();
+  if (pinned_) pthread_setaffinity_np(pthread_self(), sizeof old_cpus_, &old_cpus_);
+  if (awake_ >= 0) close(awake_);
+  if (!memory_locked_) return;
+  const std::lock_guard guard(lock_mutex);
+  if (--locks == 0) munlockall();
 }
 
 }  // namespace gliss

@@ -2,6 +2,8 @@
 // finest timers, memory that stays in RAM.
 #pragma once
 
+#include <sched.h>
+
 #include <cstddef>
 #include <stdexcept>
 #include <string>
@@ -19,13 +21,17 @@ struct GLISS_EXPORT LoopError : std::runtime_error {
 struct RealtimeOptions {
   int priority = 80;     // of SCHED_FIFO, 1 to 99
   bool require = false;  // what is refused is an error
+  int cpu = -1;          // the only processor that the thread runs on, from 0; -1: any
 };
 
-// For the calling thread, until the object is destroyed in that thread. Memory is locked for the
-// whole process, what it gets later too, and counts against RLIMIT_MEMLOCK: one object a process.
+// For the calling thread, until the object is destroyed in that thread; one object a thread. Memory
+// is locked for the whole process, what it gets later too, and counts against RLIMIT_MEMLOCK, until
+// the last object goes. Where /dev/cpu_dma_latency may be written, processors do not sleep so
+// deeply meanwhile that they wake late.
 class GLISS_EXPORT Realtime {
  public:
-  static constexpr std::size_t kStackBytes = 512 << 10;  // below the caller's, there from now on
+  // Below the caller's, there from now on; less where the stack ends before.
+  static constexpr std::size_t kStackBytes = 512 << 10;
 
   // Throws std::invalid_argument for a priority that is none, LoopError where `require` asks for
   // it; then all is as before.
@@ -38,16 +44,20 @@ class GLISS_EXPORT Realtime {
   const std::vector<std::string>& refusals() const { return refusals_; }
   int priority() const { return priority_; }  // of SCHED_FIFO; 0: scheduled as before
   bool memory_locked() const { return memory_locked_; }
+  bool holds_awake() const { return awake_ >= 0; }  // processors
 
  private:
   void schedule(int wanted);
+  void pin(int cpu);
   void lock_memory();
   void restore() noexcept;
 
   std::vector<std::string> refusals_;
   int old_policy_ = 0, old_priority_ = 0, old_slack_ = 0;  // slack: ns
   int priority_ = 0;
-  bool memory_locked_ = false;
+  bool memory_locked_ = false, pinned_ = false;
+  int awake_ = -1;  // file
+  cpu_set_t old_cpus_{};
 };
 
 }  // namespace gliss

@@ -42,6 +42,8 @@ TEST(Judge, judges_by_the_goals) {
   EXPECT_EQ(verdict(20us, 510us, 0), "unfit");
   EXPECT_EQ(verdict(20us, 10us, 11), "unfit");
   EXPECT_EQ(judge(*floor, TickRecord()), Verdict::kUnfit);
+  // A machine whose empty loop wakes late is no good one.
+  EXPECT_EQ(judge(*record_of(800us, 0us, 0), *record_of(820us, 10us, 0)), Verdict::kUsable);
 }
 
 // Runs gliss judge; `in_child` first, `meanwhile` once it is under way.

@@ -7,6 +7,7 @@
 #include <sys/resource.h>
 
 #include <cstring>
+#include <thread>
 
 #include "gliss/device/replay_device.h"
 #include "gliss/device/sim_device.h"
@@ -273,6 +274,35 @@ TEST(Loop, engages_again_only_where_it_may_and_only_in_the_open) {
     EXPECT_NEAR(felt.ticks.back().sent.norm(), reengage ? 1 : 0, 0.05);
     EXPECT_LE(largest_step(felt), 3.3 * 101 / 500);  // jumps in after 0.1 s of the ramp
   }
+}
+
+// Inside, a wish waits for the hand to come out; the force then rises as slowly as at the
+// beginning.
+TEST(Loop, engages_again_and_ends_as_its_owner_wishes) {
+  std::vector<Vec3> path = entering(0.1, 0.002, 3000);
+  const std::vector<Vec3> out = still(100, -0.002), in = still(3000, 0.002);
+  path.insert(path.end(), out.begin(), out.end());
+  path.insert(path.end(), in.begin(), in.end());
+  Probe device(path);
+  device.silent_from = 2000;
+  device.silent_to = 2100;
+  const SceneObject one{.cache = ball()};
+  Tracker tracker(std::span(&one, 1));
+  HapticLoop loop(device, tracker, {.wait = false});
+  std::vector<LoopTick> ticks;
+  const LoopEnd end = loop.run([&](const LoopTick& tick) {
+    if (tick.number == 2500) loop.request_engage();
+    if (tick.number == 5000) std::thread([&] { loop.request_stop(); }).join();
+    ticks.push_back(tick);
+    return true;
+  });
+  EXPECT_EQ(end, LoopEnd::kStopped);
+  for (std::size_t i = 2010; i < 3100; ++i) EXPECT_EQ(ticks[i].sent, Vec3::Zero()) << i;
+  EXPECT_EQ(ticks[3150].state, GuardState::kRun);  // silence kept the hand inside for longer
+  EXPECT_NEAR(ticks[4500].sent.norm(), 1, 0.05);
+  EXPECT_LE(ticks.size(), 5015u);
+  EXPECT_EQ(ticks.back().sent, Vec3::Zero());
+  EXPECT_EQ(ticks.back().reason, GuardReason::kStopRequested);
 }
 
 TEST(Loop, ends_safe_where_the_device_fails) {

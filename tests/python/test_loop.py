@@ -1,4 +1,5 @@
 """The loop runs in a thread of its own, and Python reads its ticks."""
+import os
 import subprocess
 import sys
 import time
@@ -51,11 +52,35 @@ def test_a_loop_keeps_its_pace_while_python_works(scene):
     assert loop.refusals == []
 
 
-def test_one_loop_of_a_process_has_real_time(scene):
-    with gliss.Loop(scene) as one, gliss.Loop(scene) as other:
+def test_two_arms_have_what_one_has(scene):
+    with gliss.Loop(scene, cpu=0) as one, gliss.Loop(scene, cpu=0) as other:
         while not (len(one.read()) and len(other.read())):
             time.sleep(0.01)
-        assert sum(any("another loop" in line for line in loop.refusals) for loop in (one, other)) == 1
+        assert one.refusals == other.refusals
+        assert not any("processor" in line for line in one.refusals)
+
+
+def test_engage_is_for_loops_that_are_open(scene):
+    with gliss.Loop(scene, wait=False) as loop:
+        loop.engage()  # finds the guard at work
+        assert loop.wait(30)
+    with pytest.raises(ValueError, match="closed"):
+        loop.engage()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no fork")
+def test_a_child_of_fork_ends_while_its_parent_has_a_loop(scene):
+    with gliss.Loop(scene, realtime=False) as loop:
+        child = os.fork()
+        if child == 0:
+            closed = loop.closed and not loop.running
+            loop.close()
+            os._exit(0 if closed else 1)
+        begun = time.monotonic()
+        while os.waitpid(child, os.WNOHANG) == (0, 0):
+            assert time.monotonic() - begun < 20, "the child hangs"
+            time.sleep(0.01)
+        assert loop.running and not loop.closed
 
 
 def test_a_closed_loop_is_refused(scene):

@@ -11,6 +11,8 @@
 #include <cstdio>
 #include <fstream>
 #include <functional>
+#include <optional>
+#include <thread>
 
 #include "tests/support/scratch_folder.h"
 #include "tests/support/unprivileged.h"
@@ -121,6 +123,58 @@ TEST(Realtime, ends_with_the_object) {
   if (said.starts_with("priority 80 ")) {
     EXPECT_THAT(said, HasSubstr("priority 80 scheduler 1 "));
   }
+}
+
+// Memory stays locked until the last of two loops ends; each thread has its own scheduling.
+TEST(Realtime, serves_two_threads) {
+  const test::ScratchFolder folder;
+  const auto act = [](std::FILE* out) {
+    auto one = std::make_optional<Realtime>();
+    std::thread([&] {
+      const Realtime other;
+      std::fprintf(out, "alike %d\n", other.priority() == one->priority());
+    }).join();
+    const bool is_locked = locked_memory().find(" 0 kB") == std::string::npos;
+    std::fprintf(out, "still %d\n", is_locked == one->memory_locked());
+    one.reset();
+    std::fprintf(out, "%s\n", locked_memory().c_str());
+  };
+  ASSERT_EQ(in_child(folder / "said", act), 0);
+  EXPECT_THAT(folder.read("said"), AllOf(HasSubstr("alike 1\n"), HasSubstr("still 1\n"),
+                                         ContainsRegex("VmLck:[ \t]+0 kB")));
+}
+
+TEST(Realtime, fits_stacks_that_are_small) {
+  for (const std::size_t bytes : {64u << 10, 256u << 10, 512u << 10, 2048u << 10}) {
+    pthread_attr_t attributes;
+    pthread_attr_init(&attributes);
+    ASSERT_EQ(pthread_attr_setstacksize(&attributes, bytes), 0);
+    pthread_t thread;
+    const auto body = [](void*) -> void* {
+      const Realtime realtime;
+      return nullptr;
+    };
+    ASSERT_EQ(pthread_create(&thread, &attributes, body, nullptr), 0);
+    pthread_join(thread, nullptr);
+    pthread_attr_destroy(&attributes);
+  }
+}
+
+TEST(Realtime, keeps_to_one_processor) {
+  cpu_set_t before, after;
+  sched_getaffinity(0, sizeof before, &before);
+  int one = 0;
+  while (!CPU_ISSET(one, &before)) ++one;
+  {
+    const Realtime realtime({.cpu = one});
+    EXPECT_EQ(sched_getcpu(), one);
+    sched_getaffinity(0, sizeof after, &after);
+    EXPECT_EQ(CPU_COUNT(&after), 1);
+  }
+  sched_getaffinity(0, sizeof after, &after);
+  EXPECT_TRUE(CPU_EQUAL(&before, &after));
+  const Realtime nowhere({.cpu = 1023});
+  EXPECT_THAT(nowhere.refusals(), ::testing::Contains(HasSubstr("processor 1023 is refused")));
 }
 
 TEST(Realtime, refuses_a_priority_that_is_none) {

@@ -29,7 +29,7 @@ namespace {
 using namespace std::chrono_literals;
 
 struct RunOptions : ReportOptions {
-  int threads = 0;
+  int threads = 0, cpu = -1;
   std::string scene, device = "sim", recording, summary;
   double seconds = 0;  // 0: until the device ends
   bool no_wait = false, require_realtime = false, cpu_time = false, has_old_summary = false;
@@ -60,6 +60,7 @@ void describe(Command& command, RunOptions& options) {
                  });
   command.option({"--threads", "N", "threads to build patches with; 0, the default: all"},
                  options.threads, 0, 4096);
+  add_cpu_option(command, options.cpu);
   command.flag("--cpu-time", options.cpu_time,
                "time the ticks by the thread's CPU clock, blind to pre-emption: two system calls "
                "more a tick");
@@ -140,7 +141,7 @@ void run_session(HapticLoop& loop, const RunOptions& options, const Scene& scene
   auto running = std::async(std::launch::async, [&] {
     std::optional<Realtime> realtime;
     if (!options.no_wait) {
-      realtime.emplace(RealtimeOptions{scene.priority, options.require_realtime});
+      realtime.emplace(RealtimeOptions{scene.priority, options.require_realtime, options.cpu});
       if (realtime->priority() > 0)
         session.scheduling = fmt::format("SCHED_FIFO {}", realtime->priority());
       session.memory_locked = realtime->memory_locked();

@@ -16,7 +16,7 @@ namespace {
 
 struct ServeOptions : ReportOptions {
   std::string scene, device = "sim";
-  int port = 10002;
+  int port = 10002, cpu = -1;
   double seconds = 0;  // 0: until it is interrupted
   bool at_once = false;
 };
@@ -29,6 +29,7 @@ void describe(Command& command, ServeOptions& options) {
                  options.port, 0, 65535);
   command.option({"--seconds", "SECONDS", "end after this time; default: when interrupted"},
                  options.seconds, 1e-3, 1e7);
+  add_cpu_option(command, options.cpu);
   command.flag("--at-once", options.at_once,
                "start the hand of sim and replay now, not when the first loop comes");
 }
@@ -39,6 +40,7 @@ void run(const ServeOptions& options) {
   UdpServerOptions limits;
   limits.guard = scene.loop.guard;
   limits.guard->max_force = std::min(limits.guard->max_force, scene.max_force);
+  limits.guard->max_torque = std::min(limits.guard->max_torque, scene.max_torque);
   const bool has_path = options.device == "sim" || options.device.starts_with("replay:");
   limits.waits = has_path && !options.at_once;
   UdpServer server(*device, static_cast<std::uint16_t>(options.port), limits);
@@ -46,7 +48,7 @@ void run(const ServeOptions& options) {
     tell(fmt::format("serving {0} as udp:{1}\ngliss run SCENE --device udp:{1} attaches a loop\n",
                      device->info().name, server.port()));
   {
-    const Realtime realtime;
+    const Realtime realtime({.priority = scene.priority, .cpu = options.cpu});
     for (const std::string& line : realtime.refusals()) {
       if (!options.quiet) tell(fmt::format("gliss: {}\n", line));
     }

@@ -165,6 +165,11 @@ void check_input(const std::string& name, const std::string& path) {
   if (is_directory(status)) throw InputError(fmt::format("{}: '{}' is a folder", name, path));
 }
 
+void add_cpu_option(Command& command, int& cpu) {
+  command.option({"--cpu", "N", "run the loop's thread on processor N alone; default: any"}, cpu, 0,
+                 1023);
+}
+
 void add_scene_option(Command& command, std::string& scene, const std::string& description) {
   command.option({"SCENE", "FILE", description, true}, [&scene](const std::string& path) {
     check_input("SCENE", path);

@@ -75,6 +75,7 @@ void add_input_option(Command& command, const std::string& name, std::string& pa
                       const std::string& description, bool required = true);
 // The SCENE of a command; a mesh or a cache in its place is refused.
 void add_scene_option(Command& command, std::string& scene, const std::string& description);
+void add_cpu_option(Command& command, int& cpu);  // -1: any
 // Throws InputError where it is no file that can be read.
 void check_input(const std::string& name, const std::string& path);
 double positive_stiffness(const std::string& text);  // N/m, of --stiffness
