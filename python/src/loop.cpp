@@ -75,7 +75,7 @@ class Loop {
     if (!(seconds >= 0 && seconds <= 1e7))
       throw py::value_error(fmt::format("seconds: {} is not from 0 to 1e7", seconds));
     check_file(path);
-    released([&] { open(path, device, wait, threads); });
+    released([&] { open(path, device, wait, realtime, threads); });
     if (!wait && device_->info().real_time)
       throw py::value_error(fmt::format("wait: {} lives in real time", device_->info().name));
     running_ =
@@ -151,7 +151,8 @@ class Loop {
  private:
   static constexpr std::size_t kRing = 1 << 15;  // ticks: half a minute
 
-  void open(const std::string& path, const std::string& device, bool wait, int threads) {
+  void open(const std::string& path, const std::string& device, bool wait, bool realtime,
+            int threads) {
     const Scene scene = read_scene(path, poll);
     priority_ = scene.priority;
     const auto engine = make_tbb_engine(threads, poll);
@@ -161,7 +162,7 @@ class Loop {
     };
     opening.poll = poll;
     const std::vector<SceneObject> objects = open_objects(scene, opening);
-    device_ = tools::open_device(device, scene, poll);
+    device_ = tools::open_device(device, scene, poll, realtime);
     LoopOptions rules = loop_options(scene, device_->info());
     rules.wait = wait;
     tracker_.emplace(objects, open_hips(scene, opening));
@@ -172,6 +173,7 @@ class Loop {
     if (wait && realtime) {
       ready.emplace(RealtimeOptions{priority_, false, cpu_});
       refusals_ = ready->refusals();
+      for (const std::string& line : device_->refusals()) refusals_.push_back(line);
     }
     has_begun_ = true;
     end_ = loop_->run([&](const LoopTick& tick) {

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "gliss/base/export.h"
 #include "gliss/base/vector.h"
@@ -51,6 +52,8 @@ class GLISS_EXPORT HapticDevice {
   virtual bool write_wrench(const Wrench& wrench, Nanoseconds now) noexcept {
     return write(wrench.force, now);
   }
+  // Lines about what the system refused to threads of the device's own; not called in the loop.
+  virtual std::vector<std::string> refusals() const { return {}; }
   // Tells a person how the device failed; not called in the loop.
   virtual std::string fault_text() const { return "the device reports a fault"; }
 };

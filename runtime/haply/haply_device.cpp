@@ -12,6 +12,8 @@ HaplyDevice::HaplyDevice(const HaplyOptions& options) {
     throw std::invalid_argument("haply: the time to connect in must be over 0 and at most 1 h");
   if (!(options.max_force > 0) || !(options.max_stiffness > 0))
     throw std::invalid_argument("haply: the largest force and stiffness must be positive");
+  if (options.priority < 0 || options.priority > 99)
+    throw std::invalid_argument("haply: a real-time priority must be 1 to 99, or 0 for none");
   link_ = std::make_unique<HaplyLink>(options);
   info_.name = "haply:" + link_->device_id();
   info_.max_force = options.max_force;
@@ -42,6 +44,11 @@ bool HaplyDevice::write(const Vec3& force, Nanoseconds now) noexcept {
 
 std::uint64_t HaplyDevice::malformed() const noexcept {
   return link_->malformed.load(std::memory_order_relaxed);
+}
+
+std::vector<std::string> HaplyDevice::refusals() const {
+  if (link_->refused().empty()) return {};
+  return {"haply's thread: " + link_->refused()};
 }
 
 }  // namespace gliss

@@ -1,7 +1,7 @@
 // An Inverse3 of Haply, through the Haply Inverse service.
 //
-// A thread of its own, scheduled as the one that makes the device, talks with the service; the
-// loop's thread only reads and writes two seqlocks. Each state is answered by the latest force. No
+// A thread of its own (HaplyOptions::priority) talks with the service; the loop's thread only reads
+// and writes two seqlocks. Each state is answered by the latest force. No
 // force stands for longer than kForceLife after the loop wrote it: then zero goes out, whether or
 // not the service said anything meanwhile. Where the whole program dies, the connection ends, and
 // the service lets the device go idle; how soon, its documentation does not say.
@@ -18,6 +18,7 @@
 #include <limits>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "gliss/base/export.h"
 #include "gliss/device/device.h"
@@ -27,7 +28,10 @@ namespace gliss {
 struct HaplyOptions {
   std::string host = "localhost";  // this machine, by any of its loopback names
   std::uint16_t port = 10001;
-  std::string device_id = {};                             // empty: the first that is listed
+  std::string device_id = {};  // empty: the first that is listed
+  // SCHED_FIFO of the thread that talks with the service, 1 to 99: above the loop's, for that
+  // thread takes the force away where the loop gets stuck. 0: scheduled as the caller.
+  int priority = 0;
   Nanoseconds connect_timeout = std::chrono::seconds(2);  // until the first state has come
   // No figures of the Inverse3 were found in Haply's documentation: the largest force is the
   // guard's, the others are not known.
@@ -64,7 +68,8 @@ class GLISS_EXPORT HaplyDevice final : public HapticDevice {
   // On CLOCK_MONOTONIC. A force that is not finite is sent as zero, and false.
   bool write(const Vec3& force, Nanoseconds now) noexcept override;
 
-  std::uint64_t malformed() const noexcept;  // messages so far
+  std::vector<std::string> refusals() const override;  // of real-time scheduling
+  std::uint64_t malformed() const noexcept;            // messages so far
 
  private:
   DeviceInfo info_;

@@ -56,6 +56,7 @@ HaplyLink::HaplyLink(const HaplyOptions& options)
   listen();
   const SignalsBlocked blocked;
   thread_ = std::thread([this] { run(); });
+  if (options.priority > 0) refused_ = set_realtime(thread_.native_handle(), options.priority);
 }
 
 HaplyLink::~HaplyLink() {

@@ -44,6 +44,7 @@ class HaplyLink {
 
   // Any thread; states and failed are written by the I/O thread, forces by the loop's.
   const std::string& device_id() const { return device_id_; }
+  const std::string& refused() const { return refused_; }  // of real-time scheduling; "": nothing
   Seqlock<HaplyMeasured> states;
   Seqlock<HaplyForce> forces;
   std::atomic<bool> failed{false};
@@ -86,6 +87,7 @@ class HaplyLink {
   HaplyMeasured measured_{};
   HaplyForce command_{};
   std::thread thread_;
+  std::string refused_;
 };
 
 }  // namespace gliss

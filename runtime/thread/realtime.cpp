@@ -31,10 +31,10 @@ std::string limit_text(rlim_t limit) {
 }
 
 // Returns an error number.
-int set_scheduling(int policy, int priority) noexcept {
+int set_scheduling(pthread_t thread, int policy, int priority) noexcept {
   sched_param parameters{};
   parameters.sched_priority = priority;
-  return pthread_setschedparam(pthread_self(), policy, &parameters);
+  return pthread_setschedparam(thread, policy, &parameters);
 }
 
 // Pages that the loop will reach are there before it runs: as many as `left`, above `end`.
@@ -64,6 +64,15 @@ std::mutex lock_mutex;
 int locks = 0;
 
 }  // namespace
+
+std::string set_realtime(pthread_t thread, int priority) {
+  const int error = set_scheduling(thread, SCHED_FIFO, priority);
+  if (error == 0) return "";
+  return detail::message("SCHED_FIFO ", priority, " is refused (", std::strerror(error),
+                         "), wakes will be late under load: ulimit -r (RLIMIT_RTPRIO) is ",
+                         limit_text(limit_of(RLIMIT_RTPRIO)), "; cure: 'USER - rtprio ", priority,
+                         "' in ", kLimitsFile, ", or give the program CAP_SYS_NICE");
+}
 
 Realtime::Realtime(const RealtimeOptions& options) {
   if (options.priority < 1 || options.priority > 99)
@@ -96,16 +105,11 @@ Realtime::Realtime(const RealtimeOptions& options) {
 Realtime::~Realtime() { restore(); }
 
 void Realtime::schedule(int wanted) {
-  const int error = set_scheduling(SCHED_FIFO, wanted);
-  if (error == 0) {
+  const std::string refused = set_realtime(pthread_self(), wanted);
+  if (refused.empty())
     priority_ = wanted;
-    return;
-  }
-  refusals_.push_back(
-      detail::message("SCHED_FIFO ", wanted, " is refused (", std::strerror(error),
-                      "), wakes will be late under load: ulimit -r (RLIMIT_RTPRIO) is ",
-                      limit_text(limit_of(RLIMIT_RTPRIO)), "; cure: 'USER - rtprio ", wanted,
-                      "' in ", kLimitsFile, ", or give the program CAP_SYS_NICE"));
+  else
+    refusals_.push_back(refused);
 }
 
 void Realtime::pin(int cpu) {
@@ -140,7 +144,7 @@ void Realtime::lock_memory() {
 
 // Without CAP_SYS_NICE lowering is permitted too; what cannot be undone stays.
 void Realtime::restore() noexcept {
-  if (priority_ > 0) set_scheduling(old_policy_, old_priority_);
+  if (priority_ > 0) set_scheduling(pthread_self(), old_policy_, old_priority_);
   if (old_slack_ > 0) prctl(PR_SET_TIMERSLACK, old_slack_);
   if (pinned_) pthread_setaffinity_np(pthread_self(), sizeof old_cpus_, &old_cpus_);
   if (awake_ >= 0) close(awake_);

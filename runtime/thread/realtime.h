@@ -2,6 +2,7 @@
 // finest timers, memory that stays in RAM.
 #pragma once
 
+#include <pthread.h>
 #include <sched.h>
 
 #include <cstddef>
@@ -17,6 +18,10 @@ namespace gliss {
 struct GLISS_EXPORT LoopError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
+
+// Schedules a thread by SCHED_FIFO. Returns the line that says what was refused, which limit says
+// so, and the cure; "" where it was granted.
+GLISS_EXPORT std::string set_realtime(pthread_t thread, int priority);
 
 struct RealtimeOptions {
   int priority = 80;     // of SCHED_FIFO, 1 to 99

@@ -4,9 +4,11 @@
 #include "gliss/haply/haply_device.h"
 
 #include <gmock/gmock.h>
+#include <sched.h>
 
 #include <algorithm>
 #include <atomic>
+#include <filesystem>
 #include <functional>
 #include <limits>
 #include <thread>
@@ -29,6 +31,7 @@ using test::HaplyReply;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
+using ::testing::StartsWith;
 
 // The n-th state; the inventory is the first.
 Vec3 position(std::uint64_t n) { return {1e-3 * static_cast<double>(n), -0.125, 0.25}; }
@@ -68,6 +71,36 @@ bool got(const HaplyMock& mock, const Vec3& force) {
 }
 
 DeviceState read(HaplyDevice& device) { return device.read(monotonic_time()); }
+
+// SCHED_FIFO of the threads of this process; 0: others.
+std::vector<int> priorities() {
+  std::vector<int> all;
+  for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
+    sched_param parameters{};
+    const int thread = std::stoi(task.path().filename().string());
+    if (sched_getscheduler(thread) == SCHED_FIFO && sched_getparam(thread, &parameters) == 0)
+      all.push_back(parameters.sched_priority);
+    else
+      all.push_back(0);
+  }
+  return all;
+}
+
+// The thread that takes the force away where the loop gets stuck must not wait for the loop.
+TEST(HaplyDevice, talks_in_a_thread_above_the_loops) {
+  HaplyMock mock(well);
+  HaplyOptions above = options(mock);
+  above.priority = 81;
+  const HaplyDevice device(above);
+  const bool is_granted = device.refusals().empty();
+  EXPECT_EQ(std::ranges::count(priorities(), 81), is_granted);
+  if (!is_granted) {
+    EXPECT_THAT(device.refusals().front(),
+                AllOf(StartsWith("haply's thread: SCHED_FIFO 81 is refused"), HasSubstr("cure: ")));
+  }
+  above.priority = 100;
+  EXPECT_THROW(HaplyDevice{above}, std::invalid_argument);
+}
 
 // Nothing protects the link on a network.
 TEST(HaplyDevice, talks_within_this_machine_alone) {

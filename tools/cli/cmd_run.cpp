@@ -127,8 +127,8 @@ void record(const std::vector<LoopTick>& ticks, const RunOptions& options, RunPr
 }
 
 // The loop in a thread of its own; this one records and tells.
-void run_session(HapticLoop& loop, const RunOptions& options, const Scene& scene,
-                 std::optional<RecordingFile>& recording, Session& session) {
+void run_session(HapticLoop& loop, const HapticDevice& device, const RunOptions& options,
+                 const Scene& scene, std::optional<RecordingFile>& recording, Session& session) {
   TickQueue queue;
   std::atomic<bool> given_up{false};
   const auto on_tick = [&](const LoopTick& tick) {
@@ -146,6 +146,10 @@ void run_session(HapticLoop& loop, const RunOptions& options, const Scene& scene
         session.scheduling = fmt::format("SCHED_FIFO {}", realtime->priority());
       session.memory_locked = realtime->memory_locked();
       session.refusals = realtime->refusals();
+      for (const std::string& line : device.refusals()) {
+        if (options.require_realtime) throw LoopError(line);
+        session.refusals.push_back(line);
+      }
       if (!options.quiet) {
         for (const std::string& line : session.refusals) tell(fmt::format("gliss: {}\n", line));
       }
@@ -369,7 +373,7 @@ void run(const RunOptions& options) {
   rules.cpu_time = options.cpu_time;
   HapticLoop loop(*device, tracker, rules);
   Session session;
-  run_session(loop, options, scene, recording, session);
+  run_session(loop, *device, options, scene, recording, session);
 
   Json json = figures_of(options, scene, loop, session, device->info().name);
   if (device->info().has_orientation) json["largest_torque_Nm"] = session.report.largest_torque();

@@ -49,7 +49,9 @@ void run(const ServeOptions& options) {
                      device->info().name, server.port()));
   {
     const Realtime realtime({.priority = scene.priority, .cpu = options.cpu});
-    for (const std::string& line : realtime.refusals()) {
+    std::vector<std::string> refusals = realtime.refusals();
+    for (const std::string& line : device->refusals()) refusals.push_back(line);
+    for (const std::string& line : refusals) {
       if (!options.quiet) tell(fmt::format("gliss: {}\n", line));
     }
     const Stopwatch clock;

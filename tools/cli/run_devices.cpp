@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "gliss/device/replay_device.h"
 #include "gliss/device/udp_device.h"
 #include "gliss/haply/haply_device.h"
@@ -32,8 +34,9 @@ std::unique_ptr<HapticDevice> open_replay(const std::string& file,
   }
 }
 
-std::unique_ptr<HapticDevice> open_haply(const std::string& where) {
+std::unique_ptr<HapticDevice> open_haply(const std::string& where, int priority) {
   HaplyOptions options;
+  options.priority = priority;
   const auto colon = where.rfind(':');
   if (!where.empty()) options.host = where.substr(0, colon);
   if (colon != std::string::npos)
@@ -44,7 +47,7 @@ std::unique_ptr<HapticDevice> open_haply(const std::string& where) {
 }  // namespace
 
 std::unique_ptr<HapticDevice> open_device(const std::string& words, const Scene& scene,
-                                          const std::function<void()>& poll) {
+                                          const std::function<void()>& poll, bool realtime) {
   const auto colon = words.find(':');
   const std::string kind = words.substr(0, colon);
   const std::string rest = colon == std::string::npos ? "" : words.substr(colon + 1);
@@ -52,7 +55,8 @@ std::unique_ptr<HapticDevice> open_device(const std::string& words, const Scene&
   if (kind == "replay" && !rest.empty()) return open_replay(rest, poll);
   if (kind == "udp" && !rest.empty())
     return std::make_unique<UdpDevice>(parse_number<std::uint16_t>("--device udp", rest));
-  if (kind == "haply" && (words == kind || !rest.empty())) return open_haply(rest);
+  if (kind == "haply" && (words == kind || !rest.empty()))
+    return open_haply(rest, realtime ? std::min(scene.priority + 1, 99) : 0);
   throw InputError(fmt::format("--device: '{}' is not one of {}", words, kDeviceWords));
 }
 

@@ -15,7 +15,8 @@ inline constexpr char kDeviceWords[] =
 
 // Throws InputError where the words or the scene make no sense, LoopError where the device does not
 // answer. `poll` is asked many times a second while a file is read, and what it throws ends that.
+// `realtime`: a thread of the device's own is scheduled above the scene's priority.
 std::unique_ptr<HapticDevice> open_device(const std::string& words, const Scene& scene,
-                                          const std::function<void()>& poll);
+                                          const std::function<void()>& poll, bool realtime = true);
 
 }  // namespace gliss::tools
