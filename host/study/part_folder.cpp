@@ -38,13 +38,25 @@ std::uint64_t checksum_of(const std::string& bytes) {
 }
 
 // A part under way has begun more than is done. The checksum is left to who reads it.
+// A part that is open. Throws std::runtime_error for one of another user, who could have put
+// anything there: in a folder that a group may write to, say.
+class OpenPart : public OpenFile {
+ public:
+  explicit OpenPart(const std::string& path) : OpenFile(path, O_RDONLY | O_NOFOLLOW) {
+    struct stat status {};
+    if (descriptor() >= 0 && fstat(descriptor(), &status) == 0 && status.st_uid != geteuid())
+      throw std::runtime_error(
+          fmt::format("'{}' belongs to another user; remove it, or name another folder", path));
+  }
+};
+
 bool read_whole_head(OpenFile& opened) {
   PartHeader header{};
   return opened.descriptor() >= 0 && opened.read(&header, sizeof header) == sizeof header &&
          header.begun == 0;
 }
 bool has_whole_head(const std::string& path) {
-  OpenFile opened(path, O_RDONLY | O_NOFOLLOW);
+  OpenPart opened(path);
   return read_whole_head(opened);
 }
 
@@ -147,7 +159,7 @@ std::optional<PartFile> PartFolder::load(std::size_t part) {
 }
 
 std::optional<PartFile> PartFolder::read(std::size_t part) const {
-  OpenFile opened(path_of(part), O_RDONLY | O_NOFOLLOW);
+  OpenPart opened(path_of(part));
   PartFile file;
   try {
     const LargeArray<char> all = opened.read_all();
@@ -184,7 +196,7 @@ std::size_t PartFolder::whole() const {
 }
 
 std::string PartFolder::head(std::size_t part, std::size_t bytes) const {
-  OpenFile opened(path_of(part), O_RDONLY | O_NOFOLLOW);
+  OpenPart opened(path_of(part));
   std::string body(bytes, '\0');
   const bool is_there = read_whole_head(opened) && opened.read(body.data(), bytes) == bytes;
   return is_there ? body : "";

@@ -307,6 +307,18 @@ TEST_F(HostileParts, are_not_looked_for_where_others_may_leave_them) {
   EXPECT_THAT(refusal(parts_), AllOf(HasSubstr(parts_), HasSubstr("it belongs to another user")));
 }
 
+// As where a group may write to the folder: a checksum is no proof of whose numbers they are.
+TEST_F(HostileParts, of_another_user_are_not_taken) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root can give a file away";
+  ASSERT_EQ(chown(paths_[1].c_str(), 65534, 65534), 0);
+  const std::string told = test::message_of<std::runtime_error>([&] {
+    SweepParts parts = open();
+    swept(cache_, *engine_, options_, &parts);
+  });
+  EXPECT_THAT(told, AllOf(HasSubstr(paths_[1]), HasSubstr("belongs to another user; remove it")));
+  EXPECT_TRUE(fs::exists(paths_[1]));
+}
+
 // A folder that a sweep made is removed by the one that goes on, and any other one stays.
 TEST_F(HostileParts, leave_folders_that_were_there) {
   open().remove();
