@@ -92,6 +92,8 @@ void read_motion(const InputTable& table, PointTable& to, Poll& poll) {
     to.velocities = vectors_of(*found[1], *found[2], *found[3], poll);
 }
 
+constexpr double kFarthest = 1e60;  // of a coordinate, as of a mesh's
+
 // True if a quaternion's length is 1 but for what files round.
 bool is_turn(const Turn& turn) { return std::abs(turn.norm() - 1) < 1e-3; }
 
@@ -173,6 +175,12 @@ PointTable PointReader::read(std::size_t begin, std::size_t end) {
   const auto &x = *result.table.find(kNames[chosen][0]), &y = *result.table.find(kNames[chosen][1]),
              &z = *result.table.find(kNames[chosen][2]);
   result.points = vectors_of(x, y, z, poll);
+  for (std::size_t i = 0; i < result.points.size(); ++i) {
+    const double farthest = result.points[i].cwiseAbs().maxCoeff();
+    if (!(farthest <= kFarthest))
+      throw RecordingError(fmt::format("{}: {:.3g} is beyond {:g}, where distances overflow",
+                                       result.table.place(i), farthest, kFarthest));
+  }
   return result;
 }
 

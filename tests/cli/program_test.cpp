@@ -403,6 +403,7 @@ TEST_F(Program, SaysInOneLineWhatIsWrong) {
   folder_.write("unknown.csv", "face,xi,eta\n0,0,0\n\n");
   folder_.write("fraction.csv", "face,xi,eta\n0.5,0,0\n");
   folder_.write("beyond.csv", "face,xi,eta\n144,0,0\n");
+  folder_.write("far.csv", "x,y,z\n0,0,0\n1e300,0,0\n");
   folder_.write("word.csv", "patch,xi,eta\n0,zero,0\n");
   folder_.write("bad.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n");
   const struct {
@@ -418,6 +419,7 @@ TEST_F(Program, SaysInOneLineWhatIsWrong) {
       {"eval knot.obj --at fraction.csv", "fraction.csv:2: there is no face 0.5", 2},
       {"eval knot.obj --at beyond.csv", "beyond.csv:2: there is no face 144", 2},
       {"eval knot.obj --at word.csv", "word.csv:2: column 'xi'", 2},
+      {"project knot.obj --hip far.csv", "far.csv:3: 1e+300 is beyond 1e+60", 2},
       {"eval knot.obj --at hips.csv", "missing columns: wanted face,xi,eta or patch,xi,eta", 2},
       {"eval knot.obj --at points.csv -o x.txt", "must end in", 2},
       {"eval knot.obj --at points.csv --unit furlong", "furlong", 2},
