@@ -191,7 +191,8 @@ TEST_F(HostileProgram, names_what_a_result_lacks) {
   expect_error(keep_only("u.h5", "", {"x"}), 2, "HDF5 without 'statistics', 'ticks'");
   ASSERT_EQ(mkfifo((folder_ / "p.json").c_str(), 0600), 0);
   expect_error(gliss("report p.json -o a.html"), 2, "it is a pipe");
-  EXPECT_EQ(gliss("run scene.toml --device sim --no-wait --seconds 0.1 --summary run.html").code, 0);
+  EXPECT_EQ(gliss("run scene.toml --device sim --no-wait --seconds 0.1 --summary run.html").code,
+            0);
   expect_error(gliss("report run.html -o run.html"), 2, "is read, and would be lost");
 }
 #endif
