@@ -308,7 +308,7 @@ async function checkTables(page) {
     return {caption: made.querySelector('.caption').innerText, heads: [...made.querySelectorAll('thead th')].map(th => th.innerText), moved, by};
   });
   assert.match(about.caption, /In all rows: Solver newton; Backend tbb/);
-  assert.equal(about.heads[0], 'Level, precision');
+  assert.equal(about.heads[0], 'Surface, precision');
   assert(!about.heads.includes('Solver'));
   assert(about.by > 50 && Math.abs(about.moved) < 1, 'the first column stays');
 }
