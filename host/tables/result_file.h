@@ -23,7 +23,7 @@ struct Column {
   std::string unit;  // "m", "N", "rad"; empty: a plain number
   // A name that the column had, which finds it as well: a link in HDF5, a title in .npy, and in CSV
   // the same numbers once more, behind all others.
-  std::string old_name;
+  std::string old_name{};
 };
 
 // One block of rows of one column; every column of an append has the same number of rows.

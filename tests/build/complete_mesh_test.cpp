@@ -168,7 +168,9 @@ TEST(CompleteMesh, long_sides_beside_fine_arcs_stay_straight) {
           std::ranges::count_if(slab.positions, [&](const Vec3& p) { return p.z() == half; });
       const auto cap = static_cast<std::uint32_t>(on_top - 2);  // triangles
       for (std::size_t i = 0; i < at.size(); ++i) {
-        if (at[i].face >= faces - cap) EXPECT_NEAR(points[i].position.z(), half, 1e-9 * half);
+        if (at[i].face >= faces - cap) {
+          EXPECT_NEAR(points[i].position.z(), half, 1e-9 * half);
+        }
       }
     }
   }
