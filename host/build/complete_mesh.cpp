@@ -84,6 +84,7 @@ class Bulges {
     });
   }
 
+  double extent_across(std::uint32_t side) const;
   void find_widths();
   template <class Bulge>
   std::vector<Ends> bulges_of(Bulge bulge) const;
@@ -111,19 +112,24 @@ class Bulges {
   std::optional<FaceRays> rays_;
 };
 
+// The extent of a side's face across the side.
+double Bulges::extent_across(std::uint32_t side) const {
+  const Vec3 along = edge_of(mesh_, topology_, side).stableNormalized();
+  const std::uint32_t face = topology_.side_face[side];
+  double farthest = 0;
+  for (std::uint32_t c = mesh_.face_begin[face]; c < mesh_.face_begin[face + 1]; ++c)
+    farthest = std::max(farthest, (position(c) - position(side)).cross(along).norm());
+  return farthest;
+}
+
 // The width of a face is the least over its sides of its extent across that side.
 void Bulges::find_widths() {
   std::vector<double> width(mesh_.face_count());
   for_faces([&](std::uint32_t f) {
     double least = kInfinity;
-    for (std::uint32_t s = mesh_.face_begin[f]; s < mesh_.face_begin[f + 1]; ++s) {
-      const Vec3 direction = edge_of(mesh_, topology_, s).stableNormalized();
-      double extent = 0;
-      for (std::uint32_t c = mesh_.face_begin[f]; c < mesh_.face_begin[f + 1]; ++c)
-        extent = std::max(extent, (position(c) - position(s)).cross(direction).squaredNorm());
-      least = std::min(least, extent);
-    }
-    width[f] = std::sqrt(least);
+    for (std::uint32_t s = mesh_.face_begin[f]; s < mesh_.face_begin[f + 1]; ++s)
+      least = std::min(least, extent_across(s));
+    width[f] = least;
   });
   for (std::uint32_t c = 0; c < mesh_.corner_vertex.size(); ++c) {
     double& least = width_[mesh_.corner_vertex[c]];
@@ -192,15 +198,7 @@ double Bulges::most(std::uint32_t side, std::uint32_t corner) const {
 double Bulges::radius_over(std::uint32_t side) const {
   const std::uint32_t twin = topology_.side_twin[side];
   if (twin == kNone || is_crease(side)) return kInfinity;
-  const Vec3 along = edge_of(mesh_, topology_, side).stableNormalized();
-  double extent = 0;  // of both faces, across the side
-  for (const std::uint32_t s : {side, twin}) {
-    const std::uint32_t face = topology_.side_face[s];
-    double farthest = 0;
-    for (std::uint32_t c = mesh_.face_begin[face]; c < mesh_.face_begin[face + 1]; ++c)
-      farthest = std::max(farthest, (position(c) - position(side)).cross(along).norm());
-    extent += farthest;
-  }
+  const double extent = extent_across(side) + extent_across(twin);
   const Vec3 one = newell_normal(mesh_, topology_.side_face[side]),
              other = newell_normal(mesh_, topology_.side_face[twin]);
   return extent / 2 / std::atan2(one.cross(other).norm(), one.dot(other));
@@ -322,7 +320,7 @@ std::optional<Vec3> Bulges::turned(const Vec3& normal, const Surroundings& aroun
 void Bulges::turn_normals() {
   const std::vector<Ends> bulges =
       bulges_of([this](std::uint32_t side) { return lean_bulges(side); });
-  find_rooms(bulges);
+  if (!find_rooms(bulges)) return;
   const auto is_wide = [this](double bulge, std::uint32_t side, std::uint32_t corner) {
     return bulge > kShare * width(side, corner) * (1 + kMargin) &&
            bulge > most_lean(side, corner) * (1 + kMargin);

@@ -28,7 +28,6 @@ std::vector<ComparePath> make_paths(const ComparedMesh& compared, const PatchCac
     paths.push_back({options.depths.front(), std::move(options.hips)});
     return paths;
   }
-  if (options.depths.empty()) options.depths = {compared_depth(surface)};
   for (const double depth : options.depths) {
     paths.push_back({depth, path_over(compared.mesh, compared.topology, surface, depth / unit,
                                       diagonal / 1000, options.ticks)});
@@ -82,6 +81,14 @@ const std::vector<CompareCandidate>& all_candidates() {
       {Method::kShaded, {}},
       {Method::kFlat, {}}};
   return all;
+}
+
+std::optional<CompareCandidate> find_candidate(const std::string& name) {
+  for (const Method method : {Method::kShaded, Method::kFlat}) {
+    if (name == method_name(method)) return CompareCandidate{method, {}};
+  }
+  if (const auto level = find_surface(name)) return CompareCandidate{Method::kGregory, *level};
+  return std::nullopt;
 }
 
 LeavingOptions leaving_of(const MeshComparisonOptions& options) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "gliss/base/export.h"
@@ -32,7 +33,7 @@ class GLISS_EXPORT ComparedMesh {
 
 struct MeshComparisonOptions {
   CompareOptions measuring;        // but for what the mesh says; see all_candidates()
-  std::vector<double> depths;      // m; empty: compared_depth()
+  std::vector<double> depths;      // m, one at least; compared_depth() is the usual one
   std::vector<Vec3> hips;          // a path at the first depth, mesh's unit; empty: one of its own
   std::size_t ticks = 4000;        // of its own path, a thousandth of the diagonal apart
   WalkOptions walk{.walkers = 8};  // slow ones; its depth is not used
@@ -46,6 +47,9 @@ GLISS_EXPORT double compared_depth(const PatchCache& surface);
 
 // Fair and paper, the paper's other levels, shaded and flat.
 GLISS_EXPORT const std::vector<CompareCandidate>& all_candidates();
+
+// "fair", "paper-ribbon", "shaded"; none for other names (no_surface).
+GLISS_EXPORT std::optional<CompareCandidate> find_candidate(const std::string& name);
 
 // The hands of a comparison. They rest for twice as long as a contact may go on, and longer.
 GLISS_EXPORT LeavingOptions leaving_of(const MeshComparisonOptions& options);

@@ -18,10 +18,7 @@ namespace gliss::python {
 namespace {
 
 CompareCandidate candidate(const std::string& name) {
-  for (const Method method : {Method::kShaded, Method::kFlat}) {
-    if (name == method_name(method)) return {method, {}};
-  }
-  if (const auto level = find_surface(name)) return {Method::kGregory, *level};
+  if (const auto found = find_candidate(name)) return *found;
   throw py::value_error("surfaces: " + no_surface(name));
 }
 

@@ -259,13 +259,18 @@ TEST(Loop, fades_when_a_device_says_the_same_again_and_calls_it_new) {
   }
 }
 
+// A hand that enters and stays, is outside for 100 ticks, and inside again for so many.
+std::vector<Vec3> leaving_for_a_while(std::size_t ticks) {
+  std::vector<Vec3> path = entering(0.1, 0.002, 3000);
+  const std::vector<Vec3> out = still(100, -0.002), in = still(ticks, 0.002);
+  path.insert(path.end(), out.begin(), out.end());
+  path.insert(path.end(), in.begin(), in.end());
+  return path;
+}
+
 TEST(Loop, engages_again_only_where_it_may_and_only_in_the_open) {
   for (const bool reengage : {false, true}) {
-    std::vector<Vec3> path = entering(0.1, 0.002, 3000);
-    const std::vector<Vec3> out = still(100, -0.002), in = still(1000, 0.002);
-    path.insert(path.end(), out.begin(), out.end());
-    path.insert(path.end(), in.begin(), in.end());
-    Probe device(path);
+    Probe device(leaving_for_a_while(1000));
     device.silent_from = 2000;
     device.silent_to = 2100;
     const Felt felt = run(device, {.reengage = reengage});
@@ -279,11 +284,7 @@ TEST(Loop, engages_again_only_where_it_may_and_only_in_the_open) {
 // Inside, a wish waits for the hand to come out; the force then rises as slowly as at the
 // beginning.
 TEST(Loop, engages_again_and_ends_as_its_owner_wishes) {
-  std::vector<Vec3> path = entering(0.1, 0.002, 3000);
-  const std::vector<Vec3> out = still(100, -0.002), in = still(3000, 0.002);
-  path.insert(path.end(), out.begin(), out.end());
-  path.insert(path.end(), in.begin(), in.end());
-  Probe device(path);
+  Probe device(leaving_for_a_while(3000));
   device.silent_from = 2000;
   device.silent_to = 2100;
   const SceneObject one{.cache = ball()};

@@ -307,7 +307,7 @@ TEST_F(HostileParts, are_not_looked_for_where_others_may_leave_them) {
   EXPECT_THAT(refusal(parts_), AllOf(HasSubstr(parts_), HasSubstr("it belongs to another user")));
 }
 
-// As where a group may write to the folder: a checksum is no proof of whose numbers they are.
+// A group may write to the folder, say; a checksum is no proof of whose numbers they are.
 TEST_F(HostileParts, of_another_user_are_not_taken) {
   if (geteuid() != 0) GTEST_SKIP() << "only root can give a file away";
   ASSERT_EQ(chown(paths_[1].c_str(), 65534, 65534), 0);

@@ -30,9 +30,8 @@ struct ComparingOptions : SurfaceOptions {
 };
 
 CompareCandidate parse_candidate(const std::string& name) {
-  if (name == "shaded") return {Method::kShaded, {}};
-  if (name == "flat") return {Method::kFlat, {}};
-  return {Method::kGregory, parse_surface("--levels", name)};
+  if (const auto candidate = find_candidate(name)) return *candidate;
+  throw InputError("--levels: " + no_surface(name));
 }
 
 // "1%" or 0.01.

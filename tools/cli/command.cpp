@@ -320,11 +320,6 @@ Level parse_level(const std::string& option, const std::string& name) {
   throw InputError(option + ": " + no_level(name));
 }
 
-Level parse_surface(const std::string& option, const std::string& name) {
-  if (const auto level = find_surface(name)) return *level;
-  throw InputError(option + ": " + no_surface(name));
-}
-
 std::unique_ptr<Engine> make_engine(const CommonOptions& options) {
   if (options.has_old_device && !options.quiet)
     tell("gliss: --device: the OpenCL device is --opencl-device now; the old name will go\n");

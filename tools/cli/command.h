@@ -110,8 +110,6 @@ inline bool has(const std::vector<Method>& methods, Method method) {
 
 std::vector<double> parse_depths(const std::string& text);  // m, of --depth
 Level parse_level(const std::string& option, const std::string& name);
-// The same with a construction: "fair", "fair-table:8".
-Level parse_surface(const std::string& option, const std::string& name);
 
 // Registers a command: its options are described, filled in from the command line, and run.
 template <class Options>
