@@ -73,9 +73,6 @@ class Bulges {
     return mesh_.normals[mesh_.corner_normal[corner]];
   }
   std::uint32_t next(std::uint32_t side) const { return next_side(mesh_, topology_, side); }
-  bool is_crease(std::uint32_t side) const {
-    return !mesh_.sharp.empty() && mesh_.sharp[side] != 0;
-  }
 
   template <class Body>
   void for_faces(Body body) const {
@@ -197,7 +194,7 @@ double Bulges::most(std::uint32_t side, std::uint32_t corner) const {
 // The radius by which the faces at a side bend over it; infinity where they do not.
 double Bulges::radius_over(std::uint32_t side) const {
   const std::uint32_t twin = topology_.side_twin[side];
-  if (twin == kNone || is_crease(side)) return kInfinity;
+  if (twin == kNone || mesh_.is_crease(side)) return kInfinity;
   const double extent = extent_across(side) + extent_across(twin);
   const Vec3 one = newell_normal(mesh_, topology_.side_face[side]),
              other = newell_normal(mesh_, topology_.side_face[twin]);
@@ -255,7 +252,7 @@ Bulges::Surroundings Bulges::surroundings(const std::vector<std::uint32_t>& corn
     for (const std::uint32_t side : {c, before}) {
       const Vec3 edge = (side == c ? 1 : -1) * edge_of(mesh_, topology_, side);
       if (topology_.side_twin[side] == kNone) around.is_open = true;
-      if (is_crease(side)) {
+      if (mesh_.is_crease(side)) {
         const Vec3& own = mesh_.tangents[2 * std::size_t{side} + (side == c ? 0 : 1)];
         const Vec3 tangent = own.stableNormalized();
         if (around.crease.isZero(0)) around.crease = tangent;

@@ -9,10 +9,9 @@
 namespace gliss {
 namespace {
 
-constexpr double kFlat = 1e-5;      // rad
-constexpr double kFarLarger = 8;    // in area
-constexpr double kLeastSeen = 0.5;  // cosine between the region's normal and a face's
-constexpr std::size_t kGrain = 1024;
+constexpr double kFlat = 1e-5;       // rad
+constexpr double kFarLarger = 8;     // in area
+constexpr double kLeastAlike = 0.5;  // cosine between the region's normal and a face's
 
 // The two largest regions at a normal.
 struct Rivals {
@@ -43,6 +42,7 @@ bool is_planar(const Mesh& mesh, std::uint32_t face, const Vec3& normal) {
 }  // namespace
 
 void keep_flat_regions(Mesh& mesh, const Topology& topology, const ParallelFor& parallel) {
+  constexpr std::size_t kGrain = 1024;
   const std::size_t faces = mesh.face_count();
   std::vector<Vec3> normal(faces);  // twice the area long
   std::vector<char> planar(faces);
@@ -55,12 +55,9 @@ void keep_flat_regions(Mesh& mesh, const Topology& topology, const ParallelFor& 
   DisjointSets sets(faces);
   std::vector<double> area(faces, 0);              // [first face of a region]
   std::vector<std::uint32_t> triangles(faces, 0);  // that it would take
-  const auto is_crease = [&](std::uint32_t side) {
-    return !mesh.sharp.empty() && mesh.sharp[side] != 0;
-  };
   for (std::uint32_t side = 0; side < mesh.corner_vertex.size(); ++side) {
     const std::uint32_t twin = topology.side_twin[side];
-    if (twin == kNone || twin < side || is_crease(side)) continue;
+    if (twin == kNone || twin < side || mesh.is_crease(side)) continue;
     const std::uint32_t face = topology.side_face[side], beyond = topology.side_face[twin];
     const Vec3 &one = normal[face], &other = normal[beyond];
     if (planar[face] && planar[beyond] && one.dot(other) > 0 &&
@@ -80,8 +77,8 @@ void keep_flat_regions(Mesh& mesh, const Topology& topology, const ParallelFor& 
     Rivals& r = rivals[mesh.corner_normal[c]];
     const Vec3 &one = normal[r.region], &other = normal[topology.side_face[c]];
     r.is_kept = r.is_kept && triangles[r.region] > 1 && r.area > kFarLarger * r.next_area &&
-                one.dot(other) >= kLeastSeen * one.norm() * other.norm() && !is_crease(c) &&
-                !is_crease(prev_side(mesh, topology, c));
+                one.dot(other) >= kLeastAlike * one.norm() * other.norm() && !mesh.is_crease(c) &&
+                !mesh.is_crease(prev_side(mesh, topology, c));
   }
   for (std::size_t i = 0; i < rivals.size(); ++i) {
     if (rivals[i].is_kept && rivals[i].area > 0)

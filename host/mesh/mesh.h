@@ -50,6 +50,8 @@ struct Mesh {
 
   std::size_t face_count() const { return face_begin.size() - 1; }
   std::uint32_t valence(std::size_t face) const { return face_begin[face + 1] - face_begin[face]; }
+  // True if a side's edge is a crease.
+  bool is_crease(std::size_t side) const { return !sharp.empty() && sharp[side] != 0; }
   // True if a side has `tangents` of its own.
   bool has_tangents(std::size_t side) const {
     return !tangents.empty() && !tangents[2 * side].isZero(0);

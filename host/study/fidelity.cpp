@@ -152,7 +152,7 @@ std::vector<VertexPair> rough_edges(const Mesh& mesh, const Topology& topology,
   std::vector<VertexPair> edges;
   for (std::uint32_t side = 0; side < topology.side_twin.size(); ++side) {
     const std::uint32_t twin = topology.side_twin[side];
-    if (twin == kNone || twin < side || (!mesh.sharp.empty() && mesh.sharp[side] != 0)) continue;
+    if (twin == kNone || twin < side || mesh.is_crease(side)) continue;
     if (shares_normals(mesh, topology, side) && !is_bent(cache, topology.side_face[side]) &&
         !is_bent(cache, topology.side_face[twin]))
       continue;

@@ -8,6 +8,7 @@
 
 #include "gliss/base/poll.h"
 #include "gliss/base/units.h"
+#include "gliss/mesh/mesh.h"
 #include "gliss/tables/hdf5_reader.h"
 
 namespace gliss {
@@ -92,8 +93,6 @@ void read_motion(const InputTable& table, PointTable& to, Poll& poll) {
     to.velocities = vectors_of(*found[1], *found[2], *found[3], poll);
 }
 
-constexpr double kFarthest = 1e60;  // of a coordinate, as of a mesh's
-
 // True if a quaternion's length is 1 but for what files round.
 bool is_turn(const Turn& turn) { return std::abs(turn.norm() - 1) < 1e-3; }
 
@@ -177,9 +176,9 @@ PointTable PointReader::read(std::size_t begin, std::size_t end) {
   result.points = vectors_of(x, y, z, poll);
   for (std::size_t i = 0; i < result.points.size(); ++i) {
     const double farthest = result.points[i].cwiseAbs().maxCoeff();
-    if (!(farthest <= kFarthest))
+    if (!(farthest <= kMostCoordinate))
       throw RecordingError(fmt::format("{}: {:.3g} is beyond {:g}, where distances overflow",
-                                       result.table.place(i), farthest, kFarthest));
+                                       result.table.place(i), farthest, kMostCoordinate));
   }
   return result;
 }

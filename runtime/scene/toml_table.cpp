@@ -5,13 +5,13 @@
 
 #include "gliss/base/units.h"
 #include "gliss/files/open_file.h"
+#include "gliss/mesh/mesh.h"
 #include "gliss/scene/scene.h"
 
 namespace gliss {
 namespace {
 
 constexpr std::uint64_t kLargestScene = 1 << 26;  // bytes
-constexpr double kLargestNumber = 1e60;           // as in meshes: its powers do not overflow
 
 // In one line, whatever of the file it quotes.
 [[noreturn]] void refuse(std::string what) {
@@ -152,7 +152,7 @@ double TomlTable::quantity(const std::string& key, const toml::node& node, Parse
   }
   if (!std::isfinite(value))
     fail(key, parse != nullptr ? "must be a number (SI), or text with a unit" : "must be a number");
-  if (std::abs(value) > kLargestNumber) fail(key, fmt::format("is beyond {}", kLargestNumber));
+  if (std::abs(value) > kMostCoordinate) fail(key, fmt::format("is beyond {}", kMostCoordinate));
   return value;
 }
 
