@@ -441,8 +441,8 @@ FN domain_point leave_patch(surface_view view, foot* f, held_sides held, int las
     const real3 way = mul3(K(-1), f->d.r);
     const fan_place fan = find_in_fan(view, side, way, spent);
     is_border = fan.is_border;
-    const int may_lead_on = fan.side == NONE && !just_crossed && (is_border || HAS_CREASES(view));
-    to = corner_point(view, may_lead_on ? edge_in_fan(view, side, way, spent) : fan.side);
+    const int leads_on = fan.side == NONE && !just_crossed;
+    to = corner_point(view, leads_on ? edge_in_fan(view, side, way, spent) : fan.side);
   } else {
     const uint side = first + (uint)held.a, twin = view.side_twin[side];
     if (twin != NONE) to = cross_edge(view, side, twin, f->d.xi, f->d.eta);

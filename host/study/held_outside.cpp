@@ -11,6 +11,7 @@ constexpr double kOnSurface = 1e-6;  // of the size: closer to the surface is on
 constexpr double kSettleTimes = 5;
 constexpr double kAside = 1e-5;   // of the push: a HIP so far aside has a contact beside it
 constexpr double kApart = 1e-3;   // of the push: a contact so far off is another one
+constexpr double kStays = 2e-2;   // of the push: it comes back to as near
 constexpr double kBeside = 1e-2;  // of the push: so far round a place in a valley nothing is nearer
 constexpr int kJudgements = 8;    // ticks that share one: a contact that holds changes slowly
 constexpr std::size_t kAsideCount = 4;
@@ -104,7 +105,7 @@ bool HeldOutsideCounter::is_local_minimum(const Vec3& x, const Contact& felt) co
   if (!own.touching || (own.scp - felt.scp).norm() > apart) return false;
   for (std::size_t i = 0; i < kAsideCount; ++i) {
     const double went = (gone[i].scp - own.scp).norm(), left = (back[i].scp - own.scp).norm();
-    if (!(left <= std::max(went / 2, on_surface_ / 2))) return false;
+    if (!(left <= std::max({went / 2, on_surface_ / 2, kStays * push}))) return false;
   }
   return true;
 }

@@ -37,11 +37,11 @@ struct HeldContacts {
 // Outside, a contact is *justified* if a solid holds the finger that was pressed right through it,
 // as a god-object is held by a thin plate. Then it is converged, or settles towards such a
 // contact; it pushes along its normal; it is a local nearest point of the HIP, or with friction
-// leads to one; that nearest point is stable, for a HIP a little aside
-// has one beside it, or lies in a valley between parts, where nothing round it is nearer; and a
-// solid lies between, for some of the way from the HIP to it leads through the inside. A ball holds
-// no finger: opposite of a finger that is deeper than its radius is the farthest point, which no
-// HIP beside it keeps.
+// leads to one; that nearest point is stable, for a HIP that goes a little aside and comes back has
+// one within 2 % of the push from it (at the depth of a radius of curvature several lie as close),
+// or it lies in a valley between parts, where nothing round it is nearer; and a solid lies between,
+// for some of the way from the HIP to it leads through the inside. A ball holds no finger: opposite
+// of a finger that is deeper than its radius is the farthest point, which no HIP beside it keeps.
 class GLISS_EXPORT HeldOutsideCounter {
  public:
   // Contacts of trackers with these options, `tick` seconds apart. The cache must outlive it.

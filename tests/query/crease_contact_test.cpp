@@ -256,5 +256,36 @@ TEST(CreaseContact, nearest_points_are_those_of_the_flat_solid) {
   }
 }
 
+// Faces that bend have edges too, in meshes without any crease: a contact at a corner goes on along
+// the edge that leads down from there. Beside where it stays no way along the surface leads nearer
+// to the HIP by a fifth of its length.
+TEST(CreaseContact, goes_on_along_the_edges_of_bent_faces) {
+  constexpr double kLeastFall = 0.2;  // of the way
+  oracle::Rng rng(5);
+  std::size_t on_edge = 0, bent = 0;
+  for (const std::uint32_t points : {3u, 4u, 5u, 6u}) {
+    const Mesh mesh = with_normals(star_prism(rng, points));
+    const PatchCache cache = cache_of(mesh);
+    for (const PatchKind kind : cache.kind) bent += kind == PatchKind::kBent;
+    for (std::uint32_t i = 0; i < 500; ++i) {
+      const Vec3 hip = 8 * oracle::uniform(rng, 0, 1) * oracle::random_unit(rng);
+      const DomainPoint start{i % static_cast<std::uint32_t>(mesh.face_count()), 0, 0};
+      Contact contact;
+      track(cache, {&hip, 1}, {&start, 1}, {}, {&contact, 1});
+      if ((contact.flags & kConverged) == 0 || (contact.flags & kOnCrease) == 0) continue;
+      ++on_edge;
+      const Vec3 out = (contact.scp - hip).normalized(), u = out.unitOrthogonal(), v = out.cross(u);
+      const double push = (contact.scp - hip).norm(), round = 1e-3 * push;
+      for (const Vec3& way : {u, v, Vec3(-u), Vec3(-v), Vec3(u + v), Vec3(u - v)}) {
+        const Vec3 beside = nearest(cache, contact.scp + round * way).scp;
+        EXPECT_GT((beside - hip).norm(), push - kLeastFall * round)
+            << points << " points, HIP " << hip.transpose() << ", SCP " << contact.scp.transpose();
+      }
+    }
+  }
+  EXPECT_GT(bent, 0u);
+  EXPECT_GT(on_edge, 100u);
+}
+
 }  // namespace
 }  // namespace gliss::test

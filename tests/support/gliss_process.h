@@ -10,9 +10,11 @@
 
 #include <chrono>
 #include <cstdint>
+#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <string>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -76,6 +78,10 @@ class Process {
   }
   // True once it has a handler for this signal.
   bool catches(int number) const {
+    const std::string its_program = "/proc/" + std::to_string(pid_) + "/exe";
+    std::error_code gone;
+    // Until it has begun its own program it has the handlers of the test's.
+    if (std::filesystem::equivalent(its_program, "/proc/self/exe", gone) || gone) return false;
     std::ifstream status("/proc/" + std::to_string(pid_) + "/status");
     for (std::string word; status >> word;) {
       std::uint64_t caught = 0;

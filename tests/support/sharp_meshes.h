@@ -10,6 +10,7 @@
 #include "gliss/generate/generate.h"
 #include "gliss/mesh/creases.h"
 #include "gliss/mesh/topology.h"
+#include "tests/support/points.h"
 
 namespace gliss::test {
 
@@ -81,6 +82,35 @@ inline Mesh ridge(int half = 4) {
       mesh.corner_vertex.insert(mesh.corner_vertex.end(), {a, a + 1, a + 1 + count, a + count});
       mesh.face_begin.push_back(static_cast<std::uint32_t>(mesh.corner_vertex.size()));
     }
+  }
+  return mesh;
+}
+
+// A star pulled up to a prism, whose two ends are not flat.
+inline Mesh star_prism(oracle::Rng& rng, std::uint32_t points) {
+  Mesh mesh;
+  mesh.source = "star prism";
+  const std::uint32_t n = 2 * points;
+  std::vector<double> radius(n, 10);
+  for (std::uint32_t k = 0; k < n; k += 2) radius[k] = oracle::uniform(rng, 3, 8);
+  for (const double end : {10.0, -10.0}) {
+    for (std::uint32_t k = 0; k < n; ++k) {
+      const double angle = 2 * std::numbers::pi * k / n, lift = oracle::uniform(rng, -3, 3);
+      mesh.positions.emplace_back(radius[k] * std::cos(angle), radius[k] * std::sin(angle),
+                                  end + lift);
+    }
+  }
+  const auto end_face = [&] {
+    mesh.face_begin.push_back(static_cast<std::uint32_t>(mesh.corner_vertex.size()));
+  };
+  for (std::uint32_t k = 0; k < n; ++k) mesh.corner_vertex.push_back(k);
+  end_face();
+  for (std::uint32_t k = n; k-- > 0;) mesh.corner_vertex.push_back(n + k);
+  end_face();
+  for (std::uint32_t k = 0; k < n; ++k) {
+    const std::uint32_t next = (k + 1) % n;
+    mesh.corner_vertex.insert(mesh.corner_vertex.end(), {k, n + k, n + next, next});
+    end_face();
   }
   return mesh;
 }
