@@ -1,6 +1,7 @@
 #include "gliss/mesh/triangulate.h"
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 
 #include "gliss/mesh/topology.h"
@@ -31,6 +32,60 @@ bool is_ear(std::span<const Vec3> p, const std::vector<std::uint32_t>& ring, std
   return true;
 }
 
+// Corners of a face that lie on one line, as far as files say: the height of their triangle over
+// its longest side is less.
+constexpr double kSliver = 1e-4;
+
+// The height of a triangle over its longest side, as seen along the normal, and that side's number.
+struct Thinness {
+  double height, longest;
+  std::size_t side;  // from corner `side` to the next
+
+  bool is_sliver() const { return height < kSliver * longest; }
+};
+Thinness thinness_of(std::span<const Vec3> p, const std::uint32_t* t, const Vec3& normal) {
+  Thinness r{0, 0, 0};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double length = (p[t[(k + 1) % 3]] - p[t[k]]).norm();
+    if (length > r.longest) r = {0, length, k};
+  }
+  if (r.longest > 0)
+    r.height = area(p[t[0]], p[t[1]], p[t[2]], normal) / (r.longest * normal.norm());
+  return r;
+}
+
+// Gives the corner in the middle of each sliver to the triangle across its longest side, in whose
+// stead there are two: patches of slivers spread over their plane. A sliver at a side of the
+// polygon stays.
+void flip_slivers(std::span<const Vec3> p, const Vec3& normal, std::span<std::uint32_t> triangles) {
+  for (bool goes_on = true; goes_on;) {
+    goes_on = false;
+    for (std::size_t t = 0; t < triangles.size(); t += 3) {
+      const Thinness thin = thinness_of(p, &triangles[t], normal);
+      if (!thin.is_sliver()) continue;
+      const std::uint32_t from = triangles[t + thin.side], to = triangles[t + (thin.side + 1) % 3],
+                          middle = triangles[t + (thin.side + 2) % 3];
+      for (std::size_t other = 0; other < triangles.size(); other += 3) {
+        std::size_t k = 0;
+        while (k < 3 && !(triangles[other + k] == to && triangles[other + (k + 1) % 3] == from))
+          ++k;
+        if (k == 3) continue;
+        const std::uint32_t apex = triangles[other + (k + 2) % 3];
+        const std::array<std::uint32_t, 3> one{middle, from, apex}, two{middle, apex, to};
+        const double least =
+            std::min(thin.height, thinness_of(p, &triangles[other], normal).height);
+        if (std::min(thinness_of(p, one.data(), normal).height,
+                     thinness_of(p, two.data(), normal).height) > least) {
+          std::copy(one.begin(), one.end(), &triangles[t]);
+          std::copy(two.begin(), two.end(), &triangles[other]);
+          goes_on = true;
+        }
+        break;
+      }
+    }
+  }
+}
+
 }  // namespace
 
 void triangulate(std::span<const Vec3> corners, const Vec3& normal,
@@ -39,6 +94,7 @@ void triangulate(std::span<const Vec3> corners, const Vec3& normal,
     triangles.insert(triangles.end(), {0, 1, 2});
     return;
   }
+  const std::size_t first = triangles.size();
   thread_local std::vector<std::uint32_t> ring;
   ring.resize(corners.size());
   std::iota(ring.begin(), ring.end(), 0u);
@@ -60,6 +116,7 @@ void triangulate(std::span<const Vec3> corners, const Vec3& normal,
     at = (ear + 1) % ring.size();
   }
   triangles.insert(triangles.end(), ring.begin(), ring.end());
+  flip_slivers(corners, normal, std::span(triangles).subspan(first));
 }
 
 std::vector<Vec3> triangles_of(const Mesh& mesh) {

@@ -345,7 +345,7 @@ DenseRow Comparison::match(Method method, const CompareRow& target, std::uint64_
   row.target_step = target.max_force_step;
   double last_step = 0, last_triangles = 0;
   // Half as many again along a side each time.
-  for (std::uint32_t cells = 1; tessellated_count(mesh_, cells) <= limit || cells == 1;
+  for (std::uint32_t cells = 1; tessellated_count(mesh_, exact.cache, cells) <= limit || cells == 1;
        cells = cells < 2 ? cells + 1 : cells + cells / 2) {
     poll();
     const Mesh dense = tessellate(mesh_, exact.cache, cells, backend.parallel);

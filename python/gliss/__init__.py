@@ -504,7 +504,8 @@ class Surface:
     def tessellate(self, cells=8):
         """A mesh of triangles that lies on the surface, for drawing.
 
-        cells: along half a side; a face of n sides becomes 2 n cells^2 triangles. 1 to 1000.
+        cells: along half a side; a face of n sides becomes 2 n cells^2 triangles, one that is cut as it is not convex
+            4 (n - 2) cells^2. 1 to 1000.
         Triangles: point (n, 3) in the surface's unit, normal (n, 3), triangles (m, 3). Creases are not kept in the
         normals. ValueError for a cache that does not keep its mesh: one with creases, or of a part.
         """

@@ -471,7 +471,7 @@ TEST(Chai3d, draws_its_surface_by_a_child) {
   EXPECT_EQ(object.getChild(0), drawing);
   EXPECT_FALSE(drawing->getHapticEnabled());
   EXPECT_EQ(drawing->m_material, object.m_material);
-  EXPECT_EQ(drawing->corners.size(), 3 * tessellated_count(mesh, 2));
+  EXPECT_EQ(drawing->corners.size(), 3 * tessellated_count(mesh, *surface.cache, 2));
   test::Worst off;
   for (std::size_t i = 0; i < drawing->positions.size(); ++i) {
     const Vec3 at = 0.1 * vec(drawing->positions[i]) / surface.unit();

@@ -13,6 +13,7 @@
 #include "tests/oracle/union_oracle.h"
 #include "tests/support/gliss_process.h"
 #include "tests/support/places.h"
+#include "tests/support/sharp_meshes.h"
 #include "tests/support/surfaces.h"
 
 namespace gliss {
@@ -366,7 +367,7 @@ TEST(Fidelity, a_tessellation_lies_on_the_surface_and_is_closed) {
       EXPECT_EQ(dense.positions,
                 tessellate(made.mesh, cache, cells, make_tbb_engine()->build_backend().parallel)
                     .positions);
-      EXPECT_EQ(dense.face_count(), tessellated_count(made.mesh, cells));
+      EXPECT_EQ(dense.face_count(), tessellated_count(made.mesh, cache, cells));
       const Topology topology = build_topology(dense);
       EXPECT_EQ(topology.border_side_count, 0);
       EXPECT_EQ(topology.part_count, build_topology(made.mesh).part_count);
@@ -382,6 +383,24 @@ TEST(Fidelity, a_tessellation_lies_on_the_surface_and_is_closed) {
         EXPECT_GT(normal.dot(dense.normals[dense.corner_normal[3 * f]]), 0);
       }
     }
+  }
+}
+
+// A face that is not convex is covered once, by what it is cut into.
+TEST(Fidelity, a_comb_is_flat_and_its_tessellation_covers_it_once) {
+  oracle::Rng rng(8);
+  for (const std::uint32_t teeth : {3u, 5u}) {
+    const Mesh mesh = test::with_creases(test::comb(rng, teeth, 0.5));
+    const PatchCache cache = build_cache(mesh);
+    EXPECT_LE(cache.departure.distance, 1e-6);
+    double area = 0;
+    for (std::size_t f = 0; f < mesh.face_count(); ++f) area += newell_normal(mesh, f).norm();
+    const Mesh dense = tessellate(mesh, cache, 3);
+    EXPECT_EQ(dense.face_count(), tessellated_count(mesh, cache, 3));
+    EXPECT_EQ(build_topology(dense).border_side_count, 0);
+    double covered = 0;
+    for (std::size_t f = 0; f < dense.face_count(); ++f) covered += newell_normal(dense, f).norm();
+    EXPECT_NEAR(covered, area, 1e-6 * area);
   }
 }
 

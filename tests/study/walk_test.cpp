@@ -198,7 +198,7 @@ void expect_contacts_held(const std::string& name, const Mesh& raw, std::uint64_
   const PatchCache cache = test::cache_of(mesh);
   constexpr std::uint64_t kTriangles = 400000;
   std::uint32_t cells = 1;
-  while (cells < 12 && tessellated_count(mesh, cells + 1) <= kTriangles) ++cells;
+  while (cells < 12 && tessellated_count(mesh, cache, cells + 1) <= kTriangles) ++cells;
   const CrossingOracle oracle(tessellate(mesh, cache, cells));
   const Topology topology = build_topology(mesh);
   for (const double deep : {1.0, 0.2}) {

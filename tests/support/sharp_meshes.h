@@ -1,10 +1,12 @@
 // Meshes with sharp edges whose surfaces are known.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <array>
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "gliss/generate/generate.h"
@@ -86,20 +88,13 @@ inline Mesh ridge(int half = 4) {
   return mesh;
 }
 
-// A star pulled up to a prism, whose two ends are not flat.
-inline Mesh star_prism(oracle::Rng& rng, std::uint32_t points) {
+// Two polygons, as seen from above, and quads between them.
+inline Mesh prism_between(const std::vector<Vec3>& top, const std::vector<Vec3>& bottom) {
   Mesh mesh;
-  mesh.source = "star prism";
-  const std::uint32_t n = 2 * points;
-  std::vector<double> radius(n, 10);
-  for (std::uint32_t k = 0; k < n; k += 2) radius[k] = oracle::uniform(rng, 3, 8);
-  for (const double end : {10.0, -10.0}) {
-    for (std::uint32_t k = 0; k < n; ++k) {
-      const double angle = 2 * std::numbers::pi * k / n, lift = oracle::uniform(rng, -3, 3);
-      mesh.positions.emplace_back(radius[k] * std::cos(angle), radius[k] * std::sin(angle),
-                                  end + lift);
-    }
-  }
+  mesh.source = "prism";
+  mesh.positions = top;
+  mesh.positions.insert(mesh.positions.end(), bottom.begin(), bottom.end());
+  const auto n = static_cast<std::uint32_t>(top.size());
   const auto end_face = [&] {
     mesh.face_begin.push_back(static_cast<std::uint32_t>(mesh.corner_vertex.size()));
   };
@@ -113,6 +108,40 @@ inline Mesh star_prism(oracle::Rng& rng, std::uint32_t points) {
     end_face();
   }
   return mesh;
+}
+
+// A star pulled up to a prism, whose two ends are not flat.
+inline Mesh star_prism(oracle::Rng& rng, std::uint32_t points) {
+  std::vector<double> radius(2 * points, 10);
+  for (std::uint32_t k = 0; k < radius.size(); k += 2) radius[k] = oracle::uniform(rng, 3, 8);
+  const auto end = [&](double z) {
+    std::vector<Vec3> ring;
+    for (std::uint32_t k = 0; k < radius.size(); ++k) {
+      const double angle = std::numbers::pi * k / points;
+      ring.emplace_back(radius[k] * std::cos(angle), radius[k] * std::sin(angle),
+                        z + oracle::uniform(rng, -3, 3));
+    }
+    return ring;
+  };
+  const std::vector<Vec3> top = end(10);
+  return prism_between(top, end(-10));
+}
+
+// A comb of 40 x 20 x `thick`, turned at random, as files have it: with ten digits.
+inline Mesh comb(oracle::Rng& rng, std::uint32_t teeth, double thick) {
+  const auto turn = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), oracle::random_unit(rng));
+  const double wide = 40.0 / (2 * teeth - 1);
+  std::vector<Vec3> top, bottom;
+  const auto add = [&](double x, double y) {
+    for (const auto& [ring, z] : {std::pair{&top, thick}, std::pair{&bottom, 0.0}})
+      ring->push_back((turn * Vec3(x, y, z) * 1e8).array().round() / 1e8);
+  };
+  add(40, 20), add(0, 20);
+  for (std::uint32_t k = 0; k < teeth; ++k) {
+    add(2 * k * wide, 0), add((2 * k + 1) * wide, 0);
+    if (k + 1 < teeth) add((2 * k + 1) * wide, 15), add((2 * k + 2) * wide, 15);
+  }
+  return prism_between(top, bottom);
 }
 
 // Each face cut into triangles from its first corner.
