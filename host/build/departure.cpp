@@ -6,7 +6,9 @@
 #include <vector>
 
 #include "gliss/build/face_rays.h"
+#include "gliss/build/patch_batch.h"
 #include "gliss/surface/base_triangles.h"
+#include "gliss/surface/instances.h"
 
 namespace gliss {
 namespace {
@@ -24,6 +26,41 @@ double centre_off(const Surface<Real>& s, std::uint32_t patch) {
   return off;
 }
 
+// True if a patch ends at a side: at a border or a sharp edge.
+template <class Real>
+bool ends_at(const Surface<Real>& s, std::uint32_t side) {
+  const std::uint32_t twin = s.side_twin[side];
+  return twin == kNone || normal_at_start(s, side) != normal_at_start(s, next_side(s, twin)) ||
+         normal_at_start(s, next_side(s, side)) != normal_at_start(s, twin);
+}
+
+// How far the sides where a patch ends leave those of its polygon, mesh frame: where a surface is
+// smaller than its polygons, none of its own points tells.
+template <class Real>
+double rim_departure(const Surface<Real>& s, std::uint32_t patch) {
+  const Real* numbers = &s.patch[patch * kPatchReals];
+  const Vec3 origin(numbers[kPatchOrigin], numbers[kPatchOrigin + 1], numbers[kPatchOrigin + 2]);
+  const double unscale = static_cast<double>(numbers[kPatchUnscale]);
+  const std::uint32_t n = s.valence(patch);
+  double most = 0;
+  for (std::uint32_t k = 0; k < n; ++k) {
+    const std::uint32_t side = s.side_begin[patch] + k;
+    if (!ends_at(s, side)) continue;
+    const Vec3 start = start_of(s, side),
+               along = (start_of(s, next_side(s, side)) - start).stableNormalized();
+    for (const double t : {0.25, 0.5, 0.75}) {
+      const DomainVec x = on_side(n, k, t);
+      const Real xi = static_cast<Real>(x.x()), eta = static_cast<Real>(x.y());
+      Real at[9];
+      kernels<Real>().evaluate(&s.domain[s.domain_begin[n]], &s.control[3 * s.control_begin[patch]],
+                               s.form[patch], n, &xi, &eta, 1, 1, at);
+      const Vec3 off = origin + unscale * Vec3(at[0], at[1], at[2]) - start;
+      most = std::max(most, (off - along.dot(off) * along).norm());
+    }
+  }
+  return most;
+}
+
 }  // namespace
 
 void find_departures(PatchCache& cache, std::span<const double> sag, const ParallelFor& parallel) {
@@ -34,7 +71,8 @@ void find_departures(PatchCache& cache, std::span<const double> sag, const Paral
         for (std::uint32_t p = 0; p < cache.patch_count(); ++p) {
           Departure& d = all[cache.patch_face[p]];
           d.face = cache.patch_face[p];
-          d.distance = std::max(d.distance, (sag[p] + centre_off(s, p)) / cache.scale);
+          const double off = std::max(sag[p] + centre_off(s, p), rim_departure(s, p));
+          d.distance = std::max(d.distance, off / cache.scale);
         }
       },
       cache.surface);

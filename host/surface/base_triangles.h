@@ -20,6 +20,20 @@ Vec3 start_of(const Surface<Real>& s, std::uint32_t side) {
          static_cast<double>(numbers[kPatchUnscale]) * Vec3(c[0], c[1], c[2]);
 }
 
+// The surface's normal where a side starts.
+template <class Real>
+Vec3 normal_at_start(const Surface<Real>& s, std::uint32_t side) {
+  const Real* n = &s.corner[6 * std::size_t{side} + 3];
+  return {n[0], n[1], n[2]};
+}
+
+// The side of the same patch that starts where this one ends.
+template <class Real>
+std::uint32_t next_side(const Surface<Real>& s, std::uint32_t side) {
+  const std::uint32_t patch = s.side_patch[side];
+  return side + 1 < s.side_begin[patch + 1] ? side + 1 : s.side_begin[patch];
+}
+
 // The words of a patch's first triangle: a piece of its face's polygon (FAN_PIECE), or none.
 template <class Real>
 const std::uint32_t* piece_of(const Surface<Real>& s, std::uint32_t patch) {

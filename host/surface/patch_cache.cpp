@@ -6,6 +6,7 @@
 
 #include "gliss/base/plain_arithmetic.h"
 #include "gliss/mesh/mesh_edges.h"
+#include "gliss/surface/base_triangles.h"
 #include "gliss/surface/instances.h"
 #include "gliss/surface/layout.h"
 #include "gliss/surface/winding.h"
@@ -83,13 +84,36 @@ void find_open_parts(PatchCache& cache) {
 
 namespace {
 
-// True if the base polygon of a patch faces against the surface's normal at one of its corners.
+template <class Real>
+Vec3 polygon_normal(const Surface<Real>& s, std::uint32_t side) {
+  const Real* n = &s.patch[s.side_patch[side] * kPatchReals + kPatchNormal];
+  return {n[0], n[1], n[2]};
+}
+
+// True if the polygons at a sharp side form a wedge of which its two patches leave little at one
+// end, as where edges from a vertex lie in one plane, or nothing: they touch or cross there.
+template <class Real>
+bool closes_wedge(const Surface<Real>& s, std::uint32_t side) {
+  constexpr double kLittle = 0.25;
+  const std::uint32_t twin = s.side_twin[side];
+  const Vec3 own = polygon_normal(s, side), beyond = polygon_normal(s, twin);
+  if (!(own.dot(beyond) < 0)) return false;
+  const Vec3 along = start_of(s, twin) - start_of(s, side);
+  const double wedge = own.cross(beyond).dot(along), little = kLittle * wedge * wedge;
+  const auto closes = [&](std::uint32_t at, std::uint32_t at_beyond) {
+    const Vec3 m = normal_at_start(s, at), n = normal_at_start(s, at_beyond);
+    return m != n && m.cross(n).dot(along) * wedge < little;
+  };
+  return closes(side, next_side(s, twin)) || closes(next_side(s, side), twin);
+}
+
+// True if the base polygon of a patch faces against the surface's normal at one of its corners, or
+// closes a wedge.
 template <class Real>
 bool has_folds(const Surface<Real>& s) {
-  for (std::size_t side = 0; side < s.side_patch.size(); ++side) {
-    const Real *face = &s.patch[s.side_patch[side] * kPatchReals + kPatchNormal],
-               *corner = &s.corner[6 * side + 3];
-    if (face[0] * corner[0] + face[1] * corner[1] + face[2] * corner[2] < 0) return true;
+  for (std::uint32_t side = 0; side < s.side_patch.size(); ++side) {
+    if (polygon_normal(s, side).dot(normal_at_start(s, side)) < 0 || closes_wedge(s, side))
+      return true;
   }
   return false;
 }

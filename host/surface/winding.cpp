@@ -11,13 +11,34 @@ namespace gliss {
 
 namespace {
 
-// The width of a patch's own polygon where it is a piece round a centre: so far that is from the
-// face's polygon at most. Mesh frame.
+// How far the own polygon of a piece round a centre is from its face's at most, mesh frame: where
+// both cover the same ground, as seen along the face's normal, by how far their corners lie apart
+// along it. Else the piece's width.
 template <class Real>
 double width_of(const Surface<Real>& s, std::uint32_t patch) {
-  if (piece_of(s, patch) == nullptr) return 0;
-  const std::uint32_t side = s.side_begin[patch];
-  return (start_of(s, side + 2) - 0.5 * (start_of(s, side) + start_of(s, side + 1))).norm();
+  const std::uint32_t* piece = piece_of(s, patch);
+  if (piece == nullptr) return 0;
+  const std::uint32_t own = s.side_begin[patch], first = piece[1];
+  const Vec3 centre = start_of(s, own + 2);
+  std::vector<Vec3> turns;  // of the face's pieces: twice the area long
+  for (std::uint32_t p = s.side_patch[first]; p < s.patch_count(); ++p) {
+    const std::uint32_t* other = piece_of(s, p);
+    if (other == nullptr || other[1] != first) break;
+    const std::uint32_t side = s.side_begin[p];
+    turns.push_back((start_of(s, side) - centre).cross(start_of(s, side + 1) - centre));
+  }
+  Vec3 normal = Vec3::Zero();
+  for (const Vec3& turn : turns) normal += turn;
+  normal.stableNormalize();
+  double low = 0, high = 0;
+  bool covers = true;
+  for (std::uint32_t k = 0; k < turns.size(); ++k) {
+    const double height = normal.dot(start_of(s, first + 3 * k) - centre);
+    low = std::min(low, height), high = std::max(high, height);
+    covers = covers && turns[k].dot(normal) > 0;
+  }
+  if (covers) return high - low;
+  return (centre - 0.5 * (start_of(s, own) + start_of(s, own + 1))).norm();
 }
 
 }  // namespace
@@ -44,8 +65,18 @@ void WindingTree::gather(const Surface<Real>& s, std::uint32_t named, std::size_
     const double sag = static_cast<double>(numbers[kPatchSag] * numbers[kPatchUnscale]);
     c.departure = std::max(sag, width_of(s, patch));
     departure_ = std::max(departure_, sag + width_of(s, patch));
-    for (std::uint32_t k = 0; k < s.valence(patch); ++k)
-      c.box.extend(start_of(s, s.side_begin[patch] + k));
+    const std::uint32_t first = s.side_begin[patch], n = s.valence(patch);
+    const Vec3 start = start_of(s, first);
+    for (std::uint32_t k = 1; k + 1 < n; ++k)
+      c.axis += (start_of(s, first + k) - start).cross(start_of(s, first + k + 1) - start);
+    c.axis.stableNormalize();
+    c.low = c.high = c.axis.dot(start);
+    for (std::uint32_t k = 0; k < n; ++k) {
+      const Vec3 corner = start_of(s, first + k);
+      c.box.extend(corner);
+      c.low = std::min(c.low, c.axis.dot(corner));
+      c.high = std::max(c.high, c.axis.dot(corner));
+    }
     for_polygon_triangles(s, patch, [&](const BaseTriangle& t) { triangles_.push_back(t); });
   } else {
     c.node = named;
@@ -79,7 +110,11 @@ bool WindingTree::may_be_between(const Vec3& x, double distance) const {
   while (left > 0) {
     const Child& c = children_[open[--left]];
     if (c.box.exteriorDistance(x) > c.departure) continue;
-    if (c.is_leaf) return true;
+    if (c.is_leaf) {
+      const double height = c.axis.dot(x);
+      if (height < c.low - c.departure || height > c.high + c.departure) continue;
+      return true;
+    }
     open[left++] = 2 * std::size_t{c.node};
     open[left++] = 2 * std::size_t{c.node} + 1;
   }

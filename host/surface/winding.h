@@ -30,8 +30,10 @@ class WindingTree {
     std::uint32_t begin = 0, end = 0;                 // its triangles
     std::uint32_t node = 0;                           // its children are 2 node and 2 node + 1
     bool is_leaf = true;
-    Eigen::AlignedBox3d box;  // of its patches' own polygons
-    double departure = 0;     // of what departs most from one of these
+    Eigen::AlignedBox3d box;   // of its patches' own polygons
+    double departure = 0;      // of what departs most from one of these
+    Vec3 axis = Vec3::Zero();  // of a leaf: the normal of its own polygon, ...
+    double low = 0, high = 0;  // ... along which that lies between these
   };
 
   double number_at(const Vec3& x) const;

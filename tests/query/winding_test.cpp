@@ -7,9 +7,11 @@
 #include "gliss/build/build_cache.h"
 #include "gliss/generate/generate.h"
 #include "gliss/mesh/solid_angle.h"
+#include "gliss/mesh/triangulate.h"
 #include "gliss/query/contact_tracker.h"
 #include "gliss/query/query.h"
 #include "gliss/surface/winding.h"
+#include "tests/support/sharp_meshes.h"
 
 namespace gliss {
 namespace {
@@ -31,15 +33,25 @@ Mesh folded_ball(int slid) {
   return mesh;
 }
 
-// How often the polygons go round x: 0 or 1 and more.
-bool is_inside(const Mesh& mesh, const Vec3& x) {
-  double angle = 0;
-  for (std::size_t f = 0; f < mesh.face_count(); ++f) {
-    const auto at = [&](std::uint32_t k) {
-      return Vec3(mesh.positions[mesh.corner_vertex[mesh.face_begin[f] + k]] - x);
-    };
-    angle += solid_angle(at(0), at(1), at(2));
+// A flat star whose rim is as sharp as a knife: its other end is half as large.
+Mesh knife() {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> inner(6, 16);
+  std::vector<Vec3> top, bottom;
+  for (int k = 0; k < 10; ++k) {
+    const double angle = std::numbers::pi * k / 5, radius = k % 2 == 0 ? inner(random) : kBall;
+    const Vec3 at(radius * std::cos(angle), radius * std::sin(angle), 0);
+    top.push_back(at + Vec3(0, 0, 0.2));
+    bottom.push_back(0.5 * at - Vec3(0, 0, 0.2));
   }
+  return test::with_creases(test::prism_between(top, bottom), {});
+}
+
+// How often the polygons go round x: 0 or 1 and more.
+bool is_inside(const std::vector<Vec3>& triangles, const Vec3& x) {
+  double angle = 0;
+  for (std::size_t i = 0; i < triangles.size(); i += 3)
+    angle += solid_angle(triangles[i] - x, triangles[i + 1] - x, triangles[i + 2] - x);
   return angle > 2 * std::numbers::pi;
 }
 
@@ -47,6 +59,7 @@ bool is_inside(const Mesh& mesh, const Vec3& x) {
 int wrong_of(const PatchCache& cache, const WindingTree& tree, const Mesh& mesh, Method method) {
   std::mt19937 random(2);
   std::uniform_real_distribution<double> uniform(-25, 25);
+  const std::vector<Vec3> triangles = triangles_of(mesh);
   int wrong = 0, judged = 0;
   for (int i = 0; i < 4000; ++i) {
     const Vec3 x(uniform(random), uniform(random), uniform(random));
@@ -58,7 +71,7 @@ int wrong_of(const PatchCache& cache, const WindingTree& tree, const Mesh& mesh,
                                    : std::abs(c.distance) < 1e-4)
       continue;
     ++judged;
-    wrong += c.touching != is_inside(mesh, x);
+    wrong += c.touching != is_inside(triangles, x);
     if (c.touching) {
       EXPECT_GT((c.scp - x).dot(c.normal), 0);
       EXPECT_NEAR((c.push - (c.scp - x)).norm(), 0, 1e-4);
@@ -81,10 +94,11 @@ Mesh mirrored_ball() {
   return mesh;
 }
 
+// Where patches close a wedge of polygons as well.
 TEST_P(Winding, says_what_is_inside_of_faces_that_fold) {
   BuildOptions options;
   options.precision = GetParam();
-  for (const Mesh& mesh : {folded_ball(4), mirrored_ball()}) {
+  for (const Mesh& mesh : {folded_ball(4), mirrored_ball(), knife()}) {
     const PatchCache cache = build_cache(mesh, options);
     ASSERT_NE(cache.winding, nullptr);
     PatchCache without = cache;
