@@ -66,13 +66,15 @@ double rim_departure(const Surface<Real>& s, std::uint32_t patch) {
 void find_departures(PatchCache& cache, std::span<const double> sag, const ParallelFor& parallel) {
   constexpr std::size_t kGrain = 256;
   std::vector<Departure> all(cache.mesh_face_count);
+  Departure rim;
   std::visit(
       [&](const auto& s) {
         for (std::uint32_t p = 0; p < cache.patch_count(); ++p) {
           Departure& d = all[cache.patch_face[p]];
           d.face = cache.patch_face[p];
-          const double off = std::max(sag[p] + centre_off(s, p), rim_departure(s, p));
-          d.distance = std::max(d.distance, off / cache.scale);
+          d.distance = std::max(d.distance, (sag[p] + centre_off(s, p)) / cache.scale);
+          const double off = rim_departure(s, p) / cache.scale;
+          if (off > rim.distance) rim = {.distance = off, .face = d.face};
         }
       },
       cache.surface);
@@ -86,6 +88,8 @@ void find_departures(PatchCache& cache, std::span<const double> sag, const Paral
   cache.departure.room = rays.room(cache.departure.face, std::numeric_limits<double>::infinity());
   cache.tightest = *std::max_element(
       all.begin(), all.end(), [](const auto& a, const auto& b) { return a.share() < b.share(); });
+  // A rim goes aside, where no face is next.
+  if (rim.distance > cache.departure.distance) cache.departure = rim;
   if (!(cache.tightest.share() > kFaithful)) cache.tightest = cache.departure;
 }
 

@@ -228,12 +228,14 @@ class SharpEdges {
   void find() {
     change_marks([this] { return end_to_lengthen(); }, true);
     change_marks([this] { return end_to_take(); }, false);
+    change_marks([this] { return corner_to_cut(); }, true);
   }
 
  private:
   static constexpr double kDegree = std::numbers::pi / 180;
   static constexpr double kGoesOn = 50 * kDegree, kVaries = 20 * kDegree;
   static constexpr double kStraight = -0.5;  // cosine between two edges of a chain, at most
+  static constexpr double kFlat = 2 * kDegree;
 
   // Marks, or does not, the edge of find() at a vertex without a border, while there is one.
   template <class Find>
@@ -271,13 +273,12 @@ class SharpEdges {
   // The side on which a chain that ends at the vertex goes on, or kNone.
   std::uint32_t end_to_lengthen() const {
     if (marked_.size() != 1) return kNone;
-    const Vec3 along = edge_of(mesh_, topology_, marked_.front()).stableNormalized();
     double best = kStraight;
     std::uint32_t next = kNone;
     for (const std::uint32_t side : fan_) {
       if (mesh_.sharp[side] != 0 || !(turns_[side] > kGoesOn)) continue;
-      const double cosine = along.dot(edge_of(mesh_, topology_, side).stableNormalized());
-      if (cosine < best) best = cosine, next = side;
+      const double way = cosine(marked_.front(), side);
+      if (way < best) best = way, next = side;
     }
     return next;
   }
@@ -290,6 +291,42 @@ class SharpEdges {
     const double first = turns_[marked_[0]], second = turns_[marked_[1]];
     if (!(std::abs(first - second) > kVaries)) return kNone;
     return marked_[first < second ? 0 : 1];
+  }
+
+  double cosine(std::uint32_t a, std::uint32_t b) const {
+    const Vec3 m = edge_of(mesh_, topology_, a).stableNormalized();
+    return m.dot(edge_of(mesh_, topology_, b).stableNormalized());
+  }
+  // The sharper of two sides.
+  std::uint32_t sharper(std::uint32_t a, std::uint32_t b) const {
+    return a == kNone || turns_[b] > turns_[a] ? b : a;
+  }
+
+  // The side at the vertex that cuts a sector whose two creases form an angle: its normal would be
+  // at right angles to both, and so the faces of a frustum would touch its end at each corner. Or
+  // the side on which a chain goes on that ends at the corner of a solid, all of whose edges turn
+  // much. Or kNone.
+  std::uint32_t corner_to_cut() const {
+    std::uint32_t best = kNone;
+    if (marked_.size() == 1) {
+      for (const std::uint32_t side : fan_) {
+        if (side == marked_.front()) continue;
+        if (!(turns_[side] > kGoesOn)) return kNone;
+        best = sharper(best, side);
+      }
+      return best;
+    }
+    if (marked_.size() == 2 && cosine(marked_[0], marked_[1]) < kStraight) return kNone;
+    for (std::size_t i = 0; i < marked_.size(); ++i) {
+      const std::uint32_t end = marked_[(i + 1) % marked_.size()];
+      if (cosine(marked_[i], end) < kStraight) continue;
+      best = kNone;
+      for (std::uint32_t side = next_around(mesh_, topology_, marked_[i]); side != end;
+           side = next_around(mesh_, topology_, side))
+        best = sharper(best, side);
+      if (best != kNone && turns_[best] > kFlat) return best;
+    }
+    return kNone;
   }
 
   Mesh& mesh_;

@@ -226,5 +226,40 @@ INSTANTIATE_TEST_SUITE_P(OnDevices, Inside,
                                             kBothPrecisions),
                          name_of_case);
 
+// Frusta from knives to blocks, with the creases of the usual rule: some of their edges turn by
+// little and some by nearly all, and what it leaves smooth meets at corners of what it keeps sharp.
+TEST(InsideFrusta, is_inside_with_the_usual_creases) {
+  oracle::Rng rng(4);
+  for (int made = 0; made < 60; ++made) {
+    const std::uint32_t n = 3 + static_cast<std::uint32_t>(made) % 3;
+    const double high = std::pow(10, oracle::uniform(rng, -0.3, 1.6)),
+                 narrow = oracle::uniform(rng, 0.1, 0.95), flat = oracle::uniform(rng, 0.4, 1);
+    std::vector<Vec3> corners;
+    for (const double z : {high / 2, -high / 2}) {
+      for (std::uint32_t k = 0; k < n; ++k) {
+        const double angle = 2 * std::numbers::pi * k / n, size = z > 0 ? 20 * narrow : 20;
+        corners.emplace_back(size * std::cos(angle), flat * size * std::sin(angle), z);
+      }
+    }
+    std::vector<std::vector<std::uint32_t>> faces(2);
+    for (std::uint32_t k = 0; k < n; ++k) {
+      const std::uint32_t next = (k + 1) % n;
+      faces[0].push_back(k);
+      faces[1].push_back(2 * n - 1 - k);
+      faces.push_back({k, n + k, n + next, next});
+    }
+    const Solid solid = convex_solid(corners, faces);
+    const PatchCache cache = build_cache(test::with_creases(solid.mesh, {}));
+    const double off = cache.departure.distance + 1e-3 * test::size_of(solid.mesh);
+    for (int i = 0; i < 1000; ++i) {
+      const Vec3 x = test::random_in_box(rng, solid.mesh, 1.15);
+      const double distance = solid.distance(x);
+      if (std::abs(distance) <= off) continue;
+      EXPECT_EQ(nearest(cache, x).touching, distance < 0)
+          << n << " sides, " << high << " high, " << narrow << " narrow, at " << x.transpose();
+    }
+  }
+}
+
 }  // namespace
 }  // namespace gliss
