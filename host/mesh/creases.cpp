@@ -283,11 +283,11 @@ class SharpEdges {
     return next;
   }
 
-  // The side of a chain that ends at the vertex, or that turns by much less than the one before, or
-  // kNone.
+  // The side of a chain that ends at the vertex, or that goes on there and turns by much less than
+  // the one before, or kNone.
   std::uint32_t end_to_take() const {
     if (marked_.size() == 1) return marked_.front();
-    if (marked_.size() != 2) return kNone;
+    if (marked_.size() != 2 || !(cosine(marked_[0], marked_[1]) < kStraight)) return kNone;
     const double first = turns_[marked_[0]], second = turns_[marked_[1]];
     if (!(std::abs(first - second) > kVaries)) return kNone;
     return marked_[first < second ? 0 : 1];
