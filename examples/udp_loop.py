@@ -18,7 +18,8 @@ BYE, ENDED = 1, 4
 
 def pass_of(port):
     """What proves that this is the user who serves the device."""
-    for path in (f"/run/user/{os.geteuid()}/gliss-udp-{port}", f"/tmp/gliss-{os.geteuid()}/udp-{port}"):
+    for path in (f"/run/user/{os.geteuid()}/gliss-udp-{port}", f"/tmp/gliss-{os.geteuid()}/udp-{port}",
+                 os.path.expanduser(f"~/.gliss/udp-{port}")):
         if os.path.exists(path):
             with open(path, "rb") as file:
                 return file.read()

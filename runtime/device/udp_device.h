@@ -26,7 +26,8 @@ class GLISS_EXPORT UdpDevice final : public HapticDevice {
 
   const DeviceInfo& info() const noexcept override { return info_; }
   // A device whose process stands still or died is one whose states age. One that was started again
-  // goes on with new states.
+  // goes on with new states if it asks for no pass; `gliss serve` has another pass then, refuses
+  // this loop, and fault_text() says so.
   DeviceState read(Nanoseconds now) noexcept override;
   // `now` is CLOCK_MONOTONIC's. A force or torque that is not finite goes out as
   // zero. False too from when

@@ -7,7 +7,10 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
+#include <vector>
 
 #include "gliss/base/message.h"
 #include "gliss/thread/realtime.h"
@@ -22,39 +25,62 @@ namespace {
 
 bool is_own(const struct stat& status) { return status.st_uid == geteuid(); }
 
-// The folder for files of this user alone.
-std::string own_folder(std::uint16_t port) {
+// What is wrong with a folder for files of this user alone, and the cure; empty: nothing is.
+std::string fault_of(const std::string& folder) {
   struct stat status {};
-  const std::string session = detail::message("/run/user/", geteuid());
-  if (stat(session.c_str(), &status) == 0 && S_ISDIR(status.st_mode) && is_own(status) &&
-      access(session.c_str(), W_OK) == 0)
-    return session + "/gliss-";
-  const std::string folder = detail::message("/tmp/gliss-", geteuid());
-  if (mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST)
-    refuse(port, folder, detail::message("cannot be made (", std::strerror(errno), ")"));
-  if (lstat(folder.c_str(), &status) != 0 || !S_ISDIR(status.st_mode) || !is_own(status) ||
-      (status.st_mode & 077) != 0)
-    refuse(port, folder, "is not a folder of this user alone; cure: remove it");
-  return folder + "/";
+  if (lstat(folder.c_str(), &status) != 0) return std::strerror(errno);
+  if (!is_own(status))
+    return detail::message("it belongs to user ", status.st_uid, "; cure: ask them to remove it");
+  if (!S_ISDIR(status.st_mode) || (status.st_mode & 077) != 0)
+    return "it is not a folder of this user alone; cure: remove it";
+  return access(folder.c_str(), W_OK) == 0 ? "" : std::strerror(errno);
 }
 
-std::string path_of(std::uint16_t port) { return detail::message(own_folder(port), "udp-", port); }
+// Where passes may lie, each with what its names begin with: for the session, in /tmp, and at home
+// where somebody else has that.
+struct Place {
+  std::string folder, begin;
+  bool is_ours = true;  // to be made
+};
+std::vector<Place> places() {
+  const std::string session = detail::message("/run/user/", geteuid()),
+                    shared = detail::message("/tmp/gliss-", geteuid());
+  std::vector<Place> all{{session, session + "/gliss-", false}, {shared, shared + "/"}};
+  if (const char* home = std::getenv("HOME"); home != nullptr && *home == '/')
+    all.push_back({home + std::string("/.gliss"), home + std::string("/.gliss/")});
+  return all;
+}
+
+std::string new_path(std::uint16_t port) {
+  std::string faults;
+  for (const Place& place : places()) {
+    if (place.is_ours) mkdir(place.folder.c_str(), 0700);
+    const std::string fault = fault_of(place.folder);
+    if (fault.empty()) return detail::message(place.begin, "udp-", port);
+    if (place.is_ours) faults = faults.empty() ? fault : faults;
+  }
+  refuse(port, places()[1].folder, detail::message("cannot be had: ", faults));
+}
 
 }  // namespace
 
-OwnPass::OwnPass(std::uint16_t port) : path_(path_of(port)) {
+OwnPass::OwnPass(std::uint16_t port) : path_(new_path(port)) {
   for (std::size_t got = 0; got < pass_.size();) {
     const ssize_t some = getrandom(pass_.data() + got, pass_.size() - got, 0);
     if (some > 0) got += static_cast<std::size_t>(some);
   }
-  unlink(path_.c_str());  // what a killed server left: the port is ours
-  descriptor_ = open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
+  // Whole and locked before it has its name: a loop that looks meanwhile finds it so, or not at
+  // all. What a killed server left gives way: the port is ours.
+  const std::string made = path_ + ".new";
+  unlink(made.c_str());
+  descriptor_ = open(made.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
   const bool done =
       descriptor_ >= 0 && flock(descriptor_, LOCK_EX | LOCK_NB) == 0 &&
-      write(descriptor_, pass_.data(), pass_.size()) == static_cast<ssize_t>(pass_.size());
+      write(descriptor_, pass_.data(), pass_.size()) == static_cast<ssize_t>(pass_.size()) &&
+      rename(made.c_str(), path_.c_str()) == 0;
   if (done) return;
   const std::string why = std::strerror(errno);
-  if (descriptor_ >= 0) unlink(path_.c_str()), close(descriptor_);
+  if (descriptor_ >= 0) unlink(made.c_str()), close(descriptor_);
   refuse(port, path_, detail::message("cannot be written (", why, ")"));
 }
 
@@ -63,8 +89,9 @@ OwnPass::~OwnPass() {
   close(descriptor_);
 }
 
-std::optional<FoundPass> find_pass(std::uint16_t port) {
-  const std::string path = path_of(port);
+namespace {
+
+std::optional<FoundPass> pass_in(const std::string& path, std::uint16_t port) {
   const int descriptor = open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
   if (descriptor < 0 && errno == ENOENT) return std::nullopt;
   FoundPass found;
@@ -75,10 +102,21 @@ std::optional<FoundPass> find_pass(std::uint16_t port) {
                                 static_cast<ssize_t>(found.pass.size());
   found.served = descriptor >= 0 && flock(descriptor, LOCK_SH | LOCK_NB) != 0;
   if (descriptor >= 0) close(descriptor);
-  // A server that has made its file and not written it yet is asked again.
-  if (own && !whole && found.served) return std::nullopt;
   if (!whole) refuse(port, path, "cannot be read as this user's own; cure: remove it");
   return found;
+}
+
+}  // namespace
+
+std::optional<FoundPass> find_pass(std::uint16_t port) {
+  std::optional<FoundPass> left;  // by a server that is no more
+  for (const Place& place : places()) {
+    if (!fault_of(place.folder).empty()) continue;
+    const auto found = pass_in(detail::message(place.begin, "udp-", port), port);
+    if (found && found->served) return found;
+    if (!left) left = found;
+  }
+  return left;
 }
 
 }  // namespace gliss::udp

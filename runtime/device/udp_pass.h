@@ -1,6 +1,7 @@
 // Who may move the motor behind a UDP port: a random pass in a file that its owner alone can read,
-// /run/user/UID/gliss-udp-PORT, or /tmp/gliss-UID/udp-PORT where there is no such folder. Who
-// serves the device writes it; each force brings it.
+// /run/user/UID/gliss-udp-PORT, or /tmp/gliss-UID/udp-PORT where there is no such folder, or
+// ~/.gliss/udp-PORT where somebody else has that one. Who serves the device writes it; each force
+// brings it.
 #pragma once
 
 #include <cstdint>
@@ -34,7 +35,8 @@ struct FoundPass {
   bool served = false;  // its process lives
 };
 
-// The pass of a port that a process of this user serves or served; none where there is no file.
+// The pass of a port that a process of this user serves, wherever it lies, or served; none where
+// there is no file.
 // Throws LoopError for a file that others could have written.
 GLISS_EXPORT std::optional<FoundPass> find_pass(std::uint16_t port);
 

@@ -54,6 +54,11 @@ void UdpServer::run(const std::function<bool()>& stop) {
     timer.wait();
     step(monotonic_time());
   }
+  say_end();
+  while (guard_) {  // what it has still let through
+    timer.wait();
+    step(monotonic_time());
+  }
 }
 
 // The state goes out first: what became of the loop since is then known when its force is decided.
@@ -67,13 +72,18 @@ void UdpServer::step(Nanoseconds now) noexcept {
     silent_ = true;
     wrench_ = {};
   }
-  if (peer_ != 0 && now - heard_ > udp::kPlaceKept) forget();
+  if (peer_ != 0 && now - heard_ > udp::kPlaceKept) let_go();
   written_ = device_.write_wrench(guarded(now), now);
 }
 
 Wrench UdpServer::guarded(Nanoseconds now) noexcept {
-  if (peer_ == 0 || !guard_) return wrench_;
+  if (!guard_) return wrench_;
   const GuardOutput out = guard_->step(now, {wrench_.force, heard_, wrench_.torque});
+  if (peer_ == 0) {
+    const bool is_over = out.state == GuardState::kSafe || late(heard_, now);
+    if (is_over) guard_.reset();
+    return is_over ? Wrench{} : Wrench{out.force, out.torque};
+  }
   if (out.state == GuardState::kSafe && may_reengage(out.reason)) guard_->engage();
   return silent_ ? Wrench{} : Wrench{out.force, out.torque};
 }
@@ -81,10 +91,15 @@ Wrench UdpServer::guarded(Nanoseconds now) noexcept {
 void UdpServer::end() noexcept {
   const Nanoseconds now = std::max(now_, monotonic_time());
   device_.write_wrench({}, now);
+  say_end();
+  guard_.reset();
+}
+
+void UdpServer::say_end() noexcept {
   if (peer_ == 0) return;
   last_.state.flags |= udp::kEnded;
   for (int i = 0; i < kFarewells && last_.state.sequence > 0; ++i) send_state();
-  forget();
+  let_go();
 }
 
 udp::Outcome UdpServer::send_state() noexcept {
@@ -104,14 +119,14 @@ void UdpServer::publish(Nanoseconds now) noexcept {
   if (outcome == udp::Outcome::kDone) ++counts_.sent;
   if (outcome == udp::Outcome::kRefused) {
     ++counts_.lost;
-    forget();
+    let_go();
   }
 }
 
 void UdpServer::receive(Nanoseconds now) noexcept {
   const auto dead = [&] {
     if (peer_ != 0) ++counts_.lost;
-    forget();
+    let_go();
   };
   udp::drain<udp::kLargest>(socket_, kDrain, dead, [&](auto bytes, std::uint16_t port) {
     auto passed = udp::decode<udp::PassedWrenchDatagram>(bytes);
@@ -145,13 +160,13 @@ void UdpServer::take(const udp::WrenchDatagram& wrench, std::uint16_t port,
   const bool bye = (datagram.flags & udp::kBye) != 0;
   const bool old = late(sent, now);
   const bool known = peer_ != 0 && port == peer_ && datagram.sequence > newest_;
-  const bool joins = peer_ == 0 && !bye && !old;
+  const bool joins = peer_ == 0 && !guard_ && !bye && !old;
   if ((!known && !joins) || (old && !bye)) {
     ++counts_.ignored;
     return;
   }
   ++counts_.received;
-  if (bye) return forget();
+  if (bye) return let_go();
   if (joins && !socket_.connect(port)) return;
   if (joins) join(port);
   if (joins || silent_) ++counts_.peers;
@@ -174,12 +189,12 @@ void UdpServer::join(std::uint16_t port) noexcept {
   if (options_.guard) guard_.emplace(*options_.guard);
 }
 
-// No force without a loop.
-void UdpServer::forget() noexcept {
+// No force without a loop: a guard lets it fade, and the place is free once it has.
+void UdpServer::let_go() noexcept {
+  if (peer_ == 0) return;
   wrench_ = {};
   silent_ = false;
-  guard_.reset();
-  if (peer_ == 0) return;
+  if (guard_) guard_->trip(GuardReason::kStopRequested);
   peer_ = 0;
   newest_ = 0;
   socket_.disconnect();

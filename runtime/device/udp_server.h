@@ -1,6 +1,7 @@
 // The other side of runtime/device/udp_device.h: gives a haptic device of this process to one loop
 // in another. The device has no force unless that loop sent one in the last 20 ms, and then what a
-// guard of its own lets through. What does not bring the pass of this user
+// guard of its own lets through. The force of a loop that dies, says bye or is ended fades by that
+// guard. What does not bring the pass of this user
 // (runtime/device/udp_pass.h) is refused.
 #pragma once
 
@@ -58,13 +59,13 @@ class GLISS_EXPORT UdpServer {
   std::uint16_t port() const noexcept { return socket_.port(); }
   const udp::Pass& pass() const noexcept { return pass_.value(); }
 
-  // Ticks until `stop`, asked before each, says so. However it ends, the device has no force then
-  // and the loop is told that nothing comes after.
+  // Ticks until `stop`, asked before each, says so, and until the force has faded. However it ends,
+  // the device has no force then and the loop is told that nothing comes after.
   void run(const std::function<bool()>& stop);
 
   // One tick at `now`, of CLOCK_MONOTONIC, never backwards; neither waits nor allocates.
   void step(Nanoseconds now) noexcept;
-  void end() noexcept;  // as where run() ends
+  void end() noexcept;  // at once: no force, and the loop is told
 
   const UdpServerCounts& counts() const noexcept { return counts_; }
 
@@ -74,7 +75,8 @@ class GLISS_EXPORT UdpServer {
   void take(const udp::WrenchDatagram& datagram, std::uint16_t port, Nanoseconds now) noexcept;
   udp::Outcome send_state() noexcept;
   void join(std::uint16_t port) noexcept;
-  void forget() noexcept;
+  void let_go() noexcept;
+  void say_end() noexcept;
   Wrench guarded(Nanoseconds now) noexcept;
   bool late(Nanoseconds sent, Nanoseconds now) const noexcept;
 
@@ -89,7 +91,7 @@ class GLISS_EXPORT UdpServer {
   Nanoseconds heard_{};             // when it sent that
   bool silent_ = false;             // it is, and has no force
   Wrench wrench_;
-  std::optional<Guard> guard_;  // where there is a peer
+  std::optional<Guard> guard_;  // where there is a peer, or was one whose force fades
   Nanoseconds now_{};
   bool written_ = true;
   UdpServerCounts counts_;

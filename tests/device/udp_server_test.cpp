@@ -360,6 +360,67 @@ TEST_F(GuardedServer, fades_a_silent_loop_out_and_starts_it_again_in_the_open) {
   EXPECT_EQ(last_, Vec3(2, 0, 0));
 }
 
+// By max_rate, not at once; then the place is free.
+TEST_F(GuardedServer, lets_the_force_of_a_loop_that_ends_fade) {
+  for (const bool says_bye : {true, false}) {
+    SCOPED_TRACE(says_bye);
+    std::optional<Peer> loop(server_);
+    std::uint64_t sequence = 0;
+    const auto push = [&](const Vec3& force, std::uint16_t flags = 0) {
+      loop->force(force, ++sequence, now_ += 1ms, flags);
+      server_.step(now_);
+    };
+    for (int i = 0; i < 600; ++i) push(Vec3::Zero());
+    for (int i = 0; i < 10; ++i) push({3, 0, 0});
+    ASSERT_EQ(device_.last, Vec3(3, 0, 0));
+    double last = 3;
+    if (says_bye) {
+      push({3, 0, 0}, udp::kBye);
+    } else {
+      loop.reset();
+      server_.step(now_ += 1ms);
+    }
+    Peer next(server_);
+    for (std::uint64_t i = 1; device_.last.norm() > 0 && i < 30; ++i) {
+      EXPECT_GT(device_.last.norm(), last - 1 - 1e-9);
+      EXPECT_LE(device_.last.norm(), last);
+      last = device_.last.norm();
+      next.force({3, 0, 0}, i, now_ += 1ms);
+      server_.step(now_);
+    }
+    EXPECT_LE(last, 1 + 1e-9);
+    EXPECT_EQ(device_.last, Vec3::Zero());
+    next.force({3, 0, 0}, 99, now_, udp::kBye);
+    for (int i = 0; i < 30; ++i) server_.step(now_ += 1ms);
+  }
+}
+
+// A person ends the server while it pushes.
+TEST(UdpServer, lets_the_force_fade_when_it_is_stopped) {
+  struct Recorder : test::FakeDevice {
+    bool write(const Vec3& force, Nanoseconds now) noexcept override {
+      sizes.push_back(force.norm());
+      return FakeDevice::write(force, now);
+    }
+    std::vector<double> sizes;
+  } device;
+  UdpServer server(device, 0);
+  Peer loop(server);
+  std::uint64_t sequence = 0;
+  server.run([&] {
+    const bool is_over = device.last == Vec3(2, 0, 0);
+    // In the open for as long as engaging takes; again where a busy machine was late.
+    const Vec3 force = ++sequence % 1000 < 600 ? Vec3::Zero() : Vec3(2, 0, 0);
+    loop.force(force, sequence, monotonic_time());
+    if (is_over) device.sizes = {2};
+    return is_over;
+  });
+  EXPECT_GT(device.sizes.size(), 3u);
+  for (std::size_t i = 1; i < device.sizes.size(); ++i)
+    EXPECT_GT(device.sizes[i], device.sizes[i - 1] - 1.9);  // a tick may be late
+  EXPECT_EQ(device.sizes.back(), 0);
+}
+
 TEST(UdpServer, takes_garbage_and_floods_in_small_bites) {
   Served served;
   Peer pest(served.server), loop(served.server);

@@ -44,7 +44,7 @@ Mesh knife() {
     top.push_back(at + Vec3(0, 0, 0.2));
     bottom.push_back(0.5 * at - Vec3(0, 0, 0.2));
   }
-  return test::with_creases(test::prism_between(top, bottom), {});
+  return test::with_creases(test::prism_between(top, bottom), {.angle = 75 * test::kDegree});
 }
 
 // How often the polygons go round x: 0 or 1 and more.
