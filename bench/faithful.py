@@ -72,7 +72,7 @@ def main():
     parser.add_argument("--seed", type=int, default=1, help="of these")
     parser.add_argument("--construction", default="fair", choices=("fair", "paper"))
     parser.add_argument("--unit", default="mm")
-    options = parser.parse_args()
+    options = parser.parse_intermixed_args()
     creases = options.crease.split(",")
     print("| mesh | " + " | ".join(creases) + " |\n|---|" + "---|" * len(creases), flush=True)
     with tempfile.TemporaryDirectory() as folder:
