@@ -107,7 +107,7 @@ void find_departures(PatchCache& cache, std::span<const double> sag, const Paral
           Departure& d = all[cache.patch_face[p]];
           d.face = cache.patch_face[p];
           const double own = sag[p] + centre_off(s, p), rim = rim_departure(s, p);
-          // What bows aside with its rim does not come nearer to the next face.
+          // A patch that bows aside with its rim does not come nearer to the next face.
           const bool is_aside = 2 * rim > own;
           const double off = is_aside ? height_departure(s, p) : own;
           d.distance = std::max(d.distance, off / cache.scale);

@@ -37,7 +37,6 @@ std::uint64_t checksum_of(const std::string& bytes) {
   return cache_format::checksum(bytes.data() + kChecked, bytes.size() - kChecked);
 }
 
-// A part under way has begun more than is done. The checksum is left to who reads it.
 // A part that is open. Throws std::runtime_error for one of another user, who could have put
 // anything there: in a folder that a group may write to, say.
 class OpenPart : public OpenFile {
@@ -50,6 +49,7 @@ class OpenPart : public OpenFile {
   }
 };
 
+// A part under way has begun more than is done. The checksum is left to who reads it.
 bool read_whole_head(OpenFile& opened) {
   PartHeader header{};
   return opened.descriptor() >= 0 && opened.read(&header, sizeof header) == sizeof header &&

@@ -63,8 +63,9 @@ void WindingTree::gather(const Surface<Real>& s, std::uint32_t named, std::size_
     const std::uint32_t patch = named & ~kNodeLeaf;
     const Real* numbers = &s.patch[patch * kPatchReals];
     const double sag = static_cast<double>(numbers[kPatchSag] * numbers[kPatchUnscale]);
-    c.departure = std::max(sag, width_of(s, patch));
-    departure_ = std::max(departure_, sag + width_of(s, patch));
+    const double width = width_of(s, patch);
+    c.departure = std::max(sag, width);
+    departure_ = std::max(departure_, sag + width);
     const std::uint32_t first = s.side_begin[patch], n = s.valence(patch);
     const Vec3 start = start_of(s, first);
     for (std::uint32_t k = 1; k + 1 < n; ++k)

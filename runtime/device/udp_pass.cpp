@@ -25,7 +25,7 @@ namespace {
 
 bool is_own(const struct stat& status) { return status.st_uid == geteuid(); }
 
-// What is wrong with a folder for files of this user alone, and the cure; empty: nothing is.
+// Says what is wrong with a folder for files of this user alone, and the cure; empty: nothing is.
 std::string fault_of(const std::string& folder) {
   struct stat status {};
   if (lstat(folder.c_str(), &status) != 0) return std::strerror(errno);
@@ -36,8 +36,8 @@ std::string fault_of(const std::string& folder) {
   return access(folder.c_str(), W_OK) == 0 ? "" : std::strerror(errno);
 }
 
-// Where passes may lie, each with what its names begin with: for the session, in /tmp, and at home
-// where somebody else has that.
+// A folder where passes may lie, and what their paths begin with: that of the session, one in /tmp,
+// and one at home where somebody else has that.
 struct Place {
   std::string folder, begin;
   bool is_ours = true;  // to be made
@@ -52,14 +52,14 @@ std::vector<Place> places() {
 }
 
 std::string new_path(std::uint16_t port) {
-  std::string faults;
+  std::string refused, why;  // the first that we would have made
   for (const Place& place : places()) {
     if (place.is_ours) mkdir(place.folder.c_str(), 0700);
     const std::string fault = fault_of(place.folder);
     if (fault.empty()) return detail::message(place.begin, "udp-", port);
-    if (place.is_ours) faults = faults.empty() ? fault : faults;
+    if (place.is_ours && refused.empty()) refused = place.folder, why = fault;
   }
-  refuse(port, places()[1].folder, detail::message("cannot be had: ", faults));
+  refuse(port, refused, detail::message("cannot be had: ", why));
 }
 
 }  // namespace

@@ -1,8 +1,7 @@
 // The other side of runtime/device/udp_device.h: gives a haptic device of this process to one loop
 // in another. The device has no force unless that loop sent one in the last 20 ms, and then what a
 // guard of its own lets through. The force of a loop that dies, says bye or is ended fades by that
-// guard. What does not bring the pass of this user
-// (runtime/device/udp_pass.h) is refused.
+// guard. What does not bring the pass of this user (runtime/device/udp_pass.h) is refused.
 #pragma once
 
 #include <functional>

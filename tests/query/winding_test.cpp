@@ -94,7 +94,7 @@ Mesh mirrored_ball() {
   return mesh;
 }
 
-// Where patches close a wedge of polygons as well.
+// The winding number decides where patches close a wedge of polygons as well.
 TEST_P(Winding, says_what_is_inside_of_faces_that_fold) {
   BuildOptions options;
   options.precision = GetParam();
