@@ -1,11 +1,8 @@
 // The device loop in a thread of its own, from which Python reads ticks.
-#include "gliss/loop/loop.h"
-
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
 #include <atomic>
-#include <future>
 #include <optional>
 
 #include "arrays.h"
@@ -13,8 +10,7 @@
 #include "errors.h"
 #include "gliss/engine/engine.h"
 #include "gliss/scene/open_scene.h"
-#include "gliss/scene/recorder.h"
-#include "gliss/thread/realtime.h"
+#include "gliss/scene/session.h"
 #include "options.h"
 #include "surface.h"
 #include "tools/cli/run_devices.h"
@@ -70,26 +66,37 @@ TickRow row_of(const LoopTick& tick) {
 class Loop {
  public:
   Loop(const std::string& path, const std::string& device, double seconds, bool wait, bool realtime,
-       int threads, int cpu)
-      : seconds_(seconds), cpu_(cpu), queue_(kRing) {
+       int threads, int cpu) {
     if (!(seconds >= 0 && seconds <= 1e7))
       throw py::value_error(fmt::format("seconds: {} is not from 0 to 1e7", seconds));
     check_file(path);
-    released([&] { open(path, device, wait, realtime, threads); });
-    if (!wait && device_->info().real_time)
-      throw py::value_error(fmt::format("wait: {} lives in real time", device_->info().name));
-    running_ =
-        std::async(std::launch::async, [this, wait, realtime] { run(wait, realtime); }).share();
+    released([&] {
+      const Scene scene = read_scene(path, poll);
+      const auto engine = make_tbb_engine(threads, poll);
+      SceneOpening opening;
+      opening.build = [&](const Mesh& mesh, const BuildOptions& options) {
+        return engine->build(mesh, options);
+      };
+      opening.poll = poll;
+      const std::vector<SceneObject> objects = open_objects(scene, opening);
+      device_ = tools::open_device(device, scene, poll, realtime);
+      if (!wait && device_->info().real_time)
+        throw py::value_error(fmt::format("wait: {} lives in real time", device_->info().name));
+      LoopOptions rules = loop_options(scene, device_->info());
+      rules.wait = wait;
+      tracker_.emplace(objects, open_hips(scene, opening));
+      session_.emplace(*device_, *tracker_, rules,
+                       SessionOptions{seconds, realtime, {scene.priority, false, cpu}});
+    });
   }
   ~Loop() {
-    stop();
     if (abandoned_) (void)device_.release();
   }
 
   py::array_t<TickRow> read() {
     require_open();
     std::vector<LoopTick> ticks;
-    queue_.take(ticks);
+    session_->take(ticks);
     py::array_t<TickRow> rows(static_cast<py::ssize_t>(ticks.size()));
     std::transform(ticks.begin(), ticks.end(), rows.mutable_data(), row_of);
     return rows;
@@ -101,7 +108,7 @@ class Loop {
       throw py::value_error(fmt::format("timeout: {} s is not 0 or more", *timeout));
     return released([&] {
       const Nanoseconds start = monotonic_time();
-      while (running_.wait_for(5ms) != std::future_status::ready) {
+      while (!session_->wait_for(5ms)) {
         if (timeout && in_seconds(monotonic_time() - start) >= *timeout) return false;
         poll();
       }
@@ -110,95 +117,54 @@ class Loop {
   }
   // Ends it, however it does.
   void stop() {
-    stopping_ = true;
-    if (running_.valid()) running_.wait();
+    session_->request_stop();
+    if (!abandoned_) session_->wait();
   }
   // For a child of fork(), which has no thread of the loop, and whose parent has the device: what
   // would wait for the one or write to the other is left as it is.
   void abandon() {
     closed_ = abandoned_ = true;
-    if (running_.valid()) new std::shared_future<void>(std::move(running_));
+    session_->abandon();
   }
   void engage() {
     require_open();
-    loop_->request_engage();
+    session_->request_engage();
   }
   // The same, and says how it failed if it did.
   void close() {
     if (closed_) return;
     closed_ = true;
     released([&] {
-      stop();
-      running_.get();
+      session_->request_stop();
+      session_->join();
     });
-    if (end_ == LoopEnd::kDeviceFault)
+    if (session_->end() == LoopEnd::kDeviceFault)
       throw LoopError(fmt::format("{}: {}", device_->info().name, device_->fault_text()));
   }
-  bool is_running() const { return !closed_ && running_.wait_for(0s) != std::future_status::ready; }
-  std::uint64_t lost() const { return queue_.lost(); }
+  bool is_running() const { return !closed_ && !session_->wait_for(0s); }
+  std::uint64_t lost() const { return session_->lost(); }
   std::string device() const { return device_->info().name; }
   bool closed() const { return closed_; }
   // None before the end.
   std::optional<std::string> end() const {
     if (is_running()) return std::nullopt;
-    return loop_end_text(end_);
+    return loop_end_text(session_->end());
   }
   // Lists what the system refused: nothing before the first tick.
   std::vector<std::string> refusals() const {
-    return has_begun_ ? refusals_ : std::vector<std::string>();
+    return session_->grants().value_or(SessionGrants()).refusals;
   }
 
  private:
-  static constexpr std::size_t kRing = 1 << 15;  // ticks: half a minute
-
-  void open(const std::string& path, const std::string& device, bool wait, bool realtime,
-            int threads) {
-    const Scene scene = read_scene(path, poll);
-    priority_ = scene.priority;
-    const auto engine = make_tbb_engine(threads, poll);
-    SceneOpening opening;
-    opening.build = [&](const Mesh& mesh, const BuildOptions& options) {
-      return engine->build(mesh, options);
-    };
-    opening.poll = poll;
-    const std::vector<SceneObject> objects = open_objects(scene, opening);
-    device_ = tools::open_device(device, scene, poll, realtime);
-    LoopOptions rules = loop_options(scene, device_->info());
-    rules.wait = wait;
-    tracker_.emplace(objects, open_hips(scene, opening));
-    loop_.emplace(*device_, *tracker_, rules);
-  }
-  void run(bool wait, bool realtime) {
-    std::optional<Realtime> ready;
-    if (wait && realtime) {
-      ready.emplace(RealtimeOptions{priority_, false, cpu_});
-      refusals_ = ready->refusals();
-      for (const std::string& line : device_->refusals()) refusals_.push_back(line);
-    }
-    has_begun_ = true;
-    end_ = loop_->run([&](const LoopTick& tick) {
-      // Without a clock to keep, nothing need be lost.
-      while (!wait && queue_.full() && !stopping_) std::this_thread::sleep_for(100us);
-      queue_.add(tick);
-      return !stopping_ && !(seconds_ > 0 && in_seconds(tick.time) >= seconds_);
-    });
-  }
   void require_open() const {
     if (closed_) throw py::value_error("the loop is closed; expected one that is open");
   }
 
-  double seconds_;
-  int priority_ = 0, cpu_ = -1;
-  TickQueue queue_;
   std::unique_ptr<HapticDevice> device_;
   std::optional<Tracker> tracker_;
-  std::optional<HapticLoop> loop_;
-  std::vector<std::string> refusals_;
-  LoopEnd end_ = LoopEnd::kStopped;
-  std::atomic<bool> stopping_ = false, has_begun_ = false;
+  std::optional<LoopSession> session_;
   std::atomic<bool> closed_ = false;
   bool abandoned_ = false;
-  std::shared_future<void> running_;
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "gliss/base/plain_arithmetic.h"
 #include "gliss/query/tick_time.h"
@@ -21,6 +22,13 @@ QueryOptions query_of(const SceneObject& object) {
   query.settle = object.settle;
   query.friction = object.friction;
   return query;
+}
+
+// The contact of a HIP that has gone a way and waits for its tick.
+Contact on_its_plane(Contact contact, const Vec3& way) {
+  const double depth = contact.push.dot(contact.normal), now = depth - way.dot(contact.normal);
+  contact.push *= now > 0 && depth > 0 ? now / depth : 0;
+  return contact;
 }
 
 // Why nothing can be touched of an object, as the end of a sentence about it; null: it can.
@@ -57,6 +65,10 @@ Tracker::Tracker(std::span<const SceneObject> objects, std::span<const Vec3> hip
   for (const Vec3& hip : hips) {
     if (!hip.allFinite()) throw std::invalid_argument("hips: one is not finite");
   }
+  if (objects.size() * hips.size() > kMostContacts)
+    throw std::invalid_argument("hips: " + std::to_string(hips.size()) + " on " +
+                                std::to_string(objects.size()) + " objects are more than " +
+                                std::to_string(kMostContacts) + " contacts");
   static const Vec3 at_the_device = Vec3::Zero();
   if (hips.empty()) hips = {&at_the_device, 1};
   for (const SceneObject& object : objects)
@@ -64,8 +76,10 @@ Tracker::Tracker(std::span<const SceneObject> objects, std::span<const Vec3> hip
   for (const Vec3& hip : hips) {
     for (std::size_t place = 0; place < places_.size(); ++place) {
       const SceneObject& object = places_[place].object;
-      tracked_.push_back({place, hip, object.unit(), {}, {}, {}});
-      Tracked& tracked = tracked_.back();
+      Tracked& tracked = tracked_.emplace_back();
+      tracked.place = place;
+      tracked.hip = hip;
+      tracked.unit = object.unit();
       if (object.effects.any())
         tracked.effects.emplace(object.effects, object.stiffness, tracked.unit);
       if (object.cache != nullptr) {
@@ -129,12 +143,18 @@ Wrench Tracker::step(const Pose& tool, std::optional<Nanoseconds> time,
   const double dt = tick_time(felt_.value_or(*time_), *time_);
   felt_ = time_;
   Wrench sum;
-  for (std::size_t i = 0; i < tracked_.size(); ++i) feel(tool, dt, velocity, i, sum);
+  int left = kStepEvaluations;
+  for (std::size_t n = tracked_.size(), first = std::exchange(first_, 0), i = first; i < first + n;
+       ++i) {
+    const bool had_some = left > 0;
+    feel(tool, dt, velocity, i % n, left, sum);
+    if (had_some && left <= 0) first_ = (i + 1) % n;
+  }
   return sum;
 }
 
-// Adds what is felt of a HIP and an object.
-void Tracker::feel(const Pose& tool, double dt, const Vec3& velocity, std::size_t i,
+// Adds what is felt of a HIP and an object; `left`: the evaluations that others may spend after it.
+void Tracker::feel(const Pose& tool, double dt, const Vec3& velocity, std::size_t i, int& left,
                    Wrench& sum) noexcept {
   Tracked& tracked = tracked_[i];
   const Place& place = places_[tracked.place];
@@ -145,8 +165,15 @@ void Tracker::feel(const Pose& tool, double dt, const Vec3& velocity, std::size_
   if (tracked.effects) tracked.effects->see(at, dt, place.to_object.linear() * velocity);
   step.searched = !tracked.is_clear(at);
   step.force.setZero();
+  tracked.waiting = step.searched ? tracked.waiting + dt : 0;
+  const Vec3 way = at - std::exchange(tracked.at, at);
   if (!step.searched) return;
-  step.contact = tracked.tick(at, dt);
+  if (left > 0) {
+    step.contact = tracked.tick(at, std::exchange(tracked.waiting, 0));
+    left -= step.contact.iterations + 1;
+  } else {
+    step.contact = on_its_plane(step.contact, way);
+  }
   if (step.contact.push.isZero(0) && !tracked.effects) return;
   const Vec3 force = tracked.effects
                          ? tracked.effects->force(step.contact, tracked.tracker())

@@ -59,12 +59,20 @@ struct ObjectStep {
 // is a second Tracker; caches are shared.
 class GLISS_EXPORT Tracker {
  public:
+  // HIPs times objects.
+  static constexpr std::size_t kMostContacts = 10'000;
+  // No contact is searched or followed in a step after as many evaluations of patches, so that a
+  // step spends at most these and ContactTracker::kTickEvaluations. Others are the first of the
+  // next step; until then a HIP touches the plane of its last contact, or nothing if it had none.
+  static constexpr int kStepEvaluations = 4000;
+
   // `hips`: where the tool's HIPs are from the device's position (m, the tool's frame, which is the
   // world's where the device does not turn); none: one, there.
   // Throws std::invalid_argument, one line with the object's index, for an object without a surface
   // (neither cache nor `lazy`, or a cache without patches) and for a lazy one with another method
   // than kGregory, poses that are not rigid, a stiffness that is not 0 or more, a `settle`,
-  // friction or effects that are invalid; and for HIPs that are not finite.
+  // friction or effects that are invalid; for HIPs that are not finite, and for more contacts than
+  // kMostContacts.
   explicit Tracker(std::span<const SceneObject> objects, std::span<const Vec3> hips = {});
 
   // The force on the hand at a position (m, world), in N: the sum over HIPs and objects. What is
@@ -98,13 +106,15 @@ class GLISS_EXPORT Tracker {
     Pose now, to_object;  // of points in m
   };
   struct Tracked {
-    std::size_t place;
-    Vec3 hip;     // in the tool's frame, m
-    double unit;  // m, of the object's mesh
+    std::size_t place = 0;
+    Vec3 hip = Vec3::Zero();  // in the tool's frame, m
+    double unit = 1;          // m, of the object's mesh
     // One of them.
     std::optional<ContactTracker> whole;
     std::unique_ptr<LazyContact> lazy;
     std::optional<Effects> effects;
+    double waiting = 0;      // s, since its last tick
+    Vec3 at = Vec3::Zero();  // in the last step, in the object's frame and its mesh's unit
 
     // True if nothing is so near that it is felt.
     bool is_clear(const Vec3& at) const {
@@ -121,11 +131,13 @@ class GLISS_EXPORT Tracker {
     bool touching() const { return whole ? whole->touching() : lazy->touching(); }
   };
   void follow_motions() noexcept;
-  void feel(const Pose& tool, double dt, const Vec3& velocity, std::size_t i, Wrench& sum) noexcept;
+  void feel(const Pose& tool, double dt, const Vec3& velocity, std::size_t i, int& left,
+            Wrench& sum) noexcept;
 
   std::vector<Place> places_;  // [object]
   std::vector<Tracked> tracked_;
   std::vector<ObjectStep> steps_;           // [tracked_]
+  std::size_t first_ = 0;                   // of tracked_, in the next step
   std::optional<Nanoseconds> time_, felt_;  // of the last step, and of the last with a position
 };
 

@@ -1,7 +1,5 @@
 #include "gliss/scene/recorder.h"
 
-#include <boost/lockfree/spsc_queue.hpp>
-
 namespace gliss {
 namespace {
 
@@ -28,26 +26,6 @@ Columns recorded_columns(bool turns) {
 }
 
 }  // namespace
-
-struct TickQueue::Queue : boost::lockfree::spsc_queue<LoopTick> {
-  using boost::lockfree::spsc_queue<LoopTick>::spsc_queue;
-};
-
-TickQueue::TickQueue(std::size_t capacity) : queue_(std::make_unique<Queue>(capacity)) {}
-TickQueue::~TickQueue() = default;
-
-bool TickQueue::add(const LoopTick& tick) noexcept {
-  const bool added = queue_->push(tick);
-  if (!added) lost_.fetch_add(1, std::memory_order_relaxed);
-  return added;
-}
-
-bool TickQueue::full() const noexcept { return queue_->write_available() == 0; }
-
-void TickQueue::take(std::vector<LoopTick>& ticks) {
-  ticks.clear();
-  queue_->consume_all([&](const LoopTick& tick) { ticks.push_back(tick); });
-}
 
 RecordingFile::RecordingFile(const std::string& path, const std::vector<Attribute>& attributes,
                              bool turns)

@@ -198,6 +198,12 @@ void read_device(TomlTable table, Scene& scene) {
   table.get_points("hips", scene.hips);
   if (auto tool = table.table("tool")) scene.tool = read_tool(*tool, scene.files);
   if (scene.tool && !scene.hips.empty()) table.fail("tool", "has HIPs of its own; leave out hips");
+  const std::size_t hips =
+      scene.tool ? static_cast<std::size_t>(scene.tool->points) : scene.hips.size();
+  if (hips * scene.objects.size() > Tracker::kMostContacts)
+    table.fail(scene.tool ? "tool" : "hips",
+               fmt::format("has {} HIPs; on {} objects {} are the most", hips, scene.objects.size(),
+                           Tracker::kMostContacts / scene.objects.size()));
   if (auto box = table.table("workspace")) {
     Vec3 least, most;
     if (!box->has("min") || !box->has("max")) table.fail("workspace", "needs min and max");

@@ -78,7 +78,7 @@ int main() {
               TraceStep, SweepBlock, SweepStatistics, LazyMesh, LazyTracker, LazyContact>();
   print_sizes<Pose, SceneObject, ObjectStep, Tracker, DeviceInfo, DeviceState, Guard, GuardInput,
               LoopOptions, LoopTick, HapticLoop, ObjectDescription, Scene, SimDevice, ReplayDevice,
-              HaplyOptions, UdpServer, TickQueue>();
+              HaplyOptions, UdpServer, LoopSession>();
   const Mesh mesh = goldberg().mesh;
   const Ball cache = std::make_shared<const PatchCache>(make_tbb_engine()->build(mesh));
   return feels_one_ball(cache) && feels_two_balls(cache) && reads_a_scene(mesh) ? 0 : 1;

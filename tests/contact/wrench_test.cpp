@@ -77,6 +77,47 @@ TEST(Wrench, of_a_tool_on_a_sphere_is_nearly_the_exact_one) {
   }
 }
 
+// A crowd of HIPs leaps deep into a ball: no step spends more than it may, all are served in turn,
+// and what is felt in the end is what a tracker of each HIP alone feels.
+TEST(Wrench, of_a_crowd_of_hips_is_bounded_a_step_and_whole_soon) {
+  const SceneObject ball = touched(goldberg(4).mesh);
+  std::vector<Vec3> hips;
+  Rng rng(7);
+  for (int i = 0; i < 1500; ++i)
+    hips.emplace_back(uniform(rng, -6e-3, 6e-3), uniform(rng, -6e-3, 6e-3), uniform(rng, 0, 6e-3));
+  Tracker tracker({&ball, 1}, hips);
+  std::vector<Tracker> alone;
+  for (const Vec3& hip : hips) alone.emplace_back(std::span(&ball, 1), std::span(&hip, 1));
+  Wrench crowd, sum;
+  std::size_t most_waiting = 0;
+  const auto step = [&](const Pose& tool) {
+    std::vector<Contact> before;
+    for (const ObjectStep& last : tracker.objects()) before.push_back(last.contact);
+    crowd = tracker.step(tool);
+    sum = {};
+    std::size_t waiting = 0;
+    int spent = 0;
+    for (std::size_t i = 0; i < hips.size(); ++i) {
+      const Wrench one = alone[i].step(tool);
+      sum.force += one.force;
+      sum.torque += one.torque;
+      const ObjectStep& here = tracker.objects()[i];
+      if (here.contact.scp != before[i].scp) spent += here.contact.iterations + 1;
+      waiting += here.searched && here.contact.scp != alone[i].objects()[0].contact.scp;
+    }
+    EXPECT_LE(spent, Tracker::kStepEvaluations + ContactTracker::kTickEvaluations);
+    most_waiting = std::max(most_waiting, waiting);
+  };
+  for (int i = 0; i < 30; ++i) step(tool_at({0, 0, 30e-3}));
+  for (int i = 0; i < 30; ++i) step(tool_at({0, 0, 5e-3}));
+  EXPECT_LT((crowd.force - sum.force).norm(), 1e-9 * sum.force.norm());
+  step(tool_at({0, 0, 30e-3}));
+  EXPECT_TRUE(crowd.force.isZero(0)) << "no plane is touched from outside";
+  EXPECT_GT(most_waiting, 100u) << "they are too few to wait";
+  const std::vector<Vec3> many(Tracker::kMostContacts + 1, Vec3::Zero());
+  EXPECT_THROW(Tracker({&ball, 1}, many), std::invalid_argument);
+}
+
 TEST(Wrench, turns_with_all_and_without_a_turn_has_the_bytes_of_a_point) {
   const Mesh mesh = test::with_normals(goldberg(4).mesh);
   SceneObject object = touched(mesh);

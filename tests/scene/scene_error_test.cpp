@@ -38,6 +38,15 @@ TEST(SceneError, names_what_is_no_toml) {
   });
 }
 
+TEST(SceneError, names_hips_that_are_too_many_for_the_objects) {
+  const SceneFiles files;
+  std::string text =
+      "[[object]]\nmesh = 'ball.obj'\n[[object]]\nmesh = 'ball.obj'\n[device]\nhips = [";
+  for (int i = 0; i < 5001; ++i) text += "[0, 0, 0], ";
+  EXPECT_THAT(files.error_of(text + "]\n"),
+              AllOf(StartsWith("scene.toml:6: device.hips: "), HasSubstr("on 2 objects 5000")));
+}
+
 // Letters stand where toml++ says that it cannot get (CMakeLists.txt): compiled as it is here, it
 // refuses them.
 TEST(SceneError, names_letters_that_stand_where_none_may) {

@@ -1,17 +1,14 @@
 // gliss run: a scene under a device, 1000 times a second. The keys of its JSON are a contract.
 #include <fmt/format.h>
 
-#include <atomic>
 #include <cmath>
 #include <exception>
-#include <future>
 #include <optional>
-#include <thread>
 
 #include "gliss/files/atomic_file.h"
 #include "gliss/scene/open_scene.h"
 #include "gliss/scene/recorder.h"
-#include "gliss/thread/realtime.h"
+#include "gliss/scene/session.h"
 #include "tools/cli/curvature.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/outputs.h"
@@ -96,14 +93,16 @@ std::vector<SceneObject> open_objects(const Scene& scene, const RunOptions& opti
   return gliss::open_objects(scene, opening);
 }
 
-struct Session {
+struct Outcome {
   RunReport report;
   LoopEnd end = LoopEnd::kStopped;
-  std::string scheduling = "SCHED_OTHER";
-  bool memory_locked = false;
-  std::vector<std::string> refusals;
-  std::uint64_t lost = 0;           // ticks that the queue had no room for
+  SessionGrants grants;
+  std::uint64_t lost = 0;           // ticks that the session had no room for
   std::exception_ptr not_recorded;  // why
+
+  std::string scheduling() const {
+    return grants.priority > 0 ? fmt::format("SCHED_FIFO {}", grants.priority) : "SCHED_OTHER";
+  }
 };
 
 // The ticks of a loop that ends after so many seconds; 0: unknown.
@@ -114,67 +113,44 @@ std::uint64_t ticks_of(const RunOptions& options, const Scene& scene) {
 // Hands ticks to the recording. A recording that fails does not stop the loop while a hand is on
 // the device; with --no-wait there is no hand, and it is an error.
 void record(const std::vector<LoopTick>& ticks, const RunOptions& options, RunProgress& progress,
-            std::optional<RecordingFile>& recording, Session& session) {
+            std::optional<RecordingFile>& recording, Outcome& outcome) {
   if (!recording) return;
   try {
     recording->write(ticks);
   } catch (const std::exception& error) {
     if (options.no_wait) throw;
     recording.reset();
-    session.not_recorded = std::current_exception();
+    outcome.not_recorded = std::current_exception();
     progress.say(fmt::format("{}; the loop goes on", error.what()));
   }
 }
 
-// The loop in a thread of its own; this one records and tells.
-void run_session(HapticLoop& loop, const HapticDevice& device, const RunOptions& options,
-                 const Scene& scene, std::optional<RecordingFile>& recording, Session& session) {
-  TickQueue queue;
-  std::atomic<bool> given_up{false};
-  const auto on_tick = [&](const LoopTick& tick) {
-    // Without a clock to keep, nothing need be lost.
-    while (options.no_wait && queue.full() && !given_up) std::this_thread::sleep_for(100us);
-    queue.add(tick);
-    const bool over = options.seconds > 0 && tick.time >= options.seconds * 1s;
-    return !over && !interrupted() && !given_up;
-  };
-  auto running = std::async(std::launch::async, [&] {
-    std::optional<Realtime> realtime;
-    if (!options.no_wait) {
-      realtime.emplace(RealtimeOptions{scene.priority, options.require_realtime, options.cpu});
-      if (realtime->priority() > 0)
-        session.scheduling = fmt::format("SCHED_FIFO {}", realtime->priority());
-      session.memory_locked = realtime->memory_locked();
-      session.refusals = realtime->refusals();
-      for (const std::string& line : device.refusals()) {
-        if (options.require_realtime) throw LoopError(line);
-        session.refusals.push_back(line);
-      }
-      if (!options.quiet) {
-        for (const std::string& line : session.refusals) tell(fmt::format("gliss: {}\n", line));
-      }
-    }
-    session.end = loop.run(on_tick);
-  });
-  // However this thread ends, so does the loop, and its end is waited for.
-  struct GiveUp {
-    std::atomic<bool>& given_up;
-    ~GiveUp() { given_up = true; }
-  } give_up{given_up};
+// Records and tells until the session ends.
+Outcome follow(LoopSession& session, const RunOptions& options, const Scene& scene,
+               std::optional<RecordingFile>& recording) {
+  Outcome outcome;
   RunProgress progress(options.quiet, options.no_wait, ticks_of(options, scene));
   std::uint64_t taken = 0;
   std::vector<LoopTick> ticks;
-  for (bool more = true; more;) {
-    more = running.wait_for(options.no_wait ? 1ms : 50ms) != std::future_status::ready;
-    queue.take(ticks);
+  for (bool more = true, told = options.quiet; more;) {
+    more = !session.wait_for(options.no_wait ? 1ms : 50ms);
+    if (interrupted()) session.request_stop();
+    if (const auto grants = session.grants(); grants && !told) {
+      for (const std::string& line : grants->refusals) tell(fmt::format("gliss: {}\n", line));
+      told = true;
+    }
+    session.take(ticks);
     taken += ticks.size();
-    for (const LoopTick& tick : ticks) session.report.add(tick);
-    record(ticks, options, progress, recording, session);
-    if (more) progress.update(session.report, taken);
+    for (const LoopTick& tick : ticks) outcome.report.add(tick);
+    record(ticks, options, progress, recording, outcome);
+    if (more) progress.update(outcome.report, taken);
   }
-  progress.finish(session.report, taken);
-  running.get();
-  session.lost = session.not_recorded ? loop.record().ticks() : queue.lost();
+  progress.finish(outcome.report, taken);
+  session.join();
+  outcome.end = session.end();
+  outcome.grants = session.grants().value();
+  outcome.lost = outcome.not_recorded ? session.loop().record().ticks() : session.lost();
+  return outcome;
 }
 
 // [{mesh, stiffness_N_per_m}]
@@ -186,9 +162,9 @@ Json objects_json(const Scene& scene) {
 }
 
 Json figures_of(const RunOptions& options, const Scene& scene, const HapticLoop& loop,
-                const Session& session, const std::string& device) {
+                const Outcome& outcome, const std::string& device) {
   const TickRecord& record = loop.record();
-  const ForceStatistics &rendered = session.report.rendered(), &sent = session.report.sent();
+  const ForceStatistics &rendered = outcome.report.rendered(), &sent = outcome.report.sent();
   Json acts = Json::object();
   std::uint64_t trips = 0;
   for (int i = 1; i < kGuardReasons; ++i) {
@@ -223,11 +199,11 @@ Json figures_of(const RunOptions& options, const Scene& scene, const HapticLoop&
           {"wake", json_of(record.lateness())},
           {"compute", json_of(record.compute())},
           {"device", device},
-          {"end", loop_end_text(session.end)},
-          {"scheduling", session.scheduling},
-          {"memory_locked", session.memory_locked},
-          {"refusals", session.refusals},
-          {"ticks_not_recorded", session.lost}};
+          {"end", loop_end_text(outcome.end)},
+          {"scheduling", outcome.scheduling()},
+          {"memory_locked", outcome.grants.memory_locked},
+          {"refusals", outcome.grants.refusals},
+          {"ticks_not_recorded", outcome.lost}};
 }
 
 std::string steps_text(const ForceStatistics& s) {
@@ -237,15 +213,15 @@ std::string steps_text(const ForceStatistics& s) {
       s.largest_force, s.largest_step, s.jumps_per_100k(), s.lost_per_100k());
 }
 
-std::string text_of(const HapticLoop& loop, const Session& session, const Json& json) {
+std::string text_of(const HapticLoop& loop, const Outcome& outcome, const Json& json) {
   const TickRecord& record = loop.record();
-  const ForceStatistics &rendered = session.report.rendered(), &sent = session.report.sent();
+  const ForceStatistics &rendered = outcome.report.rendered(), &sent = outcome.report.sent();
   std::string out =
       timing_header() + timing_row("wake", record.lateness()) +
       timing_row("compute", record.compute()) +
       fmt::format("{} ticks, {} missed, at most {} in a row; success {:.3f} %; {}, memory {}\n",
                   record.ticks(), record.missed(), record.longest_missed(), 100 * record.success(),
-                  session.scheduling, session.memory_locked ? "locked" : "not locked") +
+                  outcome.scheduling(), outcome.grants.memory_locked ? "locked" : "not locked") +
       fmt::format("rendered: {} ticks in contact, {} entries, {}\nsent: {}\n", rendered.touching,
                   rendered.entries, steps_text(rendered), steps_text(sent)) +
       unsound_text(rendered.unsound + sent.unsound, "steps") + "guards:";
@@ -255,8 +231,8 @@ std::string text_of(const HapticLoop& loop, const Session& session, const Json& 
   }
   if (!acts.empty()) acts.pop_back();
   out += acts.empty() ? " none acted" : acts;
-  if (session.lost > 0) out += fmt::format("\n{} ticks were not recorded", session.lost);
-  return fmt::format("{}\nend: {}\n", out, loop_end_text(session.end));
+  if (outcome.lost > 0) out += fmt::format("\n{} ticks were not recorded", outcome.lost);
+  return fmt::format("{}\nend: {}\n", out, loop_end_text(outcome.end));
 }
 
 // Says which objects curve tighter than a HIP was deep in them. Lazy ones do not know. The report
@@ -371,12 +347,14 @@ void run(const RunOptions& options) {
   Tracker tracker(objects, open_hips(scene, {.poll = stop_if_interrupted}));
   rules.wait = !options.no_wait;
   rules.cpu_time = options.cpu_time;
-  HapticLoop loop(*device, tracker, rules);
-  Session session;
-  run_session(loop, *device, options, scene, recording, session);
+  LoopSession session(
+      *device, tracker, rules,
+      {options.seconds, true, {scene.priority, options.require_realtime, options.cpu}});
+  const Outcome outcome = follow(session, options, scene, recording);
 
-  Json json = figures_of(options, scene, loop, session, device->info().name);
-  if (device->info().has_orientation) json["largest_torque_Nm"] = session.report.largest_torque();
+  const HapticLoop& loop = session.loop();
+  Json json = figures_of(options, scene, loop, outcome, device->info().name);
+  if (device->info().has_orientation) json["largest_torque_Nm"] = outcome.report.largest_torque();
   if (recording) {
     recording->add_histogram("wake_lateness", loop.record().lateness());
     recording->add_histogram("compute", loop.record().compute());
@@ -386,22 +364,22 @@ void run(const RunOptions& options) {
     Json whole = json;
     whole["histograms"] = {{"wake", histogram_json(loop.record().lateness())},
                            {"compute", histogram_json(loop.record().compute())}};
-    whole["trips"] = session.report.trips_json();
+    whole["trips"] = outcome.report.trips_json();
     report_file->write(printed(whole));
     report_file->commit();
   }
-  tell_tight_objects(options, scene, objects, session.report);
-  if (session.report.rendered().touching == 0 && loop.record().ticks() > 0)
+  tell_tight_objects(options, scene, objects, outcome.report);
+  if (outcome.report.rendered().touching == 0 && loop.record().ticks() > 0)
     tell_untouched_objects(options, scene, objects);
-  if (session.report.begins_inside() && !options.quiet)
+  if (outcome.report.begins_inside() && !options.quiet)
     tell(
         fmt::format("gliss: the hand begins inside an object: until it has been outside, the "
                     "force is at most {:g} N\n",
                     rules.guard.engage_below));
-  report(options, text_of(loop, session, json), json);
-  if (session.not_recorded) std::rethrow_exception(session.not_recorded);
+  report(options, text_of(loop, outcome, json), json);
+  if (outcome.not_recorded) std::rethrow_exception(outcome.not_recorded);
   stop_if_interrupted();
-  if (session.end == LoopEnd::kDeviceFault)
+  if (outcome.end == LoopEnd::kDeviceFault)
     throw LoopError(fmt::format("{}: {}", device->info().name, device->fault_text()));
 }
 
