@@ -45,7 +45,7 @@ if(GLISS_PYTHON)
 endif()
 # Installed and used as shared libraries, by programs of other flags.
 if(BUILD_SHARED_LIBS)
-  add_dependencies(sanitized ${libraries} gliss_c)
+  add_dependencies(sanitized ${libraries})
   add_test(NAME shared_libraries COMMAND sh ${CMAKE_CURRENT_SOURCE_DIR}/shared_libraries.sh ${PROJECT_BINARY_DIR}
     ${CMAKE_CURRENT_SOURCE_DIR}/consumer ${PROJECT_BINARY_DIR}/consumer "-fsanitize=${GLISS_SANITIZE}")
   set_tests_properties(shared_libraries PROPERTIES TIMEOUT 600 SKIP_RETURN_CODE 77 COST 60)

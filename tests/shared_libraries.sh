@@ -7,7 +7,7 @@ set -eu
 rm -rf "$3"
 cmake --install "$1" --prefix "$3/prefix" >/dev/null
 
-for component in core runtime files tables engine study scene; do
+for component in core runtime files tables engine study haply scene; do
   library=$(find "$3/prefix" -name "libgliss_$component.so")
   [ -n "$library" ] || { echo "libgliss_$component.so is not installed"; exit 1; }
   name=$(readelf -d "$library" | sed -n 's/.*SONAME.*\[\(.*\)\]/\1/p')

@@ -14,7 +14,7 @@ if(BUILD_SHARED_LIBS)
   target_include_directories(gliss_whole PUBLIC ${CMAKE_BINARY_DIR}/rooms/all)
 else()
   add_library(gliss_whole INTERFACE)
-  target_link_libraries(gliss_whole INTERFACE gliss_study gliss_scene)
+  target_link_libraries(gliss_whole INTERFACE gliss_study gliss_scene gliss_haply)
 endif()
 
 # The commands, which the programs have in common.
@@ -27,6 +27,7 @@ target_link_libraries(gliss_commands PUBLIC gliss_whole gliss_options fmt::fmt
   PRIVATE CLI11::CLI11 nlohmann_json::nlohmann_json)
 target_precompile_headers(gliss_commands PRIVATE ${common_headers} <fmt/format.h> <nlohmann/json.hpp>)
 add_executable(gliss tools/cli/gliss.cpp)
+install(TARGETS gliss OPTIONAL)  # some builds are of the libraries alone
 target_link_libraries(gliss PRIVATE gliss_commands nlohmann_json::nlohmann_json)
 
 # gliss-mpi, the same on the ranks of an MPI job. gliss itself never needs MPI.
@@ -58,6 +59,7 @@ elseif(GLISS_MPI)
     message(STATUS "No HDF5 with MPI (libhdf5-openmpi-dev, pkg-config): rank 0 of gliss-mpi writes results alone")
   endif()
   target_link_libraries(gliss_mpi PRIVATE gliss_commands nlohmann_json::nlohmann_json MPI::MPI_CXX)
+  install(TARGETS gliss_mpi OPTIONAL)
 elseif(NOT MPI_FOUND)
   message(STATUS "No MPI: gliss-mpi is left out")
 endif()
