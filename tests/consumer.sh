@@ -1,15 +1,15 @@
 #!/bin/sh
-# Installs the build tree given as $1, builds the consumer project $2 against it in $3, and runs it: as it
-# is, as C++23, and built for the instruction sets that this machine has besides. All must print the same. Then builds
-# the source $4 with a loop's libraries alone, and runs it as it is and under sanitizers; and of the examples the
-# device of one's own, and the hand in C by CMake and by pkg-config.
+# Installs the build tree given as $1 in $3, and builds and runs the programs of the pages, by their own lines (with the
+# Python $5). Then builds the consumer project $2, and runs it: as it is, as C++23, and built for the instruction sets
+# that this machine has besides. All must print the same. Then builds the source $4 with a loop's libraries alone, and
+# runs it as it is and under sanitizers; and of the examples the device of one's own, and the hand in C by CMake and by
+# pkg-config.
 set -eu
 . "$(dirname "$0")/support/skip.sh"
-rm -rf "$3"
 # The quickstart builds what docs/library.md's first line installs.
 grep -q 'target installed' "$(dirname "$0")/../tools/quickstart.sh"
 cmake --build "$1" --target installed >/dev/null
-cmake --install "$1" --prefix "$3/prefix" >/dev/null
+"$5" "$(dirname "$0")/page_lines.py" "$1" "$(dirname "$0")/../docs" "$3"
 cmake -S "$2" -B "$3/build" -DCMAKE_PREFIX_PATH="$3/prefix" -DCMAKE_BUILD_TYPE=Release >/dev/null
 cmake --build "$3/build" --parallel 2
 cmake -S "$2/loop" -B "$3/loop" -DCMAKE_PREFIX_PATH="$3/prefix" -DCMAKE_BUILD_TYPE=Release -DLOOP_SOURCE="$4" >/dev/null
