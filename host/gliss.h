@@ -58,6 +58,7 @@
 #include "gliss/scene/open_scene.h"
 #include "gliss/scene/recorder.h"
 #include "gliss/scene/scene.h"
+#include "gliss/scene/session.h"
 #include "gliss/study/compare.h"
 #include "gliss/study/fidelity.h"
 #include "gliss/study/held_outside.h"
