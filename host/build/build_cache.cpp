@@ -199,6 +199,8 @@ class CacheBuilder {
     return base_only_ || !(is_fair(face) || is_sharp(face));
   }
 
+  Sampler sampler() const { return {*tables_, &backend_.poll}; }
+
   // Makes the tables of the faces, and of the triangles that a face may be split into.
   void make_tables() {
     std::vector<char> used(4, 0);
@@ -343,7 +345,7 @@ class CacheBuilder {
     } else {
       PatchShape shape = b.shape.empty()
                              ? examine(c.frame[p], plain.corner, plain.triangle, plain.drafted,
-                                       plain.form, plain.valence, *tables_, &samples)
+                                       plain.form, plain.valence, sampler(), &samples)
                              : examined(b, p, samples);
       if (!(b.turned[p] > 0)) shape.turn = -1;
       judge(face, c.frame[p], shape, b.soundness[p], drafted);
@@ -390,7 +392,7 @@ class CacheBuilder {
              DraftedFace& d) const {
     d.shape = shape;
     if (may_fold_unseen(d.shape) || (mesh_.valence(face) > kFewSides && !is_folded(d.shape)))
-      d.shape.turn = std::min(d.shape.turn, closer_turn(draft(face_of(face)), *tables_));
+      d.shape.turn = std::min(d.shape.turn, closer_turn(draft(face_of(face)), sampler()));
     d.folded = is_folded(d.shape);
     d.degenerate = is_degenerate(soundness);
     const double most = most_sag(face);
@@ -400,8 +402,8 @@ class CacheBuilder {
     const FaceCorners corners = face_of(face);
     PatchDraft patch = draft(corners);
     patch.shape = d.shape;
-    d.tamer = d.flagged() ? draft_tamer(corners, std::move(patch), *tables_)
-                          : draft_flatter(corners, std::move(patch), most, *tables_);
+    d.tamer = d.flagged() ? draft_tamer(corners, std::move(patch), sampler())
+                          : draft_flatter(corners, std::move(patch), most, sampler());
   }
 
   void report(const Chunk& c) {
@@ -534,10 +536,9 @@ class CacheBuilder {
     const Kernels<double>& k = kernels<double>();
     to.form = form;
     to.control.resize(k.control_reals(form, d.valence));
-    k.to_form(tables_->domain_of(d.valence), d.corner, d.drafted, d.form, form, d.valence,
-              to.control.data());
-    to.shape = examine(*d.frame, d.corner, d.triangle, to.control.data(), form, d.valence, *tables_,
-                       &to.samples);
+    take_to_form(d.corner, d.drafted, d.form, form, d.valence, sampler(), to.control.data());
+    to.shape = examine(*d.frame, d.corner, d.triangle, to.control.data(), form, d.valence,
+                       sampler(), &to.samples);
   }
 
   // True if a patch is gentle in the first form that it may have at the level, and its normals as
@@ -547,7 +548,7 @@ class CacheBuilder {
     if (forms.empty()) return false;
     form_patch(d, forms.front(), formed);
     return formed.samples.is_gentle &&
-           keeps_direction(*d.frame, d.drafted, d.form, d.valence, *tables_);
+           keeps_direction(*d.frame, d.drafted, d.form, d.valence, sampler());
   }
 
   // Takes a patch to the level that was asked for and cuts it into tiles. `samples`: those of the

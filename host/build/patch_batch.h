@@ -92,6 +92,8 @@ struct BuildBackend {
   // Told now and then how many of the faces are examined, from the thread that builds; what it
   // throws ends the build.
   std::function<void(std::size_t faces)> progress = [](std::size_t) {};
+  // Asked many times a second, from any thread of the build; what it throws ends it.
+  std::function<void()> poll = [] {};
 };
 
 }  // namespace gliss

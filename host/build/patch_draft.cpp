@@ -213,7 +213,8 @@ PatchDraft draft_paper(const FaceCorners& face, std::vector<std::uint32_t> face_
 
 PatchShape examine(const PatchFrame& frame, const double* corner, const std::uint32_t* triangle,
                    const double* control, std::uint32_t form, std::uint32_t n,
-                   const ValenceTables& tables, PatchSamples* samples) {
+                   const Sampler& sampler, PatchSamples* samples) {
+  sampler.ask(n);
   const Kernels<double>& k = kernels<double>();
   double axes[kFrameReals], reals[kShapeReals];
   frame.store(axes);
@@ -221,39 +222,57 @@ PatchShape examine(const PatchFrame& frame, const double* corner, const std::uin
     samples->count = static_cast<std::uint32_t>(k.probe_reals(n) / 2);
     samples->rows.resize(kCutRows * samples->count);
   }
-  k.examine(tables.domain_of(n), tables.probes_of(n), k.probe_coarse(n), tables.probe_count[n],
-            control, form, corner, triangle, axes, n, tables.second_of(form, n),
-            samples == nullptr ? nullptr : samples->rows.data(), reals);
+  k.examine(sampler.tables.domain_of(n), sampler.tables.probes_of(n), k.probe_coarse(n),
+            sampler.tables.probe_count[n], control, form, corner, triangle, axes, n,
+            sampler.tables.second_of(form, n), samples == nullptr ? nullptr : samples->rows.data(),
+            reals);
   if (samples != nullptr) samples->set_shape(reals, n);
   return shape_from(reals);
 }
 
-std::vector<Vec3> normals_of(const PatchDraft& d, const ValenceTables& tables,
+std::vector<Vec3> normals_of(const PatchDraft& d, const Sampler& sampler,
                              std::span<const Eigen::Vector2d> at) {
-  const std::size_t count = at.size();
-  std::vector<double> xi(count), eta(count), rows(9 * count);
-  for (std::size_t i = 0; i < count; ++i) xi[i] = at[i].x(), eta[i] = at[i].y();
-  kernels<double>().evaluate(tables.domain_of(d.valence()), d.control.data(), d.form, d.valence(),
-                             xi.data(), eta.data(), count, count, rows.data());
+  constexpr std::size_t kTogether = 1024;
+  std::vector<double> xi(kTogether), eta(kTogether), rows(9 * kTogether);
   std::vector<Vec3> normals;
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto row = [&](std::size_t r) {
-      return Vec3(rows[r * count + i], rows[(r + 1) * count + i], rows[(r + 2) * count + i]);
-    };
-    normals.push_back(row(3).cross(row(6)));
+  normals.reserve(at.size());
+  while (normals.size() < at.size()) {
+    sampler.ask(d.valence());
+    const auto some = at.subspan(normals.size(), std::min(kTogether, at.size() - normals.size()));
+    for (std::size_t i = 0; i < some.size(); ++i) xi[i] = some[i].x(), eta[i] = some[i].y();
+    kernels<double>().evaluate(sampler.tables.domain_of(d.valence()), d.control.data(), d.form,
+                               d.valence(), xi.data(), eta.data(), some.size(), kTogether,
+                               rows.data());
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      const auto row = [&](std::size_t r) {
+        return Vec3(rows[r * kTogether + i], rows[(r + 1) * kTogether + i],
+                    rows[(r + 2) * kTogether + i]);
+      };
+      normals.push_back(row(3).cross(row(6)));
+    }
   }
   return normals;
 }
 
-PatchShape examine(const PatchDraft& d, const ValenceTables& tables, PatchSamples* samples) {
+PatchShape examine(const PatchDraft& d, const Sampler& sampler, PatchSamples* samples) {
   PatchShape shape = examine(d.frame, d.corner.data(), d.triangle.data(), d.control.data(), d.form,
-                             d.valence(), tables, samples);
+                             d.valence(), sampler, samples);
   if (!(d.turned > 0)) shape.turn = -1;
   return shape;
 }
 
+void take_to_form(const double* corner, const double* control, std::uint32_t from,
+                  std::uint32_t form, std::uint32_t n, const Sampler& sampler, double* out) {
+  const Kernels<double>& k = kernels<double>();
+  if ((form & 255u) != kFormTable) return k.to_form(corner, control, form, n, out);
+  for (std::uint32_t part = 0; part < n; ++part) {
+    sampler.ask(n);
+    k.to_table(sampler.tables.domain_of(n), control, from, form, n, part, out);
+  }
+}
+
 bool keeps_direction(const PatchFrame& frame, const double* control, std::uint32_t form,
-                     std::uint32_t n, const ValenceTables& tables) {
+                     std::uint32_t n, const Sampler& sampler) {
   constexpr std::size_t kAlongNormal = 5;  // the row of n . normal of the base polygon
   const Kernels<double>& k = kernels<double>();
   const std::uint32_t count = k.probe_coarse(n);
@@ -262,13 +281,13 @@ bool keeps_direction(const PatchFrame& frame, const double* control, std::uint32
   rows.resize(kCutRows * count);
   double axes[kFrameReals];
   frame.store(axes);
-  const double *xi = tables.probes_of(n), *eta = xi + k.probe_reals(n) / 2;
-  k.sample(tables.domain_of(n), control, form, axes, n, xi, eta, count, rows.data());
+  const double *xi = sampler.tables.probes_of(n), *eta = xi + k.probe_reals(n) / 2;
+  k.sample(sampler.tables.domain_of(n), control, form, axes, n, xi, eta, count, rows.data());
   return std::all_of(&rows[kAlongNormal * count], rows.data() + (kAlongNormal + 1) * count,
                      [](double cosine) { return cosine > kGentleCosine; });
 }
 
-double closer_turn(const PatchDraft& d, const ValenceTables& tables) {
+double closer_turn(const PatchDraft& d, const Sampler& sampler) {
   const std::uint32_t n = d.valence(), levels = kCloser * kernels<double>().probe_levels(n);
   std::vector<Eigen::Vector2d> at;
   at.reserve(n * levels * (levels + 1) / 2);
@@ -279,7 +298,7 @@ double closer_turn(const PatchDraft& d, const ValenceTables& tables) {
     }
   }
   double turn = 1;
-  for (const Vec3& normal : normals_of(d, tables, at))
+  for (const Vec3& normal : normals_of(d, sampler, at))
     turn = std::min(turn, normal.normalized().dot(d.frame.normal));
   return turn;
 }

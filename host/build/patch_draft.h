@@ -114,21 +114,38 @@ PatchDraft draft_patch(const FaceCorners& face, std::vector<std::uint32_t> face_
 void draft_patch(const FaceCorners& face, PatchDraft& draft);
 // The paper's patch, whatever the face has.
 PatchDraft draft_paper(const FaceCorners& face, std::vector<std::uint32_t> face_corner);
+// The tables that patches are sampled by, and a question that is asked between samples of patches
+// of many sides: what it throws ends the build.
+struct Sampler {
+  Sampler(const ValenceTables& with, const std::function<void()>* asked = nullptr)
+      : tables(with), poll(asked) {}
+  void ask(std::uint32_t n) const {
+    if (n > 64 && poll != nullptr) (*poll)();
+  }
+
+  const ValenceTables& tables;
+  const std::function<void()>* poll;  // null: nobody asks
+};
+
 // Normals, of any length, at `at`: domain points.
-std::vector<Vec3> normals_of(const PatchDraft& draft, const ValenceTables& tables,
+std::vector<Vec3> normals_of(const PatchDraft& draft, const Sampler& sampler,
                              std::span<const Eigen::Vector2d> at);
 // `samples`: null, or what becomes of the probes for tiles to be cut from (patch_tiles.h).
-PatchShape examine(const PatchDraft& draft, const ValenceTables& tables,
+PatchShape examine(const PatchDraft& draft, const Sampler& sampler,
                    PatchSamples* samples = nullptr);
 // The shape of a patch in any form, from its pieces.
 PatchShape examine(const PatchFrame& frame, const double* corner, const std::uint32_t* triangle,
                    const double* control, std::uint32_t form, std::uint32_t n,
-                   const ValenceTables& tables, PatchSamples* samples = nullptr);
+                   const Sampler& sampler, PatchSamples* samples = nullptr);
 // True if the normals of a patch at the coarse probes are as near to its base polygon's as a gentle
 // patch's. False for triangles that blend sides and where there are no such probes.
 bool keeps_direction(const PatchFrame& frame, const double* control, std::uint32_t form,
-                     std::uint32_t n, const ValenceTables& tables);
+                     std::uint32_t n, const Sampler& sampler);
 // PatchShape::turn of more samples.
-double closer_turn(const PatchDraft& draft, const ValenceTables& tables);
+double closer_turn(const PatchDraft& draft, const Sampler& sampler);
+
+// The control data of a patch in another form, with room in `out` (Kernels::to_form).
+void take_to_form(const double* corner, const double* control, std::uint32_t from,
+                  std::uint32_t form, std::uint32_t n, const Sampler& sampler, double* out);
 
 }  // namespace gliss

@@ -24,16 +24,16 @@ constexpr double kInside = 1 - 1e-5;  // how far from the centre to a side count
 
 // PatchShape::turn of the outermost probes alone, where most patches that fold do so: examine()
 // finds no more than that. It takes a tenth of the time.
-double turn_at_rim(const PatchDraft& d, const ValenceTables& tables) {
+double turn_at_rim(const PatchDraft& d, const Sampler& sampler) {
   const std::uint32_t n = d.valence(), levels = kernels<double>().probe_levels(n);
-  const double *xi = tables.probes_of(n), *eta = xi + kernels<double>().probe_reals(n) / 2;
+  const double *xi = sampler.tables.probes_of(n), *eta = xi + kernels<double>().probe_reals(n) / 2;
   std::vector<Eigen::Vector2d> at;
   for (std::uint32_t i = 0; i < n * levels; ++i) {
     const std::uint32_t place = kernels<double>().probe_place(n, levels, i);
     at.emplace_back(xi[place], eta[place]);
   }
   double turn = 1;
-  for (const Vec3& normal : normals_of(d, tables, at))
+  for (const Vec3& normal : normals_of(d, sampler, at))
     turn = std::min(turn, normal.normalized().dot(d.frame.normal));
   return turn + kRounding;
 }
@@ -41,7 +41,7 @@ double turn_at_rim(const PatchDraft& d, const ValenceTables& tables) {
 // True if the patch lies on the outer side of n_c all along its boundary, which is that of `exact`:
 // where a vertex normal points against the face, the ribbon may turn over, and the surface would
 // double back along the edge.
-bool keeps_normals(const PatchDraft& d, const PatchDraft& exact, const ValenceTables& tables) {
+bool keeps_normals(const PatchDraft& d, const PatchDraft& exact, const Sampler& sampler) {
   if (!d.side.empty()) return d.turned > 0;
   const std::uint32_t n = d.valence();
   const std::uint32_t steps = n > 32 ? 2 : 8;
@@ -50,7 +50,7 @@ bool keeps_normals(const PatchDraft& d, const PatchDraft& exact, const ValenceTa
     for (std::uint32_t i = 0; i < steps; ++i)
       at.emplace_back(kInside * on_side(n, side, (i + 0.5) / steps));
   }
-  const std::vector<Vec3> normals = normals_of(d, tables, at);
+  const std::vector<Vec3> normals = normals_of(d, sampler, at);
   for (std::size_t i = 0; i < at.size(); ++i) {
     double normal[3];
     kernels<double>().side_normal(&exact.control[i / steps * kSideReals],
@@ -62,9 +62,9 @@ bool keeps_normals(const PatchDraft& d, const PatchDraft& exact, const ValenceTa
 
 // Examines a patch with more samples where it seems safe: those of many sides have few, and one
 // that is flat may fold in its plane between them though it curves nowhere.
-void examine_closely(PatchDraft& d, const ValenceTables& tables) {
-  d.shape = examine(d, tables);
-  if (d.shape.turn > kSafeTurn) d.shape.turn = std::min(d.shape.turn, closer_turn(d, tables));
+void examine_closely(PatchDraft& d, const Sampler& sampler) {
+  d.shape = examine(d, sampler);
+  if (d.shape.turn > kSafeTurn) d.shape.turn = std::min(d.shape.turn, closer_turn(d, sampler));
 }
 
 // The same boundary, with cross tangents shortened; not examined.
@@ -77,30 +77,30 @@ PatchDraft eased(const PatchDraft& draft, double amount) {
 
 // The same boundary, with cross tangents shortened until the patch is safe; none where it never is.
 // Cross tangents stay as they were where they have no direction to speak of.
-std::optional<PatchDraft> ease(const PatchDraft& draft, const ValenceTables& tables) {
+std::optional<PatchDraft> ease(const PatchDraft& draft, const Sampler& sampler) {
   if (draft.shape.turn > kSafeTurn) return draft;
   if (draft.soundness < kTurnsAbout || draft.form != kFormPaper) return std::nullopt;
   for (const double amount : {0.25, 0.5, 0.75, 0.9}) {
     PatchDraft d = eased(draft, amount);
-    if (!(turn_at_rim(d, tables) > kSafeTurn)) continue;
-    examine_closely(d, tables);
+    if (!(turn_at_rim(d, sampler) > kSafeTurn)) continue;
+    examine_closely(d, sampler);
     if (d.shape.turn > kSafeTurn) return d;
   }
   return std::nullopt;
 }
 
 // The paper's patch with cross tangents that are polynomials; empty where that is not safe either.
-std::vector<PatchDraft> relaxed(const PatchDraft& exact, const ValenceTables& tables) {
+std::vector<PatchDraft> relaxed(const PatchDraft& exact, const Sampler& sampler) {
   const std::uint32_t n = exact.valence();
   if (is_degenerate(exact.soundness)) return {};
   PatchDraft d = exact;
   d.kind = PatchKind::kEased;
   d.form = kFormRibbon;
   d.control.resize(kernels<double>().control_reals(d.form, n));
-  kernels<double>().to_form(tables.domain_of(n), d.corner.data(), exact.control.data(), kFormPaper,
-                            d.form, n, d.control.data());
-  examine_closely(d, tables);
-  if (!(d.shape.turn > kSafeTurn) || !keeps_normals(d, exact, tables)) return {};
+  take_to_form(d.corner.data(), exact.control.data(), kFormPaper, d.form, n, sampler,
+               d.control.data());
+  examine_closely(d, sampler);
+  if (!(d.shape.turn > kSafeTurn) || !keeps_normals(d, exact, sampler)) return {};
   return {std::move(d)};
 }
 
@@ -127,8 +127,7 @@ Quality quality_of(const PatchDraft& d) {
 // The same boundary curves, with cross tangents in the plane of the polygon, shorter and shorter:
 // without any, a corner interpolator is the sum of its two curves. The best, if it is better than
 // `worst`.
-std::optional<PatchDraft> bend(const PatchDraft& draft, Quality worst,
-                               const ValenceTables& tables) {
+std::optional<PatchDraft> bend(const PatchDraft& draft, Quality worst, const Sampler& sampler) {
   std::optional<PatchDraft> best;
   for (const double length : {1.0, 0.5, 0.0}) {
     PatchDraft d = draft;
@@ -145,8 +144,8 @@ std::optional<PatchDraft> bend(const PatchDraft& draft, Quality worst,
       }
       kernels<double>().bend_patch(d.control.data(), n, d.frame.normal.data());
     }
-    if (turn_at_rim(d, tables) < std::min(worst.turn, kSafeTurn)) continue;
-    d.shape = examine(d, tables);
+    if (turn_at_rim(d, sampler) < std::min(worst.turn, kSafeTurn)) continue;
+    d.shape = examine(d, sampler);
     const Quality quality = quality_of(d);
     // The shorter one wins if two are as bad.
     const bool is_as_bad = best && !quality.is_safe() && quality.turn == worst.turn;
@@ -174,15 +173,15 @@ void straighten_cuts(PatchDraft& d, std::uint32_t face_valence) {
 // The face with a centre as its last corner: places and normals to try. Where ribbons degenerate,
 // the middle of the patch may be anywhere.
 std::vector<FaceCorners> with_centres(const FaceCorners& face, const PatchDraft& exact,
-                                      const ValenceTables& tables) {
+                                      const Sampler& sampler) {
   Vec3 centroid = Vec3::Zero(), normal = Vec3::Zero();
   for (const Vec3& p : face.position) centroid += p / static_cast<double>(face.position.size());
   for (const Vec3& m : face.normal) normal += m;
   double at[9];
   const double zero = 0;
   const auto n = static_cast<std::uint32_t>(face.position.size());
-  kernels<double>().evaluate(tables.domain_of(n), exact.control.data(), exact.form, n, &zero, &zero,
-                             1, 1, at);
+  kernels<double>().evaluate(sampler.tables.domain_of(n), exact.control.data(), exact.form, n,
+                             &zero, &zero, 1, 1, at);
   const Vec3 middle = exact.frame.origin + Vec3(at[0], at[1], at[2]) / exact.frame.scale;
   std::vector<FaceCorners> all;
   for (const Vec3& p : {middle, Vec3(0.5 * (middle + centroid)), centroid}) {
@@ -202,17 +201,16 @@ using Cuts = std::vector<std::array<std::uint32_t, 3>>;  // triangles of corners
 // The face cut into triangles that share its corners and perhaps a centre, each with the normals of
 // its corners: they join each other and the neighbours with G1 continuity as any two patches do.
 // None where one of them is not safe.
-std::vector<PatchDraft> split(const FaceCorners& face, const Cuts& cuts,
-                              const ValenceTables& tables) {
+std::vector<PatchDraft> split(const FaceCorners& face, const Cuts& cuts, const Sampler& sampler) {
   std::vector<PatchDraft> parts;
   for (const auto& t : cuts) {
     PatchDraft d = draft_patch(face, {t[0], t[1], t[2]});
     d.kind = PatchKind::kSplit;
     d.shape.turn = -1;
-    if (!is_degenerate(d.soundness) && turn_at_rim(d, tables) > kSafeTurn)
-      d.shape = examine(d, tables);
-    std::optional<PatchDraft> safe = ease(d, tables);
-    if (!safe || !keeps_normals(*safe, *safe, tables)) return {};
+    if (!is_degenerate(d.soundness) && turn_at_rim(d, sampler) > kSafeTurn)
+      d.shape = examine(d, sampler);
+    std::optional<PatchDraft> safe = ease(d, sampler);
+    if (!safe || !keeps_normals(*safe, *safe, sampler)) return {};
     parts.push_back(*std::move(safe));
   }
   return parts;
@@ -222,13 +220,13 @@ std::vector<PatchDraft> split(const FaceCorners& face, const Cuts& cuts,
 // turned away from the face, as round a centre that lies outside of it.
 std::vector<PatchDraft> split_bent(const FaceCorners& face, const Cuts& cuts,
                                    std::uint32_t face_valence, const Vec3& face_normal,
-                                   const Quality& worst, const ValenceTables& tables) {
+                                   const Quality& worst, const Sampler& sampler) {
   std::vector<PatchDraft> parts;
   for (const auto& t : cuts) {
     PatchDraft d = draft_patch(face, {t[0], t[1], t[2]});
     if (!(d.frame.normal.dot(face_normal) > kSafeTurn)) return {};
     straighten_cuts(d, face_valence);
-    std::optional<PatchDraft> bent = bend(d, worst, tables);
+    std::optional<PatchDraft> bent = bend(d, worst, sampler);
     if (!bent) return {};
     parts.push_back(*std::move(bent));
   }
@@ -274,18 +272,18 @@ Quality quality_of(const std::vector<PatchDraft>& drafts) {
 }
 
 std::vector<PatchDraft> find_tamer(const FaceCorners& face, PatchDraft exact,
-                                   const ValenceTables& tables) {
+                                   const Sampler& sampler) {
   const bool is_curved = exact.form == kFormCurved;
   if (is_curved) {  // the paper's keeps the boundary normals too
     exact = draft_paper(face, std::move(exact.face_corner));
     exact.kind = PatchKind::kEased;
-    examine_closely(exact, tables);
+    examine_closely(exact, sampler);
   }
   if (is_degenerate(exact.soundness)) exact.shape.turn = -1;
   if (is_curved && exact.shape.turn > kSafeTurn) return {std::move(exact)};
   const std::uint32_t n = exact.valence();
   std::vector<FaceCorners> fans;
-  if (n <= kMaxFan) fans = with_centres(face, exact, tables);
+  if (n <= kMaxFan) fans = with_centres(face, exact, sampler);
   Cuts fan, ears;
   for (std::uint32_t k = 0; k < n; ++k) fan.push_back({k, (k + 1) % n, n});
   for (std::size_t t = 0; t < exact.triangle.size(); t += 3) {
@@ -293,19 +291,19 @@ std::vector<PatchDraft> find_tamer(const FaceCorners& face, PatchDraft exact,
   }
   // It keeps the boundary normals as they are if that gives a safe surface.
   std::vector<PatchDraft> parts;
-  if (face.is_fair() && n > 4) parts = relaxed(exact, tables);
-  if (std::optional<PatchDraft> safe = ease(exact, tables);
-      parts.empty() && safe && keeps_normals(*safe, *safe, tables))
+  if (face.is_fair() && n > 4) parts = relaxed(exact, sampler);
+  if (std::optional<PatchDraft> safe = ease(exact, sampler);
+      parts.empty() && safe && keeps_normals(*safe, *safe, sampler))
     parts = {*std::move(safe)};
   for (std::size_t i = 0; i < fans.size() && parts.empty(); ++i)
-    parts = split(fans[i], fan, tables);
-  if (n > 3 && parts.empty()) parts = split(face, ears, tables);
+    parts = split(fans[i], fan, sampler);
+  if (n > 3 && parts.empty()) parts = split(face, ears, sampler);
   if (!parts.empty()) return parts;
 
   // Without them otherwise: the best.
-  std::vector<PatchDraft> best{*bend(exact, {}, tables)};
+  std::vector<PatchDraft> best{*bend(exact, {}, sampler)};
   const auto offer = [&](const FaceCorners& corners, const Cuts& cuts) {
-    parts = split_bent(corners, cuts, n, exact.frame.normal, quality_of(best), tables);
+    parts = split_bent(corners, cuts, n, exact.frame.normal, quality_of(best), sampler);
     if (!parts.empty()) best = std::move(parts);
   };
   // Fans are near their own triangles, wherever the centre lies.
@@ -317,14 +315,14 @@ std::vector<PatchDraft> find_tamer(const FaceCorners& face, PatchDraft exact,
 }  // namespace
 
 std::vector<PatchDraft> draft_flatter(const FaceCorners& face, PatchDraft exact, double most,
-                                      const ValenceTables& tables) {
+                                      const Sampler& sampler) {
   if (exact.form == kFormCurved) exact = draft_paper(face, std::move(exact.face_corner));
   if (is_degenerate(exact.soundness) || exact.form != kFormPaper) return {};
   std::vector<PatchDraft> best;
   for (const double amount : {0.0, 0.25, 0.5, 0.75, 0.9}) {
     PatchDraft d = eased(exact, amount);
-    d.shape = examine(d, tables);
-    if (!(d.shape.turn > kSafeTurn) || !keeps_normals(d, exact, tables)) continue;
+    d.shape = examine(d, sampler);
+    if (!(d.shape.turn > kSafeTurn) || !keeps_normals(d, exact, sampler)) continue;
     best = {std::move(d)};
     if (best.front().shape.sag <= most * best.front().frame.scale) break;
   }
@@ -332,10 +330,10 @@ std::vector<PatchDraft> draft_flatter(const FaceCorners& face, PatchDraft exact,
 }
 
 std::vector<PatchDraft> draft_tamer(const FaceCorners& face, PatchDraft exact,
-                                    const ValenceTables& tables) {
+                                    const Sampler& sampler) {
   const std::uint32_t n = exact.valence();
   const std::vector<std::uint32_t> triangles = exact.triangle;
-  std::vector<PatchDraft> parts = find_tamer(face, std::move(exact), tables);
+  std::vector<PatchDraft> parts = find_tamer(face, std::move(exact), sampler);
   if (parts.size() > 1 && parts.front().face_corner.back() == n)
     share_triangles(face, triangles, parts);
   return parts;

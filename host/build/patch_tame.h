@@ -8,15 +8,15 @@
 namespace gliss {
 
 // One patch, or one for each triangle of the face. Boundary curves are kept, so that the surface
-// stays closed; boundary normals unless the kind is kBent. `exact` is examined; `tables` has the
-// valence of the face and 3.
+// stays closed; boundary normals unless the kind is kBent. `exact` is examined; Its
+// tables have the valence of the face and 3.
 std::vector<PatchDraft> draft_tamer(const FaceCorners& face, PatchDraft exact,
-                                    const ValenceTables& tables);
+                                    const Sampler& sampler);
 
 // The patch of a face that neither folds nor degenerates, eased until it leaves its polygon by
 // `most` (mesh frame), or as little as can be; none where it cannot be eased. Boundary normals are
 // kept.
 std::vector<PatchDraft> draft_flatter(const FaceCorners& face, PatchDraft exact, double most,
-                                      const ValenceTables& tables);
+                                      const Sampler& sampler);
 
 }  // namespace gliss

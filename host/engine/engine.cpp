@@ -142,6 +142,7 @@ BuildBackend Engine::build_backend() const {
   backend.parallel = [this](std::size_t count, std::size_t grain, const auto& body) {
     for_each(count, grain, body);
   };
+  if (poll_) backend.poll = poll_;
   return backend;
 }
 

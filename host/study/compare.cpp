@@ -339,6 +339,7 @@ DenseRow Comparison::match(Method method, const CompareRow& target, std::uint64_
   const auto engine = engine_of(options_.backends.front());
   BuildBackend backend;
   backend.parallel = polled(*engine);
+  backend.poll = [&] { poll(); };
   DenseRow row;
   row.method = method;
   row.target = target.candidate.name();
@@ -348,7 +349,7 @@ DenseRow Comparison::match(Method method, const CompareRow& target, std::uint64_
   for (std::uint32_t cells = 1; tessellated_count(mesh_, exact.cache, cells) <= limit || cells == 1;
        cells = cells < 2 ? cells + 1 : cells + cells / 2) {
     poll();
-    const Mesh dense = tessellate(mesh_, exact.cache, cells, backend.parallel);
+    const Mesh dense = tessellate(mesh_, exact.cache, cells, backend.parallel, backend.poll);
     poll();
     const Topology topology = build_topology(dense);
     poll();

@@ -130,8 +130,8 @@ Eigen::Vector2d at_side(std::uint32_t n, std::uint32_t k, double t) {
 class Tessellation {
  public:
   Tessellation(const Mesh& mesh, const PatchCache& cache, const Topology& topology,
-               std::uint32_t cells)
-      : nodes_(mesh, topology, cells), cells_(cells) {
+               std::uint32_t cells, const std::function<void()>& poll)
+      : nodes_(mesh, topology, cells), cells_(cells), poll_(poll) {
     for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
       const std::vector<Triangle> pieces = pieces_of(cache, f);
       pieces.empty() ? add_face(f, mesh.valence(f)) : add_cut_face(f, mesh.valence(f), pieces);
@@ -151,6 +151,7 @@ class Tessellation {
   void add_face(std::uint32_t face, std::uint32_t n) {
     nodes_.begin_face(face);
     for (std::uint32_t k = 0; k < n; ++k) {
+      poll_();
       const Eigen::Vector2d corner = at_side(n, k, 0), after = at_side(n, k, 0.5),
                             before = at_side(n, (k + n - 1) % n, 0.5);
       for (std::uint32_t j = 0; j <= cells_; ++j) {
@@ -171,6 +172,7 @@ class Tessellation {
     nodes_.begin_cut_face(face);
     const std::uint32_t last = 2 * cells_;
     for (const Triangle& piece : pieces) {
+      poll_();
       nodes_.begin_piece(piece);
       const Eigen::Vector2d a = at_side(n, piece[0], 0), b = at_side(n, piece[1], 0),
                             c = at_side(n, piece[2], 0);
@@ -191,6 +193,7 @@ class Tessellation {
 
   Nodes nodes_;
   const std::uint32_t cells_;
+  const std::function<void()>& poll_;
 };
 
 }  // namespace
@@ -205,24 +208,26 @@ std::uint64_t tessellated_count(const Mesh& mesh, const PatchCache& cache, std::
 }
 
 Mesh tessellate(const Mesh& mesh, const PatchCache& cache, std::uint32_t cells,
-                const ParallelFor& parallel) {
+                const ParallelFor& parallel, const std::function<void()>& poll) {
   const PlainArithmetic plain;
   constexpr std::size_t kGrain = 4096;
-  Tessellation made(mesh, cache, build_topology(mesh), cells);
+  Tessellation made(mesh, cache, build_topology(mesh), cells, poll);
   Mesh dense;
   dense.unit = mesh.unit;
   dense.source = mesh.source + ", tessellated";
   dense.corner_vertex = std::move(made.corners);
   const std::vector<DomainPoint>& at = made.at;
-  std::vector<SurfacePoint> points(at.size());
+  dense.positions.resize(at.size());
+  dense.normals.resize(at.size());
   parallel(at.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    evaluate(cache, std::span(at).subspan(begin, end - begin),
-             std::span(points).subspan(begin, end - begin));
+    poll();
+    std::vector<SurfacePoint> points(end - begin);
+    evaluate(cache, std::span(at).subspan(begin, end - begin), points);
+    for (std::size_t i = begin; i < end; ++i) {
+      dense.positions[i] = points[i - begin].position;
+      dense.normals[i] = points[i - begin].normal;
+    }
   });
-  for (const SurfacePoint& p : points) {
-    dense.positions.push_back(p.position);
-    dense.normals.push_back(p.normal);
-  }
   dense.corner_normal = dense.corner_vertex;
   dense.face_begin.clear();
   for (std::size_t c = 0; c <= dense.corner_vertex.size(); c += 3)

@@ -130,10 +130,12 @@ struct Kernels {
   // Turns the cross tangents into the plane across `normal` (unit, 3 numbers).
   void (*bend_patch)(Real* control, std::uint32_t n, const Real* normal);
   // Numbers of a patch's control data in a form, and these from those of another one: ribbon and
-  // bezier (of 3 and 4 sides) from the exact ones, tables from any.
+  // bezier (of 3 and 4 sides) from the exact ones; of a table one corner's part, from any.
   std::size_t (*control_reals)(std::uint32_t form, std::uint32_t n);
-  void (*to_form)(const Real* domain, const Real* corners, const Real* control, std::uint32_t from,
-                  std::uint32_t form, std::uint32_t n, Real* out);
+  void (*to_form)(const Real* corners, const Real* control, std::uint32_t form, std::uint32_t n,
+                  Real* out);
+  void (*to_table)(const Real* domain, const Real* control, std::uint32_t from, std::uint32_t form,
+                   std::uint32_t n, std::uint32_t corner, Real* out);
   // The fair construction, in any frame, in double only. The shape operators of vertices from the
   // edges that leave them, two at least each: those of vertex i are edges[begin[i]] to
   // edges[begin[i + 1] - 1].

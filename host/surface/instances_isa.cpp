@@ -67,6 +67,7 @@ const Kernels<GLISS_SCALAR>& GLISS_TABLE() {
       instance::bend_patch,
       instance::control_reals_of,
       instance::to_form_of,
+      instance::to_table,
       GLISS_IN_DOUBLE(instance::packed::vertices_of),
       GLISS_IN_DOUBLE(instance::packed::sides_of),
       GLISS_IN_DOUBLE(instance::packed::fair_controls_of),

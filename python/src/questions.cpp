@@ -115,7 +115,9 @@ py::dict tessellate(const OpenSurface& surface, std::int64_t cells) {
     throw py::value_error(fmt::format("cells: {} is not from 1 to {}", cells, kMost));
   const Mesh mesh = released([&] {
     const Mesh base = surface.mesh ? *surface.mesh : mesh_of(*surface.cache);
-    return gliss::tessellate(base, *surface.cache, static_cast<std::uint32_t>(cells));
+    const BuildBackend backend = surface.engine->build_backend();
+    return gliss::tessellate(base, *surface.cache, static_cast<std::uint32_t>(cells),
+                             backend.parallel, backend.poll);
   });
   const std::size_t n = mesh.positions.size();
   NewArray<double> point(n, 3), normal(n, 3);

@@ -35,8 +35,8 @@ PatchDraft in_form(const PatchDraft& d, std::uint32_t form) {
   PatchDraft r = d;
   r.form = form;
   r.control.resize(kernels<double>().control_reals(form, d.valence()));
-  kernels<double>().to_form(fold_tables().domain_of(d.valence()), d.corner.data(), d.control.data(),
-                            d.form, form, d.valence(), r.control.data());
+  take_to_form(d.corner.data(), d.control.data(), d.form, form, d.valence(), fold_tables(),
+               r.control.data());
   return r;
 }
 

@@ -13,6 +13,7 @@
 #include "tests/oracle/union_oracle.h"
 #include "tests/support/gliss_process.h"
 #include "tests/support/places.h"
+#include "tests/support/poll_gap.h"
 #include "tests/support/sharp_meshes.h"
 #include "tests/support/surfaces.h"
 
@@ -384,6 +385,25 @@ TEST(Fidelity, a_tessellation_lies_on_the_surface_and_is_closed) {
       }
     }
   }
+}
+
+TEST(Tessellate, asks_whether_it_is_to_stop) {
+  struct Stop {};
+  const Mesh mesh = goldberg().mesh;
+  const PatchCache cache = build_cache(mesh);
+  test::PollGap gap;
+  int calls = 0;
+  const auto made = [&](int most) {
+    calls = 0;
+    return tessellate(mesh, cache, 60, serial_for, [&] {
+      gap.poll();
+      if (++calls == most) throw Stop();
+    });
+  };
+  EXPECT_EQ(made(0).face_count(), tessellated_count(mesh, cache, 60));
+  gap.expect_promised();
+  EXPECT_GT(calls, static_cast<int>(mesh.corner_vertex.size()));
+  EXPECT_THROW(made(calls / 2), Stop);
 }
 
 // A face that is not convex is covered once, by what it is cut into.

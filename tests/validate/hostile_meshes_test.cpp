@@ -112,6 +112,31 @@ TEST(HostileMeshes, are_stopped_while_their_parts_are_compared) {
   EXPECT_THROW(build(calls), Stop);
 }
 
+// Two faces of 150 sides: each is examined many times, and sampled at 40,000 nodes for a table.
+TEST(HostileMeshes, are_stopped_while_a_face_of_many_sides_is_built) {
+  struct Stop {};
+  const Mesh mesh = prism(150).mesh;
+  for (const Level::Kind kind : {Level::kExact, Level::kTable}) {
+    BuildOptions options;
+    options.level.kind = kind;
+    options.level.cells = 32;
+    options.level.construction = Construction::kPaper;
+    int calls = 0;
+    const auto build = [&](int most) {
+      test::PollGap gap;
+      calls = 0;
+      const auto engine = make_tbb_engine(1, [&] {
+        gap.poll();
+        if (++calls == most) throw Stop();
+      });
+      engine->build(mesh, options);
+      gap.expect_promised();
+    };
+    build(0);
+    EXPECT_THROW(build(calls / 2), Stop);
+  }
+}
+
 // A copy adds nothing to the union that it is in: its search costs no more than that of a surface.
 TEST(HostileMeshes, at_one_place_bury_nothing) {
   Mesh one = test::coincident_shells(1), many = test::coincident_shells(40);
