@@ -19,6 +19,22 @@ const char* kind_of(mode_t mode) {
   return S_ISFIFO(mode) ? "a pipe" : S_ISSOCK(mode) ? "a socket" : "a device";
 }
 
+// True if nearly nothing of a large file was ever written: the rest would be read as zeros, for
+// hours. Compressed files have few blocks as well, but no holes.
+bool is_hollow(int descriptor, const struct stat& status) {
+  constexpr off_t kLarge = 64 << 20, kShare = 64;  // bytes; of the size that is to be stored
+  const off_t size = status.st_size, enough = size / kShare;
+  if (size < kLarge || static_cast<off_t>(status.st_blocks) * 512 >= enough) return false;
+  off_t stored = 0;
+  for (off_t data, hole = 0; stored < enough; stored += hole - data) {
+    data = lseek(descriptor, hole, SEEK_DATA);
+    hole = data < 0 ? -1 : lseek(descriptor, data, SEEK_HOLE);
+    if (hole < 0) break;
+  }
+  lseek(descriptor, 0, SEEK_SET);
+  return stored < enough;
+}
+
 }  // namespace
 
 // Looks first, since opening a device may do something, and again at what was opened.
@@ -38,7 +54,8 @@ OpenFile::OpenFile(const std::string& path, int flags) : path_(path) {
   } else {
     kind_ = kind_of(status.st_mode);
     size_ = static_cast<std::uint64_t>(status.st_size);
-    if (kind_ == nullptr) return;
+    is_hollow_ = kind_ == nullptr && is_hollow(descriptor_, status);
+    if (kind_ == nullptr && !is_hollow_) return;
   }
   if (descriptor_ >= 0) close(descriptor_);
   descriptor_ = -1;
@@ -52,6 +69,8 @@ std::string OpenFile::why() const {
   constexpr const char* kCure = "write what comes out of it to a file, and name that";
   if (kind_ != nullptr)
     return fmt::format("it is {}, and only regular files are read; {}", kind_, kCure);
+  if (is_hollow_)
+    return fmt::format("it says to have {} bytes, of which nearly none were ever written", size_);
   if (error_ == ENOENT && path_ == "-") return fmt::format("standard input is not read; {}", kCure);
   return std::strerror(error_);
 }
@@ -62,7 +81,7 @@ void OpenFile::check() const {
 
 void OpenFile::fail() const {
   const std::string action = fmt::format("cannot read '{}'", path_);
-  if (kind_ != nullptr) throw NoFileError(fmt::format("{}: {}", action, why()));
+  if (kind_ != nullptr || is_hollow_) throw NoFileError(fmt::format("{}: {}", action, why()));
   throw std::system_error(error_, std::generic_category(), action);
 }
 

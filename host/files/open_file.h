@@ -15,7 +15,8 @@
 
 namespace gliss {
 
-// An input that is no regular file: what() names it and the cure.
+// An input that is no regular file, or a large one nearly nothing of which was ever written: what()
+// names it.
 struct GLISS_EXPORT NoFileError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -54,6 +55,7 @@ class GLISS_EXPORT OpenFile {
   int descriptor_ = -1, error_ = 0;
   const char* kind_ = nullptr;  // of what is no regular file
   std::uint64_t size_ = 0;
+  bool is_hollow_ = false;
 };
 
 }  // namespace gliss

@@ -7,6 +7,7 @@
 #include <sys/un.h>
 
 #include <filesystem>
+#include <fstream>
 #include <system_error>
 
 #include "gliss/files/atomic_file.h"
@@ -472,6 +473,27 @@ TEST(LongNames, are_written) {
   }
   EXPECT_THAT(message_of<std::system_error>([&] { AtomicFile(folder / std::string(256, 'n')); }),
               HasSubstr("File name too long"));
+}
+
+// A gigabyte of which one block was written.
+TEST_F(HostileFiles, that_are_hollow_are_refused_and_large_ones_that_are_written_are_read) {
+  const test::ScratchFolder folder;
+  const std::string path = folder.path() + "/mesh.stl";
+  std::ofstream(path) << std::string(4096, 'x');
+  std::filesystem::resize_file(path, 1 << 30);
+  try {
+    OpenFile(path).check();
+    ADD_FAILURE() << "it is opened";
+  } catch (const NoFileError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("mesh.stl': it says to have 1073741824 bytes"));
+  }
+  std::filesystem::resize_file(path, 32 << 20);
+  EXPECT_NO_THROW(OpenFile(path).check());  // read within a moment
+  std::ofstream(path) << std::string(4 << 20, 'x');
+  std::filesystem::resize_file(path, 128 << 20);
+  OpenFile file(path);
+  file.check();
+  EXPECT_EQ(file.read_all().size(), 128u << 20);
 }
 
 }  // namespace
