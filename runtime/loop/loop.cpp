@@ -70,7 +70,9 @@ GuardLimits guard_limits(const LoopOptions& options) {
   std::string why;
   try {
     Guard{limits};
-    if (options.period > limits.hold_after) why = "hold_after: must be a period at least";
+    if (options.period > limits.hold_after)
+      throw std::invalid_argument(detail::message("hold_after: must be a period at least, ",
+                                                  1e3 * in_seconds(options.period), " ms"));
   } catch (const std::invalid_argument& error) {
     if (!follows) throw;
     if (options.period <= options.guard.hold_after) return options.guard;  // tight, as it was asked

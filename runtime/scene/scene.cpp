@@ -244,7 +244,6 @@ void read_loop(TomlTable table, Scene& scene) {
   scene.loop.period = Nanoseconds(std::llround(1e9 / rate));
   table.get("priority", scene.priority, 1, 99);
   table.done();
-  table.checked([&] { guard_limits(scene.loop); });
 }
 
 HandPath read_hand_path(TomlTable& table, const std::function<void()>& poll,
@@ -310,8 +309,13 @@ Scene read_scene(const std::string& path, const std::function<void()>& poll) {
   for (const TomlTable& table : root.tables("object")) {
     scene.objects.push_back(read_object(table, scene.objects.size() + 1, scene.files, poll));
   }
-  if (auto table = root.table("guards")) read_guards(*table, scene);
-  if (auto table = root.table("loop")) read_loop(*table, scene);
+  auto guards = root.table("guards"), loop = root.table("loop");
+  if (guards) read_guards(*guards, scene);
+  if (loop) read_loop(*loop, scene);
+  if (guards || loop) {
+    TomlTable& wrong = guards && (guards->has("hold_after") || !loop) ? *guards : *loop;
+    wrong.checked([&] { guard_limits(scene.loop); });
+  }
   if (auto table = root.table("sim")) read_sim(*table, poll, scene);
   if (auto table = root.table("device")) read_device(*table, scene);
   root.done();

@@ -216,6 +216,7 @@ TEST(SceneError, names_numbers_out_of_range) {
       {"[device]\nhips = [[0, 0, 0]]\ntool = {mesh = 'ball.obj'}\n",
        "3: device.tool: ", "leave out hips"},
       {"[device]\nmax_torque = 0\n", "2: device.max_torque: ", "positive"},
+      {"[guards]\nhold_after = '0.5ms'\n", "2: guards.hold_after: ", "a period at least, 1 ms"},
       {"[guards]\nmax_torque_rate = 10\n", "2: guards.max_torque_rate: ", "too low"},
       {"[sim]\nwaypoints = [[0, 0, 0]]\nturning = {axis = [0, 0, 0], degrees = 1}\n",
        "3: sim.turning.axis: ", "zero"},
