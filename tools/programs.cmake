@@ -64,32 +64,39 @@ elseif(NOT MPI_FOUND)
   message(STATUS "No MPI: gliss-mpi is left out")
 endif()
 
-# The page of gliss report: fetched and bundled with npm, then part of the program.
-find_program(NODE NAMES node nodejs)
-find_program(NPM npm)
-if(NODE)
-  execute_process(COMMAND ${NODE} --version OUTPUT_VARIABLE node_version OUTPUT_STRIP_TRAILING_WHITESPACE)
+# The page of gliss report, which becomes part of the program: a release has it (tools/release.sh), else npm fetches and
+# bundles it.
+set(report_folder ${CMAKE_CURRENT_SOURCE_DIR}/tools/report/page)
+set(has_page OFF)
+if(EXISTS ${report_folder}/report.html)
+  set(has_page ON)
+else()
+  find_program(NODE NAMES node nodejs)
+  find_program(NPM npm)
+  if(NODE)
+    execute_process(COMMAND ${NODE} --version OUTPUT_VARIABLE node_version OUTPUT_STRIP_TRAILING_WHITESPACE)
+  endif()
+  if(NPM AND node_version MATCHES "^v([0-9]+)" AND CMAKE_MATCH_1 GREATER_EQUAL 18)
+    set(has_page ON)
+    file(GLOB report_sources CONFIGURE_DEPENDS tools/report/page/* tools/report/page/.npmrc tools/report/page/src/*)
+    list(FILTER report_sources EXCLUDE REGEX "node_modules|/src$")
+    set(report_folder report)
+    add_custom_command(OUTPUT report/report.html
+      COMMAND ${NODE} ${CMAKE_CURRENT_SOURCE_DIR}/tools/report/page/build.mjs report
+      DEPENDS ${report_sources} VERBATIM)
+  endif()
 endif()
-set(has_npm OFF)
-if(NPM AND node_version MATCHES "^v([0-9]+)" AND CMAKE_MATCH_1 GREATER_EQUAL 18)
-  set(has_npm ON)
-endif()
-option(GLISS_REPORT "Build gliss report: needs npm with Node.js 18, and its registry at the first build" ${has_npm})
-if(GLISS_REPORT AND NOT has_npm)
+option(GLISS_REPORT "Build gliss report: needs npm with Node.js 18, and its registry at the first build" ${has_page})
+if(GLISS_REPORT AND NOT has_page)
   message(FATAL_ERROR "GLISS_REPORT needs npm with Node.js 18 or later; here is ${NODE} ${node_version}")
 elseif(GLISS_REPORT)
-  file(GLOB report_sources CONFIGURE_DEPENDS tools/report/page/* tools/report/page/.npmrc tools/report/page/src/*)
-  list(FILTER report_sources EXCLUDE REGEX "node_modules|/src$")
-  add_custom_command(OUTPUT report/report.html
-    COMMAND ${NODE} ${CMAKE_CURRENT_SOURCE_DIR}/tools/report/page/build.mjs report
-    DEPENDS ${report_sources} VERBATIM)
-  add_custom_target(report_html DEPENDS report/report.html)  # by itself: needs the network
+  add_custom_target(report_html DEPENDS ${report_folder}/report.html)  # by itself: may need the network
   add_custom_command(OUTPUT report_page_text.cpp
     COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/tools/embed_texts.py
-      report report_page_text.cpp tools/report/report_page.h Page report.html
-    DEPENDS report/report.html tools/embed_texts.py VERBATIM)
+      ${report_folder} report_page_text.cpp tools/report/report_page.h Page report.html
+    DEPENDS ${report_folder}/report.html tools/embed_texts.py VERBATIM)
   target_sources(gliss_commands PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/report_page_text.cpp)
   target_compile_definitions(gliss_commands PRIVATE GLISS_WITH_REPORT)
-elseif(NOT has_npm)
+elseif(NOT has_page)
   message(STATUS "No npm with Node.js 18 or later: gliss report is left out")
 endif()
