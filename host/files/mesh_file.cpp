@@ -82,6 +82,14 @@ void refuse_stand_ins(std::string_view text, Report& report) {
     report.fail("unsupported", {}, "is a web page; download the file that it leads to");
 }
 
+void take(Mesh& mesh, const LoadOptions& options, Report& report) {
+  validate(mesh, options, report);
+  const Topology topology = build_topology(mesh);
+  std::vector<std::uint32_t> sides;
+  if (!options.creases.edges.empty()) sides = read_edges(options.creases.edges, mesh, topology);
+  mark_creases(mesh, topology, options.creases, sides, report);
+}
+
 }  // namespace
 
 Mesh load_mesh(const std::string& path, const LoadOptions& options,
@@ -97,12 +105,13 @@ Mesh load_mesh(const std::string& path, const LoadOptions& options,
   const std::string_view text(bytes.data(), bytes.size());
   refuse_stand_ins(text, report);
   format.read(text, mesh, report);
-  validate(mesh, options, report);
-  const Topology topology = build_topology(mesh);
-  std::vector<std::uint32_t> sides;
-  if (!options.creases.edges.empty()) sides = read_edges(options.creases.edges, mesh, topology);
-  mark_creases(mesh, topology, options.creases, sides, report);
+  take(mesh, options, report);
   return mesh;
+}
+
+void take_mesh(Mesh& mesh, const LoadOptions& options, std::vector<Finding>* findings) {
+  Report report(mesh, findings, options.poll, options.strict);
+  take(mesh, options, report);
 }
 
 std::span<const std::string_view> mesh_endings() { return kEndings; }

@@ -18,6 +18,11 @@ namespace gliss {
 GLISS_EXPORT Mesh load_mesh(const std::string& path, const LoadOptions& options = {},
                             std::vector<Finding>* findings = nullptr);
 
+// Does with a mesh made in memory what load_mesh() does with one that it has read: validate(), and
+// creases of a list of edges too.
+GLISS_EXPORT void take_mesh(Mesh& mesh, const LoadOptions& options = {},
+                            std::vector<Finding>* findings = nullptr);
+
 // Endings of the files that load_mesh() reads, in small letters, as ".obj".
 GLISS_EXPORT std::span<const std::string_view> mesh_endings();
 

@@ -211,6 +211,9 @@ void validate(Mesh& mesh, const LoadOptions& options, Report& report) {
 }
 
 void validate(Mesh& mesh, const LoadOptions& options, std::vector<Finding>* findings) {
+  if (!options.creases.edges.empty())
+    throw std::invalid_argument("creases: '" + options.creases.edges +
+                                "' is a list of edges, which take_mesh() reads");
   Report report(mesh, findings, options.poll, options.strict);
   validate(mesh, options, report);
   mark_creases(mesh, build_topology(mesh), options.creases, {}, report);

@@ -58,13 +58,14 @@ struct LoadOptions {
   NormalSource normals = NormalSource::kAuto;
   Orient orient = Orient::kOutward;
   bool flip = false;      // turns open parts over
-  CreaseRules creases{};  // which edges are creases; a list of edges is of load_mesh only
+  CreaseRules creases{};  // which edges are creases; a list of edges is for files/mesh_file.h
   // Asked many times a second, on the thread that reads and checks; what it throws ends that.
   std::function<void()> poll = nullptr;
 };
 
 // The checks behind every reader, for meshes made in memory: repairs in place, marks creases,
-// appends findings, throws MeshError where any is of severity kError. mesh.unit stays; a
+// appends findings, throws MeshError where any is of severity kError, and std::invalid_argument for
+// rules that name a list of edges, which take_mesh() (files/mesh_file.h) reads. mesh.unit stays; a
 // corner_normal of kNone (missing) is filled in.
 GLISS_EXPORT void validate(Mesh& mesh, const LoadOptions& options = {},
                            std::vector<Finding>* findings = nullptr);

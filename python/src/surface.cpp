@@ -185,11 +185,7 @@ std::shared_ptr<OpenSurface> from_arrays(const Reals& vertices, const Indices& o
   return released([&] {
     auto surface = begin(opening);
     build(*surface, opening, [&](std::vector<Finding>* findings) {
-      validate(mesh, opening.load, findings);
-      if (const std::string& path = opening.load.creases.edges; !path.empty()) {
-        const Topology topology = build_topology(mesh);
-        mark_creases(mesh, topology, opening.load.creases, read_edges(path, mesh, topology));
-      }
+      take_mesh(mesh, opening.load, findings);
       return std::move(mesh);
     });
     surface->resident = surface->engine->reside(*surface->cache);

@@ -276,7 +276,7 @@ std::int32_t gliss_surface_from_arrays(const double* points, std::size_t stride,
     mesh.face_begin.assign(begin, begin + faces + 1);
     mesh.corner_vertex.assign(corners, corners + begin[faces]);
     *out = surface_of(chosen, [&](const gliss::Engine& engine) {
-      gliss::validate(mesh, load_options(chosen));
+      gliss::take_mesh(mesh, load_options(chosen));
       return engine.build(mesh, build_options(chosen));
     });
   });

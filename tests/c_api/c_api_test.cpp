@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <thread>
 
 #include "gliss/c_api/gliss_c.h"
@@ -93,6 +94,18 @@ TEST(CApi, orients_flips_and_creases_as_it_is_told) {
     gliss_surface_release(surface);
     return distance;
   };
+  const test::ScratchFolder folder;
+  const std::string listed = folder / "edges";
+  {
+    const Mesh box = cube(1, 20).mesh;
+    std::ofstream out(listed);
+    for (std::uint32_t f = 0; f < box.face_count(); ++f) {
+      for (std::uint32_t k = 0; k < 4; ++k)
+        out << box.corner_vertex[4 * f + k] << ' ' << box.corner_vertex[4 * f + (k + 1) % 4]
+            << '\n';
+    }
+  }
+  EXPECT_LT(departure(("edges:" + listed).c_str(), sizeof(gliss_options)), 1e-9);
   EXPECT_LT(departure(nullptr, sizeof(gliss_options)), 1e-9);
   EXPECT_GT(departure("none", sizeof(gliss_options)), 1);
   // What ABI 1.2 knew: the text behind it is not read.
