@@ -13,8 +13,7 @@ void join_diagonals(const PatchCache& cache, PatchLayout& l) {
       for (std::uint32_t a = l.side_begin[p]; a < l.side_begin[p + 1]; ++a) {
         for (std::uint32_t b = l.side_begin[q]; b < l.side_begin[q + 1]; ++b) {
           const auto end = [&](std::uint32_t s, std::uint32_t patch) {
-            return cache
-                .corner_of_face[s + 1 == l.side_begin[patch + 1] ? l.side_begin[patch] : s + 1];
+            return cache.corner_of_face[next_side(l.side_begin, patch, s)];
           };
           if (cache.corner_of_face[a] != end(b, q) || cache.corner_of_face[b] != end(a, p))
             continue;
@@ -36,8 +35,8 @@ std::uint32_t patch_side(const Mesh& mesh, const Topology& topology, const Patch
        p < cache.patch_count() && cache.patch_face[p] == face; ++p) {
     const std::uint32_t begin = l.side_begin[p], end = l.side_begin[p + 1];
     const auto is_it = [&](std::uint32_t s) {
-      const std::uint32_t next = s + 1 == end ? begin : s + 1;
-      return cache.corner_of_face[s] == k && cache.corner_of_face[next] == (k + 1) % n;
+      return cache.corner_of_face[s] == k &&
+             cache.corner_of_face[next_side(l.side_begin, p, s)] == (k + 1) % n;
     };
     if (begin + k < end && is_it(begin + k)) return begin + k;
     for (std::uint32_t s = begin; s < end; ++s) {

@@ -27,13 +27,6 @@ Vec3 normal_at_start(const Surface<Real>& s, std::uint32_t side) {
   return {n[0], n[1], n[2]};
 }
 
-// The side of the same patch that starts where this one ends.
-template <class Real>
-std::uint32_t next_side(const Surface<Real>& s, std::uint32_t side) {
-  const std::uint32_t patch = s.side_patch[side];
-  return side + 1 < s.side_begin[patch + 1] ? side + 1 : s.side_begin[patch];
-}
-
 // The words of a patch's first triangle: a piece of its face's polygon (FAN_PIECE), or none.
 template <class Real>
 const std::uint32_t* piece_of(const Surface<Real>& s, std::uint32_t patch) {

@@ -75,11 +75,9 @@ static_assert(kNone == NONE);
 // True if a side of a patch is one of its face's: a split face has others within.
 template <class Real>
 bool is_outer_side(const PatchCache& cache, const Surface<Real>& surface, std::uint32_t side) {
-  const std::uint32_t patch = surface.side_patch[side], first = surface.side_begin[patch],
-                      next = first + (side - first + 1) % surface.valence(patch),
-                      n = cache.face_valence[cache.patch_face[patch]],
+  const std::uint32_t n = cache.face_valence[cache.patch_face[surface.side_patch[side]]],
                       corner = cache.corner_of_face[side];
-  return corner < n && cache.corner_of_face[next] == (corner + 1) % n;
+  return corner < n && cache.corner_of_face[next_side(surface, side)] == (corner + 1) % n;
 }
 
 }  // namespace gliss

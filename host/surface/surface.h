@@ -8,6 +8,12 @@
 
 namespace gliss {
 
+// The side of a patch that starts where another side of it ends. `side_begin`: [patch + 1].
+inline std::uint32_t next_side(const LargeArray<std::uint32_t>& side_begin, std::uint32_t patch,
+                               std::uint32_t side) {
+  return side + 1 < side_begin[patch + 1] ? side + 1 : side_begin[patch];
+}
+
 template <class Real>
 struct Surface {
   std::vector<Real> domain;  // tables of the valences in use
@@ -40,5 +46,11 @@ struct Surface {
     return side_begin[patch + 1] - side_begin[patch];
   }
 };
+
+// The same of a surface, which knows the patch.
+template <class Real>
+std::uint32_t next_side(const Surface<Real>& s, std::uint32_t side) {
+  return next_side(s.side_begin, s.side_patch[side], side);
+}
 
 }  // namespace gliss
