@@ -1,10 +1,10 @@
 #include "gliss/build/cache_mesh.h"
 
 #include <algorithm>
-#include <numeric>
 #include <stdexcept>
 
 #include "gliss/mesh/mesh_edges.h"
+#include "gliss/surface/base_triangles.h"
 #include "gliss/surface/layout.h"
 
 namespace gliss {
@@ -19,9 +19,6 @@ class MeshMaker {
     for (const std::uint32_t valence : cache_.face_valence)
       mesh_.face_begin.push_back(mesh_.face_begin.back() + valence);
     find_sides();
-    same_.resize(mesh_.face_begin.back());
-    std::iota(same_.begin(), same_.end(), 0u);
-    for (std::uint32_t corner = 0; corner < same_.size(); ++corner) join_twin(corner);
     number_vertices();
     if (cache_.crease_count > 0) mark_creases();
     mesh_.unit = cache_.unit;
@@ -39,37 +36,34 @@ class MeshMaker {
     }
   }
 
-  // Both ends of an edge are vertices of both its faces.
-  void join_twin(std::uint32_t corner) {
-    const std::uint32_t twin = s_.side_twin[side_[corner]];
-    if (twin == kNone) return;
-    const std::uint32_t other = cache_.patch_face[s_.side_patch[twin]];
-    const std::uint32_t begin = mesh_.face_begin[other], n = cache_.face_valence[other];
-    join(corner, begin + (cache_.corner_of_face[twin] + 1) % n);
-  }
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = first_of(a), b = first_of(b);
-    same_[std::max(a, b)] = std::min(a, b);
-  }
-  // The first corner known to be at the same vertex.
-  std::uint32_t first_of(std::uint32_t corner) {
-    while (same_[corner] != corner) corner = same_[corner] = same_[same_[corner]];
-    return corner;
+  // Joins the corners at one vertex, of which the first stands for all: both ends of an edge are
+  // vertices of both its faces.
+  DisjointSets join_corners() const {
+    DisjointSets same(side_.size());
+    for (std::uint32_t corner = 0; corner < side_.size(); ++corner) {
+      const std::uint32_t twin = s_.side_twin[side_[corner]];
+      if (twin == kNone) continue;
+      const std::uint32_t other = cache_.patch_face[s_.side_patch[twin]],
+                          begin = mesh_.face_begin[other], n = cache_.face_valence[other];
+      same.unite(corner, begin + (cache_.corner_of_face[twin] + 1) % n);
+    }
+    return same;
   }
 
   void number_vertices() {
+    DisjointSets same = join_corners();
     std::vector<std::vector<std::uint32_t>> normals;  // [vertex], those of its corners
-    for (std::uint32_t corner = 0; corner < same_.size(); ++corner) {
-      const std::uint32_t first = first_of(corner);
+    for (std::uint32_t corner = 0; corner < side_.size(); ++corner) {
+      const std::uint32_t first = same.find(corner);
       if (first == corner) {
         mesh_.corner_vertex.push_back(static_cast<std::uint32_t>(mesh_.positions.size()));
-        mesh_.positions.push_back(position(corner));
+        mesh_.positions.push_back(cache_.origin + start_of(s_, side_[corner]) / cache_.scale);
         normals.emplace_back();
       } else {
         mesh_.corner_vertex.push_back(mesh_.corner_vertex[first]);
       }
       // Corners between which there is no crease have the very same normal.
-      const Vec3 own = normal(corner);
+      const Vec3 own = normal_at_start(s_, side_[corner]).normalized();
       std::vector<std::uint32_t>& known = normals[mesh_.corner_vertex.back()];
       const auto at = std::find_if(known.begin(), known.end(),
                                    [&](std::uint32_t i) { return mesh_.normals[i] == own; });
@@ -85,37 +79,14 @@ class MeshMaker {
 
   // Marks the edges across which normals differ.
   void mark_creases() {
-    mesh_.sharp.assign(same_.size(), 0);
-    const auto differ = [&](std::uint32_t a, std::uint32_t b) {
-      return mesh_.corner_normal[a] != mesh_.corner_normal[b];
-    };
-    for (std::uint32_t corner = 0; corner < same_.size(); ++corner) {
-      const std::uint32_t twin = s_.side_twin[side_[corner]];
-      if (twin == kNone) continue;
-      const std::uint32_t face = cache_.patch_face[s_.side_patch[side_[corner]]],
-                          other = cache_.patch_face[s_.side_patch[twin]],
-                          back = mesh_.face_begin[other] + cache_.corner_of_face[twin];
-      mesh_.sharp[corner] = differ(corner, next_corner(mesh_, other, back)) ||
-                            differ(next_corner(mesh_, face, corner), back);
-    }
-  }
-
-  const Real* reals(std::uint32_t corner) const {
-    return &s_.corner[6 * std::size_t{side_[corner]}];
-  }
-  static Vec3 triple(const Real* from) { return Vec3(from[0], from[1], from[2]); }
-  Vec3 normal(std::uint32_t corner) const { return triple(reals(corner) + 3).normalized(); }
-  Vec3 position(std::uint32_t corner) const {
-    const Real* numbers = &s_.patch[std::size_t{s_.side_patch[side_[corner]]} * kPatchReals];
-    const double unscale = static_cast<double>(numbers[kPatchUnscale]);
-    return cache_.origin +
-           (triple(numbers + kPatchOrigin) + unscale * triple(reals(corner))) / cache_.scale;
+    for (const std::uint32_t side : side_)
+      mesh_.sharp.push_back(s_.side_twin[side] != kNone && !is_smooth_across(s_, side));
   }
 
   const PatchCache& cache_;
   const Surface<Real>& s_;
   Mesh mesh_;
-  std::vector<std::uint32_t> side_, same_;  // [corner]
+  std::vector<std::uint32_t> side_;  // [corner]
 };
 
 }  // namespace

@@ -52,10 +52,7 @@ DomainPoint face_point(const PatchCache& cache, const Surface<Real>& s, std::uin
 template <class Real>
 Vec3 from_local(const PatchCache& cache, const Surface<Real>& s, std::uint32_t patch,
                 const Vec3& local) {
-  const Real* numbers = &s.patch[patch * kPatchReals];
-  const Vec3 origin(numbers[kPatchOrigin], numbers[kPatchOrigin + 1], numbers[kPatchOrigin + 2]);
-  return cache.origin +
-         (origin + local * static_cast<double>(numbers[kPatchUnscale])) * (1 / cache.scale);
+  return cache.origin + from_local(s, patch, local) * (1 / cache.scale);
 }
 
 // The sign of a NaN is a matter of compilers: one for all.

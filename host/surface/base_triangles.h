@@ -11,13 +11,18 @@ namespace gliss {
 
 using BaseTriangle = std::array<Vec3, 3>;
 
+// A place in a patch's local frame, mesh frame.
+template <class Real>
+Vec3 from_local(const Surface<Real>& s, std::uint32_t patch, const Vec3& local) {
+  const Real *numbers = &s.patch[patch * kPatchReals], *o = numbers + kPatchOrigin;
+  return Vec3(o[0], o[1], o[2]) + static_cast<double>(numbers[kPatchUnscale]) * local;
+}
+
 // The place where a side starts, mesh frame.
 template <class Real>
 Vec3 start_of(const Surface<Real>& s, std::uint32_t side) {
-  const Real *numbers = &s.patch[s.side_patch[side] * kPatchReals],
-             *c = &s.corner[6 * std::size_t{side}], *o = numbers + kPatchOrigin;
-  return Vec3(o[0], o[1], o[2]) +
-         static_cast<double>(numbers[kPatchUnscale]) * Vec3(c[0], c[1], c[2]);
+  const Real* c = &s.corner[6 * std::size_t{side}];
+  return from_local(s, s.side_patch[side], Vec3(c[0], c[1], c[2]));
 }
 
 // The surface's normal where a side starts.
@@ -25,6 +30,14 @@ template <class Real>
 Vec3 normal_at_start(const Surface<Real>& s, std::uint32_t side) {
   const Real* n = &s.corner[6 * std::size_t{side} + 3];
   return {n[0], n[1], n[2]};
+}
+
+// True if the surface has the same normals beyond a side, at both its ends. False at a border.
+template <class Real>
+bool is_smooth_across(const Surface<Real>& s, std::uint32_t side) {
+  const std::uint32_t twin = s.side_twin[side];
+  return twin != kNone && normal_at_start(s, side) == normal_at_start(s, next_side(s, twin)) &&
+         normal_at_start(s, next_side(s, side)) == normal_at_start(s, twin);
 }
 
 // The words of a patch's first triangle: a piece of its face's polygon (FAN_PIECE), or none.
@@ -41,18 +54,13 @@ inline std::uint32_t piece_corner(const std::uint32_t* piece, std::uint32_t k) {
 // Calls visit(triangle) for each of a patch's base polygon, mesh frame, seen from x.
 template <class Real, class Visit>
 void for_base_triangles(const Surface<Real>& s, std::uint32_t patch, const Vec3& x, Visit visit) {
-  const Real* numbers = &s.patch[patch * kPatchReals];
-  const Vec3 origin(numbers[kPatchOrigin], numbers[kPatchOrigin + 1], numbers[kPatchOrigin + 2]);
-  const double unscale = static_cast<double>(numbers[kPatchUnscale]);
   const std::uint32_t first = s.side_begin[patch];
   const std::uint32_t* corners = &s.triangle[3 * (first - 2 * std::size_t{patch})];
   const bool in_fan = (corners[0] & kFanPiece) != 0;  // its own is 0 1 2
   for (std::uint32_t t = 0; t + 2 < s.valence(patch); ++t) {
     BaseTriangle triangle;
-    for (std::uint32_t k = 0; k < 3; ++k) {
-      const Real* c = &s.corner[6 * (first + std::size_t{in_fan ? k : corners[3 * t + k]})];
-      triangle[k] = origin + unscale * Vec3(c[0], c[1], c[2]) - x;
-    }
+    for (std::uint32_t k = 0; k < 3; ++k)
+      triangle[k] = start_of(s, first + (in_fan ? k : corners[3 * t + k])) - x;
     visit(triangle);
   }
 }

@@ -30,16 +30,8 @@ Box PatchCache::bounds() const {
       [&](const auto& s) {
         Box box{Vec3::Constant(std::numeric_limits<double>::infinity()),
                 Vec3::Constant(-std::numeric_limits<double>::infinity())};
-        for (std::uint32_t p = 0; p < s.patch_count(); ++p) {
-          const auto* numbers = &s.patch[p * kPatchReals];
-          const Vec3 at(numbers[0], numbers[1], numbers[2]);
-          for (std::uint32_t side = s.side_begin[p]; side < s.side_begin[p + 1]; ++side) {
-            const auto* c = &s.corner[6 * side];
-            box.hold(origin +
-                     (at + Vec3(c[0], c[1], c[2]) * static_cast<double>(numbers[kPatchUnscale])) /
-                         scale);
-          }
-        }
+        for (std::uint32_t side = 0; side < s.side_patch.size(); ++side)
+          box.hold(origin + start_of(s, side) / scale);
         return box;
       },
       surface);
