@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "gliss/build/face_rays.h"
@@ -26,48 +27,47 @@ double centre_off(const Surface<Real>& s, std::uint32_t patch) {
   return off;
 }
 
-// True if a patch ends at a side: at a border or a sharp edge.
+// Points of a patch, mesh frame, until the thread asks for others.
 template <class Real>
-bool ends_at(const Surface<Real>& s, std::uint32_t side) {
-  const std::uint32_t twin = s.side_twin[side];
-  return twin == kNone || normal_at_start(s, side) != normal_at_start(s, next_side(s, twin)) ||
-         normal_at_start(s, next_side(s, side)) != normal_at_start(s, twin);
-}
-
-// Points of a patch, mesh frame.
-template <class Real>
-std::vector<Vec3> points_of(const Surface<Real>& s, std::uint32_t patch,
-                            const std::vector<DomainVec>& at) {
-  const Real* numbers = &s.patch[patch * kPatchReals];
-  const Vec3 origin(numbers[kPatchOrigin], numbers[kPatchOrigin + 1], numbers[kPatchOrigin + 2]);
-  const double unscale = static_cast<double>(numbers[kPatchUnscale]);
+std::span<const Vec3> points_of(const Surface<Real>& s, std::uint32_t patch,
+                                std::span<const DomainVec> at) {
+  thread_local std::vector<Real> rows;  // xi, eta, and the nine of points
+  thread_local std::vector<Vec3> points;
+  const std::size_t count = at.size();
   const std::uint32_t n = s.valence(patch);
-  std::vector<Vec3> points;
-  for (const DomainVec& x : at) {
-    const Real xi = static_cast<Real>(x.x()), eta = static_cast<Real>(x.y());
-    Real p[9];
-    kernels<Real>().evaluate(&s.domain[s.domain_begin[n]], &s.control[3 * s.control_begin[patch]],
-                             s.form[patch], n, &xi, &eta, 1, 1, p);
-    points.push_back(origin + unscale * Vec3(p[0], p[1], p[2]));
-  }
+  rows.resize(11 * count), points.resize(count);
+  Real *xi = rows.data(), *eta = xi + count, *p = eta + count;
+  for (std::size_t i = 0; i < count; ++i)
+    xi[i] = static_cast<Real>(at[i].x()), eta[i] = static_cast<Real>(at[i].y());
+  kernels<Real>().evaluate(&s.domain[s.domain_begin[n]],
+                           &s.control[3 * std::size_t{s.control_begin[patch]}], s.form[patch], n,
+                           xi, eta, count, count, p);
+  for (std::size_t i = 0; i < count; ++i)
+    points[i] = from_local(s, patch, Vec3(p[i], p[count + i], p[2 * count + i]));
   return points;
 }
 
-// How far the sides where a patch ends leave those of its polygon, mesh frame: where a surface is
-// smaller than its polygons, none of its own points tells.
+// How far the sides where a patch ends, at a border or a sharp edge, leave those of its polygon,
+// mesh frame: where a surface is smaller than its polygons, none of its own points tells.
 template <class Real>
 double rim_departure(const Surface<Real>& s, std::uint32_t patch) {
-  const std::uint32_t n = s.valence(patch);
-  double most = 0;
+  constexpr double kAlong[] = {0.25, 0.5, 0.75};
+  thread_local std::vector<DomainVec> at;
+  thread_local std::vector<std::uint32_t> rim;  // sides
+  const std::uint32_t n = s.valence(patch), first = s.side_begin[patch];
+  at.clear(), rim.clear();
   for (std::uint32_t k = 0; k < n; ++k) {
-    const std::uint32_t side = s.side_begin[patch] + k;
-    if (!ends_at(s, side)) continue;
-    const Vec3 start = start_of(s, side),
+    if (is_smooth_across(s, first + k)) continue;
+    rim.push_back(first + k);
+    for (const double t : kAlong) at.push_back(on_side(n, k, t));
+  }
+  const std::span<const Vec3> points = points_of(s, patch, at);
+  double most = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const std::uint32_t side = rim[i / std::size(kAlong)];
+    const Vec3 start = start_of(s, side), from_start = points[i] - start,
                along = (start_of(s, next_side(s, side)) - start).stableNormalized();
-    const std::vector<Vec3> curve =
-        points_of(s, patch, {on_side(n, k, 0.25), on_side(n, k, 0.5), on_side(n, k, 0.75)});
-    for (const Vec3& p : curve)
-      most = std::max(most, (p - start - along.dot(p - start) * along).norm());
+    most = std::max(most, across(along, from_start).norm());
   }
   return most;
 }
@@ -80,7 +80,8 @@ double height_departure(const Surface<Real>& s, std::uint32_t patch) {
   const Vec3 normal(m[0], m[1], m[2]);
   const std::uint32_t n = s.valence(patch), first = s.side_begin[patch];
   double low = normal.dot(start_of(s, first)), high = low;
-  std::vector<DomainVec> at{DomainVec::Zero()};
+  thread_local std::vector<DomainVec> at;
+  at.assign(1, DomainVec::Zero());
   for (std::uint32_t k = 0; k < n; ++k) {
     const double corner = normal.dot(start_of(s, first + k));
     low = std::min(low, corner), high = std::max(high, corner);
@@ -94,41 +95,50 @@ double height_departure(const Surface<Real>& s, std::uint32_t patch) {
   return most;
 }
 
+struct FaceDeparture {
+  Departure ahead;          // of the patch that comes nearest to the next face
+  double farthest = 0;      // of the patch that is farthest from its polygon, mesh's unit
+  bool goes_aside = false;  // true if that one bows aside with its rim
+};
+
+template <class Real>
+FaceDeparture departure_of(const PatchCache& cache, const Surface<Real>& s, std::uint32_t face,
+                           std::span<const double> sag) {
+  FaceDeparture d{{.face = face}};
+  for (std::uint32_t p = cache.first_patch(face);
+       p < cache.patch_count() && cache.patch_face[p] == face; ++p) {
+    const double own = sag[p] + centre_off(s, p), rim = rim_departure(s, p);
+    // A patch that bows aside with its rim does not come nearer to the next face.
+    const bool is_aside = 2 * rim > own;
+    const double off = is_aside ? height_departure(s, p) : own;
+    d.ahead.distance = std::max(d.ahead.distance, off / cache.scale);
+    const double most = std::max(own, rim) / cache.scale;
+    if (most > d.farthest) d.farthest = most, d.goes_aside = is_aside;
+  }
+  return d;
+}
+
 }  // namespace
 
 void find_departures(PatchCache& cache, std::span<const double> sag, const ParallelFor& parallel) {
   constexpr std::size_t kGrain = 256;
-  std::vector<Departure> all(cache.mesh_face_count);  // towards the next face
-  Departure farthest;
-  bool goes_aside = false;
-  std::visit(
-      [&](const auto& s) {
-        for (std::uint32_t p = 0; p < cache.patch_count(); ++p) {
-          Departure& d = all[cache.patch_face[p]];
-          d.face = cache.patch_face[p];
-          const double own = sag[p] + centre_off(s, p), rim = rim_departure(s, p);
-          // A patch that bows aside with its rim does not come nearer to the next face.
-          const bool is_aside = 2 * rim > own;
-          const double off = is_aside ? height_departure(s, p) : own;
-          d.distance = std::max(d.distance, off / cache.scale);
-          const double most = std::max(own, rim) / cache.scale;
-          if (most > farthest.distance) {
-            farthest = {.distance = most, .face = d.face};
-            goes_aside = is_aside;
-          }
-        }
-      },
-      cache.surface);
   const FaceRays rays(cache, parallel);
+  std::vector<FaceDeparture> all(cache.mesh_face_count);
   parallel(all.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i)
-      all[i].room = rays.room(all[i].face, all[i].distance / kFaithful);
+    for (auto f = static_cast<std::uint32_t>(begin); f < end; ++f) {
+      all[f] =
+          std::visit([&](const auto& s) { return departure_of(cache, s, f, sag); }, cache.surface);
+      all[f].ahead.room = rays.room(f, all[f].ahead.distance / kFaithful);
+    }
   });
-  if (!goes_aside)
-    farthest.room = rays.room(farthest.face, std::numeric_limits<double>::infinity());
-  cache.departure = farthest;
-  cache.tightest = *std::max_element(
-      all.begin(), all.end(), [](const auto& a, const auto& b) { return a.share() < b.share(); });
+  const auto most = [&](auto less) { return std::max_element(all.begin(), all.end(), less); };
+  const FaceDeparture& farthest =
+      *most([](const auto& a, const auto& b) { return a.farthest < b.farthest; });
+  cache.departure = {.distance = farthest.farthest, .face = farthest.ahead.face};
+  if (!farthest.goes_aside)
+    cache.departure.room = rays.room(cache.departure.face, std::numeric_limits<double>::infinity());
+  cache.tightest =
+      most([](const auto& a, const auto& b) { return a.ahead.share() < b.ahead.share(); })->ahead;
   if (!(cache.tightest.share() > kFaithful)) cache.tightest = cache.departure;
 }
 
