@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "gliss/base/hash_index.h"
 #include "gliss/validate/mesh_report.h"
 
 namespace gliss {
@@ -25,6 +26,15 @@ inline Polygon polygon_of(const Mesh& mesh, std::uint32_t face) {
   for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c)
     polygon.push_back(corner_of(mesh, c));
   return polygon;
+}
+
+// A hash of a face's vertices: a sum, so that it does not matter where the face begins, nor which
+// way round it goes.
+inline std::uint64_t vertex_hash(const Mesh& mesh, std::uint32_t face) {
+  std::uint64_t hash = 0;
+  for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c)
+    hash += mix_bits(mesh.corner_vertex[c] + 1);
+  return hash;
 }
 
 // Turns a face the other way round; its first corner stays the first.

@@ -2,7 +2,6 @@
 // within one, as between the cells of a volume mesh.
 #include <algorithm>
 
-#include "gliss/base/hash_index.h"
 #include "gliss/mesh/mesh_edges.h"
 #include "gliss/validate/face_edit.h"
 #include "gliss/validate/validate_steps.h"
@@ -79,11 +78,8 @@ class DoubledFaces {
     bool is_any = false;
     for (std::uint32_t face = 0; face < mesh_.face_count(); ++face) {
       report_.poll();
-      std::uint64_t hash = 0;  // a sum: it does not matter where the face begins, nor which way
-      for (std::uint32_t c = mesh_.face_begin[face]; c < mesh_.face_begin[face + 1]; ++c)
-        hash += mix_bits(mesh_.corner_vertex[c] + 1);
-      const std::uint32_t first =
-          known.find_or_insert(face, hash, [&](std::uint32_t a, std::uint32_t b) {
+      const std::uint32_t first = known.find_or_insert(
+          face, vertex_hash(mesh_, face), [&](std::uint32_t a, std::uint32_t b) {
             return twin_[a] == kNone && is_turned_over(mesh_, a, b);
           });
       if (first == face) continue;

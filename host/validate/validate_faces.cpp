@@ -1,7 +1,6 @@
 // Faces one by one: repeated corners, number of sides, duplicates, and sides or areas of nothing.
 #include <algorithm>
 
-#include "gliss/base/hash_index.h"
 #include "gliss/mesh/mesh_edges.h"
 #include "gliss/mesh/topology.h"
 #include "gliss/validate/face_edit.h"
@@ -54,12 +53,9 @@ void remove_duplicates(Mesh& mesh, Report& report) {
   FaceEdit edit(mesh, report);
   for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
     report.poll();
-    std::uint64_t hash = 0;  // a sum, so that it does not matter where the cycle starts
-    for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c) {
-      hash += mix_bits(mesh.corner_vertex[c] + 1);
-    }
     const std::uint32_t first = known.find_or_insert(
-        face, hash, [&](std::uint32_t a, std::uint32_t b) { return same_cycle(mesh, a, b); });
+        face, vertex_hash(mesh, face),
+        [&](std::uint32_t a, std::uint32_t b) { return same_cycle(mesh, a, b); });
     if (first == face) continue;
     report.add(Severity::kRepaired, "duplicate-face", {.face = face},
                "is face {} again and removed", report.number_of(first));
