@@ -21,6 +21,10 @@ struct Box {
   bool contains(const Vec3& x) const {
     return (low.array() <= x.array()).all() && (x.array() <= high.array()).all();
   }
+  // True if some point lies in both.
+  bool meets(const Box& other) const {
+    return (low.array() <= other.high.array()).all() && (other.low.array() <= high.array()).all();
+  }
   // Widens it until it contains a point, or another box.
   void hold(const Vec3& x) {
     low = low.cwiseMin(x);

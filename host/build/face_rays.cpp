@@ -7,7 +7,6 @@
 
 #include "gliss/build/hierarchy.h"
 #include "gliss/build/mesh_frame.h"
-#include "gliss/mesh/topology.h"
 #include "gliss/mesh/triangulate.h"
 #include "gliss/surface/layout.h"
 #include "gliss/surface/patch_cache.h"
@@ -33,15 +32,12 @@ FaceRays::FaceRays(const Mesh& mesh, const ParallelFor& parallel) {
   scale_ = 2 / (all.high - all.low).maxCoeff();
   const MeshFrame frame{mesh, all.low + 0.5 * (all.high - all.low), scale_};
   std::vector<Box> boxes(mesh.face_count(), kNothing);
-  std::vector<Vec3> corners;
-  std::vector<std::uint32_t> cut;
+  const auto place = [&](std::uint32_t c) { return frame.position(c); };
+  std::vector<Vec3> t;
   for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
-    corners.clear(), cut.clear();
-    for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c)
-      corners.push_back(frame.position(c));
-    triangulate(corners, newell_normal(mesh, face), cut);
-    for (std::size_t t = 0; t < cut.size(); t += 3)
-      add({corners[cut[t]], corners[cut[t + 1]], corners[cut[t + 2]]}, boxes[face]);
+    t.clear();
+    append_triangles(mesh, face, place, t);
+    for (std::size_t i = 0; i < t.size(); i += 3) add({t[i], t[i + 1], t[i + 2]}, boxes[face]);
     end_face();
   }
   build_hierarchy(boxes, node_, child_, parallel);

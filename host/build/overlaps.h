@@ -3,17 +3,66 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
+#include "gliss/build/hierarchy.h"
 #include "gliss/surface/instances.h"
 #include "gliss/surface/layout.h"
 #include "gliss/surface/patch_cache.h"
 
 namespace gliss {
 
-inline bool overlap(const Box& a, const Box& b) {
-  return (a.low.array() <= b.high.array()).all() && (a.high.array() >= b.low.array()).all();
+// The box of child[place].
+template <class Real>
+Box box_of(const LargeArray<Real>& node, std::size_t place) {
+  const Real* at = &node[6 * place];
+  return {Vec3(at[0], at[1], at[2]), Vec3(at[3], at[4], at[5])};
 }
+
+// The hierarchy of two boxes or more, which it keeps.
+class BoxTree {
+ public:
+  explicit BoxTree(const std::vector<Box>& boxes) {
+    build_hierarchy(boxes, node_, child_, serial_for);
+  }
+
+  // Calls visit(box) for each box that holds x.
+  template <class Visit>
+  void for_each_at(const Vec3& x, Visit visit) const {
+    std::vector<std::uint32_t> open;
+    if (!child_.empty()) open.push_back(0);
+    while (!open.empty()) {
+      const std::size_t at = open.back();
+      open.pop_back();
+      for (std::size_t place = 2 * at; place < 2 * at + 2; ++place) {
+        if (!box_of(node_, place).contains(x)) continue;
+        if (child_[place] & kNodeLeaf) {
+          visit(child_[place] & ~kNodeLeaf);
+        } else {
+          open.push_back(child_[place]);
+        }
+      }
+    }
+  }
+
+  // The box of least size(box), the first of those of one size, that holds x and for which
+  // holds(box) is true, which is asked of few; kNone: there is none.
+  template <class Size, class Holds>
+  std::uint32_t smallest_at(const Vec3& x, Size size, Holds holds) const {
+    std::uint32_t found = kNone;
+    for_each_at(x, [&](std::uint32_t box) {
+      const bool is_smaller =
+          found == kNone || std::pair(size(box), box) < std::pair(size(found), found);
+      if (is_smaller && holds(box)) found = box;
+    });
+    return found;
+  }
+
+ private:
+  LargeArray<double> node_;
+  LargeArray<std::uint32_t> child_;
+};
 
 template <class Real>
 class Overlaps {
@@ -36,34 +85,11 @@ class Overlaps {
     if (!beneath_.empty()) within(0, skips, visit);
   }
 
-  // Calls visit(box) for each box that holds x.
-  template <class Visit>
-  void for_each_at(const Vec3& x, Visit visit) const {
-    std::vector<std::uint32_t> open;
-    if (!beneath_.empty()) open.push_back(0);
-    while (!open.empty()) {
-      const std::size_t at = open.back();
-      open.pop_back();
-      for (std::size_t place = 2 * at; place < 2 * at + 2; ++place) {
-        if (!overlap({x, x}, box_of(place))) continue;
-        if (child_[place] & kNodeLeaf) {
-          visit(child_[place] & ~kNodeLeaf);
-        } else {
-          open.push_back(child_[place]);
-        }
-      }
-    }
-  }
-
  private:
   static constexpr std::uint32_t kSeveral = kNone;
 
   std::uint32_t label_of(std::uint32_t child) const {
     return child & kNodeLeaf ? label_[child & ~kNodeLeaf] : beneath_[child];
-  }
-  Box box_of(std::size_t place) const {  // of child_[place]
-    const Real* at = &node_[6 * place];
-    return {Vec3(at[0], at[1], at[2]), Vec3(at[3], at[4], at[5])};
   }
 
   template <class Skips, class Visit>
@@ -77,7 +103,7 @@ class Overlaps {
   bool between(std::size_t a, std::size_t b, Skips skips, Visit visit) const {
     const std::uint32_t at_a = child_[a], at_b = child_[b];
     const std::uint32_t label_a = label_of(at_a), label_b = label_of(at_b);
-    if (!overlap(box_of(a), box_of(b))) return true;
+    if (!box_of(node_, a).meets(box_of(node_, b))) return true;
     if (label_a != kSeveral && label_b != kSeveral &&
         (label_a == label_b || skips(label_a, label_b)))
       return true;

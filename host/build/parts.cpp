@@ -12,7 +12,6 @@
 
 #include "gliss/base/hash_index.h"
 #include "gliss/base/poll.h"
-#include "gliss/build/hierarchy.h"
 #include "gliss/build/overlaps.h"
 #include "gliss/mesh/solid_angle.h"
 #include "gliss/surface/base_triangles.h"
@@ -175,8 +174,13 @@ class PartFinder {
   bool join_cavities() {
     std::vector<std::uint32_t> number, of_solid;
     std::vector<char> solid;
+    const BoxTree part_boxes(part_box_);
+    const auto size = [&](std::uint32_t part) { return volume_[part]; };
     for (std::uint32_t part = 0; part < count_; ++part) {
-      of_solid.push_back(volume_[part] < 0 && closed_[part] ? solid_around(part) : kNone);
+      const Vec3 x = corner_of(patches_[begin_[part]]);
+      const auto holds = [&](std::uint32_t p) { return solid_[p] && winds_round(p, x); };
+      const bool is_cavity = volume_[part] < 0 && closed_[part];
+      of_solid.push_back(is_cavity ? part_boxes.smallest_at(x, size, holds) : kNone);
       number.push_back(static_cast<std::uint32_t>(solid.size()));
       if (of_solid[part] == kNone) solid.push_back(solid_[part]);
     }
@@ -191,17 +195,6 @@ class PartFinder {
     for (const std::uint32_t part : part_) ++begin_[part + 1];
     std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
     return true;
-  }
-  std::uint32_t solid_around(std::uint32_t shell) {
-    const Vec3 x = corner_of(patches_[begin_[shell]]);
-    std::uint32_t around = kNone;
-    for (std::uint32_t part = 0; part < count_; ++part) {
-      if (!solid_[part] || !part_box_[part].contains(x) ||
-          (around != kNone && volume_[part] >= volume_[around]))
-        continue;
-      if (winds_round(part, x)) around = part;
-    }
-    return around;
   }
 
   struct OrientedBox {
@@ -220,7 +213,7 @@ class PartFinder {
                low = triple(kPatchLow), high = triple(kPatchHigh);
     OrientedBox box;
     box.axes << tangent, normal.cross(tangent), normal;
-    box.centre = triple(kPatchOrigin) + unscale * (box.axes * (0.5 * (low + high)));
+    box.centre = from_local(s_, patch, box.axes * (0.5 * (low + high)));
     box.half = 0.5 * unscale * (high - low) + Vec3::Constant(slack);
     return box;
   }
@@ -276,11 +269,7 @@ class PartFinder {
   // The others, in connected groups: all of a group lie within another part or none does.
   void find_buried() {
     buried_.assign(boxes_.size(), 0);
-    LargeArray<double> node;
-    LargeArray<std::uint32_t> child;
-    build_hierarchy(part_box_, node, child, serial_for);
-    const std::vector<std::uint32_t> all_alike(count_, 0);
-    const Overlaps<double> part_boxes(node, child, all_alike);
+    const BoxTree part_boxes(part_box_);
     std::vector<char> seen(mixed_);
     std::vector<std::uint32_t> group;
     for (std::uint32_t first = 0; first < boxes_.size(); ++first) {

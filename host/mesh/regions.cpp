@@ -8,10 +8,7 @@ namespace gliss {
 std::vector<std::uint32_t> faces_in_box(const Mesh& mesh, const Box& box) {
   std::vector<std::uint32_t> faces;
   for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
-    const Box face = box_of(mesh, f);
-    if ((face.low.array() <= box.high.array()).all() &&
-        (face.high.array() >= box.low.array()).all())
-      faces.push_back(f);
+    if (box_of(mesh, f).meets(box)) faces.push_back(f);
   }
   return faces;
 }

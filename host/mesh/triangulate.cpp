@@ -4,8 +4,6 @@
 #include <array>
 #include <numeric>
 
-#include "gliss/mesh/topology.h"
-
 namespace gliss {
 namespace {
 
@@ -119,16 +117,15 @@ void triangulate(std::span<const Vec3> corners, const Vec3& normal,
   flip_slivers(corners, normal, std::span(triangles).subspan(first));
 }
 
+void append_triangles(const Mesh& mesh, std::size_t face, std::vector<Vec3>& triangles) {
+  const auto place = [&](std::uint32_t c) { return mesh.positions[mesh.corner_vertex[c]]; };
+  append_triangles(mesh, face, place, triangles);
+}
+
 std::vector<Vec3> triangles_of(const Mesh& mesh) {
-  std::vector<Vec3> triangles, corners;
-  std::vector<std::uint32_t> cut;
-  for (std::size_t face = 0; face < mesh.face_count(); ++face) {
-    corners.clear(), cut.clear();
-    for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c)
-      corners.push_back(mesh.positions[mesh.corner_vertex[c]]);
-    triangulate(corners, newell_normal(mesh, face), cut);
-    for (const std::uint32_t corner : cut) triangles.push_back(corners[corner]);
-  }
+  std::vector<Vec3> triangles;
+  for (std::size_t face = 0; face < mesh.face_count(); ++face)
+    append_triangles(mesh, face, triangles);
   return triangles;
 }
 

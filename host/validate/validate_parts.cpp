@@ -8,14 +8,13 @@
 #include "gliss/build/hierarchy.h"
 #include "gliss/build/overlaps.h"
 #include "gliss/mesh/solid_angle.h"
-#include "gliss/mesh/topology.h"
 #include "gliss/mesh/triangulate.h"
 #include "gliss/validate/face_edit.h"
 
 namespace gliss {
 namespace {
 
-using Triangle = std::array<Vec3, 3>;
+using Triangle = const Vec3*;  // three corners
 
 // On which side of the plane of a, b, c a point lies: 0 where rounding could decide.
 int side_of(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& x) {
@@ -28,7 +27,7 @@ int side_of(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& x) {
 }
 
 // True if a segment that does not lie in the triangle's plane meets it.
-bool pierces(const Vec3& from, const Vec3& to, const Triangle& t) {
+bool pierces(const Vec3& from, const Vec3& to, Triangle t) {
   const int begin = side_of(t[0], t[1], t[2], from), end = side_of(t[0], t[1], t[2], to);
   if (begin == end || begin * end > 0) return false;
   int sum = 0, sides = 0;
@@ -40,7 +39,7 @@ bool pierces(const Vec3& from, const Vec3& to, const Triangle& t) {
   return std::abs(sum) == sides;
 }
 
-bool meet(const Triangle& a, const Triangle& b) {
+bool meet(Triangle a, Triangle b) {
   for (std::size_t k = 0; k < 3; ++k) {
     if (pierces(a[k], a[(k + 1) % 3], b) || pierces(b[k], b[(k + 1) % 3], a)) return true;
   }
@@ -219,17 +218,6 @@ void PartPairs::find_boxes() {
   }
 }
 
-template <class Visit>
-void PartPairs::for_triangles(std::uint32_t face, Visit visit) const {
-  std::vector<Vec3> corners;
-  for (std::uint32_t c = mesh_.face_begin[face]; c < mesh_.face_begin[face + 1]; ++c)
-    corners.push_back(corner(c));
-  std::vector<std::uint32_t> triangles;
-  triangulate(corners, newell_normal(mesh_, face), triangles);
-  for (std::size_t t = 0; t < triangles.size(); t += 3)
-    visit(Triangle{corners[triangles[t]], corners[triangles[t + 1]], corners[triangles[t + 2]]});
-}
-
 // Fills met_ with the pairs of parts that meet, one of them closed.
 void PartPairs::find_meeting() {
   if (std::exchange(has_met_, true)) return;
@@ -257,11 +245,14 @@ void PartPairs::find_meeting() {
 }
 
 bool PartPairs::faces_meet(std::uint32_t a, std::uint32_t b) const {
-  bool found = false;
-  for_triangles(a, [&](const Triangle& s) {
-    for_triangles(b, [&](const Triangle& t) { found = found || meet(s, t); });
-  });
-  return found;
+  std::vector<Vec3> of_a, of_b;
+  append_triangles(mesh_, a, of_a), append_triangles(mesh_, b, of_b);
+  for (std::size_t i = 0; i < of_a.size(); i += 3) {
+    for (std::size_t k = 0; k < of_b.size(); k += 3) {
+      if (meet(&of_a[i], &of_b[k])) return true;
+    }
+  }
+  return false;
 }
 
 // Finds the smallest of the closed parts that a part lies in and does not meet.
@@ -270,29 +261,26 @@ void PartPairs::find_containers() {
   container_.emplace(parts_.count(), kNone);
   if (parts_.count() < 2) return;
   find_meeting();
-  LargeArray<double> node;
-  LargeArray<std::uint32_t> child;
-  build_hierarchy(part_boxes_, node, child, serial_for);
-  const std::vector<std::uint32_t> all_alike(parts_.count(), 0);
-  const Overlaps<double> around(node, child, all_alike);
+  const BoxTree boxes(part_boxes_);
   const auto size = [&](std::uint32_t part) { return std::abs(parts_.volume[part]); };
   for (std::uint32_t part = 0; part < parts_.count(); ++part) {
     const Vec3& x = corner(mesh_.face_begin[parts_.first_face[part]]);
-    std::uint32_t& found = (*container_)[part];
-    around.for_each_at(x, [&](std::uint32_t other) {
-      if (other == part || !encloses(other) || met_.contains(key(part, other))) return;
-      if (found != kNone && size(other) >= size(found)) return;
-      if (winds_round(other, x)) found = other;
+    (*container_)[part] = boxes.smallest_at(x, size, [&](std::uint32_t other) {
+      return other != part && encloses(other) && !met_.contains(key(part, other)) &&
+             winds_round(other, x);
     });
   }
 }
 
 bool PartPairs::winds_round(std::uint32_t part, const Vec3& x) const {
   double angle = 0;
+  std::vector<Vec3> t;
   for (const std::uint32_t face : faces_[part]) {
     report_.poll();
-    for_triangles(face,
-                  [&](const Triangle& t) { angle += solid_angle(t[0] - x, t[1] - x, t[2] - x); });
+    t.clear();
+    append_triangles(mesh_, face, t);
+    for (std::size_t i = 0; i < t.size(); i += 3)
+      angle += solid_angle(t[i] - x, t[i + 1] - x, t[i + 2] - x);
   }
   return std::abs(angle) > 2 * std::numbers::pi;
 }

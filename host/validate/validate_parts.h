@@ -38,8 +38,6 @@ class PartPairs {
   bool lies_in_solid(std::uint32_t part) const;
   bool faces_meet(std::uint32_t a, std::uint32_t b) const;
   bool winds_round(std::uint32_t part, const Vec3& x) const;
-  template <class Visit>
-  void for_triangles(std::uint32_t face, Visit visit) const;
   const Vec3& corner(std::uint32_t c) const { return mesh_.positions[mesh_.corner_vertex[c]]; }
   static std::uint64_t key(std::uint32_t a, std::uint32_t b) {
     return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
