@@ -1,5 +1,5 @@
-#include <cstdio>
 #include <gliss/gliss.h>
+#include <cstdio>
 
 int main() {
   const gliss::PatchCache cache = gliss::build_cache(gliss::goldberg().mesh);
