@@ -6,6 +6,7 @@
 
 #include "gliss/generate/generate.h"
 #include "gliss/mesh/regions.h"
+#include "gliss/mesh/sectors.h"
 #include "gliss/validate/validate.h"
 #include "tests/support/patch_errors.h"
 #include "tests/support/random_meshes.h"
@@ -177,12 +178,6 @@ struct FairCrossing {
   int bent = 0;
 };
 
-bool is_seam(const Mesh& mesh, const Topology& topology, std::uint32_t side, std::uint32_t twin) {
-  const auto normal = [&](std::uint32_t c) { return mesh.normals[mesh.corner_normal[c]]; };
-  return normal(side) != normal(next_side(mesh, topology, twin)) ||
-         normal(next_side(mesh, topology, side)) != normal(twin);
-}
-
 FairCrossing cross_fair_edges(const Mesh& mesh, const PatchCache& cache) {
   const Topology topology = build_topology(mesh);
   std::vector<double> forward, backward;
@@ -202,7 +197,7 @@ FairCrossing cross_fair_edges(const Mesh& mesh, const PatchCache& cache) {
     }
     const auto a = test::along_side(cache, mesh, topology, side, forward);
     const auto b = test::along_side(cache, mesh, topology, twin, backward);
-    const bool seam = is_seam(mesh, topology, side, twin);
+    const bool seam = !shares_normals(mesh, topology, side);
     Met& met = seam        ? result.seam
                : tamed     ? result.tamed
                : most == 3 ? result.triangles
