@@ -7,6 +7,7 @@
 #include <tuple>
 #include <vector>
 
+#include "gliss/build/patch_draft.h"
 #include "gliss/surface/instances.h"
 #include "gliss/surface/layout.h"
 
@@ -181,12 +182,10 @@ double flops_of_evaluate(std::uint32_t form, std::uint32_t n) {
   k.build_patches(corners.data(), n, 1, control.data(), &soundness);
   if (form != kFormPaper) {
     std::vector<double> baked(k.control_reals(form, n));
-    if ((form & 255u) == kFormTable) {
-      for (std::uint32_t corner = 0; corner < n; ++corner)
-        k.to_table(domain.data(), control.data(), kFormPaper, form, n, corner, baked.data());
-    } else {
-      k.to_form(corners.data(), control.data(), form, n, baked.data());
-    }
+    std::vector<char> used(n + 1, 0);
+    used[n] = 1;
+    take_to_form(corners.data(), control.data(), kFormPaper, form, n, make_valence_tables(used),
+                 baked.data());
     control = baked;
   }
   Tape own;

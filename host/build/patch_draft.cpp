@@ -232,21 +232,21 @@ PatchShape examine(const PatchFrame& frame, const double* corner, const std::uin
 
 std::vector<Vec3> normals_of(const PatchDraft& d, const Sampler& sampler,
                              std::span<const Eigen::Vector2d> at) {
-  constexpr std::size_t kTogether = 1024;
-  std::vector<double> xi(kTogether), eta(kTogether), rows(9 * kTogether);
+  constexpr std::size_t kMost = 1024;  // together
+  const std::size_t stride = std::min(kMost, at.size());
+  std::vector<double> xi(stride), eta(stride), rows(9 * stride);
   std::vector<Vec3> normals;
   normals.reserve(at.size());
   while (normals.size() < at.size()) {
     sampler.ask(d.valence());
-    const auto some = at.subspan(normals.size(), std::min(kTogether, at.size() - normals.size()));
+    const auto some = at.subspan(normals.size(), std::min(stride, at.size() - normals.size()));
     for (std::size_t i = 0; i < some.size(); ++i) xi[i] = some[i].x(), eta[i] = some[i].y();
     kernels<double>().evaluate(sampler.tables.domain_of(d.valence()), d.control.data(), d.form,
-                               d.valence(), xi.data(), eta.data(), some.size(), kTogether,
+                               d.valence(), xi.data(), eta.data(), some.size(), stride,
                                rows.data());
     for (std::size_t i = 0; i < some.size(); ++i) {
       const auto row = [&](std::size_t r) {
-        return Vec3(rows[r * kTogether + i], rows[(r + 1) * kTogether + i],
-                    rows[(r + 2) * kTogether + i]);
+        return Vec3(rows[r * stride + i], rows[(r + 1) * stride + i], rows[(r + 2) * stride + i]);
       };
       normals.push_back(row(3).cross(row(6)));
     }

@@ -118,7 +118,7 @@ class Loop {
   // Ends it, however it does.
   void stop() {
     session_->request_stop();
-    if (!abandoned_) session_->wait();
+    session_->wait();
   }
   // For a child of fork(), which has no thread of the loop, and whose parent has the device: what
   // would wait for the one or write to the other is left as it is.
@@ -130,7 +130,7 @@ class Loop {
     require_open();
     session_->request_engage();
   }
-  // The same, and says how it failed if it did.
+  // Ends it, and throws how it failed if it did.
   void close() {
     if (closed_) return;
     closed_ = true;

@@ -58,7 +58,7 @@ typedef struct {
   const char* level;     /* "exact", "ribbon", "bezier", "table"; NULL: "exact" */
   uint32_t construction; /* GLISS_FAIR or GLISS_PAPER */
   uint32_t threads;      /* that build and ask; 0: as many as the machine has */
-  const char* crease;    /* edges to keep sharp, as --crease has them: "40deg", "none",
+  const char* crease;    /* edges to keep sharp, as --crease has them: "40deg", "auto", "none",
                             "edges:FILE"; NULL: those that the mesh asks for */
   uint32_t orient;       /* of closed parts: GLISS_OUTWARD, or GLISS_AS_GIVEN: rooms stay rooms */
   uint32_t flip;         /* not 0: open parts are turned over */

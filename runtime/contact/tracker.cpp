@@ -144,8 +144,8 @@ Wrench Tracker::step(const Pose& tool, std::optional<Nanoseconds> time,
   felt_ = time_;
   Wrench sum;
   int left = kStepEvaluations;
-  for (std::size_t n = tracked_.size(), first = std::exchange(first_, 0), i = first; i < first + n;
-       ++i) {
+  const std::size_t n = tracked_.size(), first = std::exchange(first_, 0);
+  for (std::size_t i = first; i < first + n; ++i) {
     const bool had_some = left > 0;
     feel(tool, dt, velocity, i % n, left, sum);
     if (had_some && left <= 0) first_ = (i + 1) % n;

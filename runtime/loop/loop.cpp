@@ -70,14 +70,14 @@ GuardLimits guard_limits(const LoopOptions& options) {
   std::string why;
   try {
     Guard{limits};
-    if (options.period > limits.hold_after)
-      throw std::invalid_argument(detail::message("hold_after: must be a period at least, ",
-                                                  1e3 * in_seconds(options.period), " ms"));
   } catch (const std::invalid_argument& error) {
     if (!follows) throw;
     if (options.period <= options.guard.hold_after) return options.guard;  // tight, as it was asked
     why = error.what();
   }
+  if (options.period > limits.hold_after)
+    throw std::invalid_argument(detail::message("hold_after: must be a period at least, ",
+                                                1e3 * in_seconds(options.period), " ms"));
   if (why.empty()) return limits;
   throw std::invalid_argument(detail::message(
       "rate: at ", 1 / in_seconds(options.period), " Hz the guard takes an input as late after ",

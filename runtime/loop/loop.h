@@ -79,6 +79,8 @@ class GLISS_EXPORT HapticLoop {
 
   // Ends the run as on_tick does by returning false. For any thread, also before run(); no wait.
   void request_stop() noexcept { stop_wanted_ = true; }
+  // True if somebody has.
+  bool stop_requested() const noexcept { return stop_wanted_; }
   // Engages a safe guard again as soon as it permits (Guard::engage), whatever made it safe: then
   // the largest force rises from zero over engage_ramp. The wish stays until it is met; one that
   // finds the guard at work is met. For any thread; no wait.

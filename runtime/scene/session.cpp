@@ -21,17 +21,12 @@ LoopSession::LoopSession(HapticDevice& device, Tracker& tracker, const LoopOptio
 
 LoopSession::~LoopSession() {
   request_stop();
-  if (running_.valid()) running_.wait();
+  wait();
 }
 
 void LoopSession::take(std::vector<LoopTick>& ticks) {
   ticks.clear();
   ring_->consume_all([&](const LoopTick& tick) { ticks.push_back(tick); });
-}
-
-void LoopSession::request_stop() noexcept {
-  stopping_ = true;
-  loop_.request_stop();
 }
 
 std::optional<SessionGrants> LoopSession::grants() const {
@@ -55,7 +50,7 @@ void LoopSession::run(HapticDevice& device, bool keeps_clock, const SessionOptio
   is_ready_ = true;
   end_ = loop_.run([&](const LoopTick& tick) {
     while (!ring_->push(tick)) {
-      if (keeps_clock || stopping_) {
+      if (keeps_clock || loop_.stop_requested()) {
         lost_.fetch_add(1, std::memory_order_relaxed);
         break;
       }

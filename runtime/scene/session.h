@@ -43,14 +43,17 @@ class GLISS_EXPORT LoopSession {
   void take(std::vector<LoopTick>& ticks);
   std::uint64_t lost() const noexcept { return lost_.load(std::memory_order_relaxed); }
 
-  void request_stop() noexcept;
+  void request_stop() noexcept { loop_.request_stop(); }
   void request_engage() noexcept { loop_.request_engage(); }
 
   // True if the loop has ended within this time.
   bool wait_for(Nanoseconds time) const {
     return running_.wait_for(time) == std::future_status::ready;
   }
-  void wait() const { running_.wait(); }
+  // Waits for the end, but in a child of fork(), where there is none.
+  void wait() const {
+    if (running_.valid()) running_.wait();
+  }
   // Waits for the end. Throws what ended the loop: LoopError where `scheduling.require` is not met.
   void join() const { running_.get(); }
   // kStopped before the end, and where join() throws.
@@ -72,7 +75,7 @@ class GLISS_EXPORT LoopSession {
   HapticLoop loop_;
   std::unique_ptr<Ring> ring_;
   SessionGrants grants_;
-  std::atomic<bool> is_ready_ = false, stopping_ = false;
+  std::atomic<bool> is_ready_ = false;
   std::atomic<std::uint64_t> lost_ = 0;
   std::atomic<LoopEnd> end_ = LoopEnd::kStopped;
   std::shared_future<void> running_;

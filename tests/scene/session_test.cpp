@@ -14,7 +14,7 @@ using namespace std::chrono_literals;
 
 class Session : public testing::Test {
  protected:
-  // What has come out until the end.
+  // Takes ticks until the loop has ended, and gives them all.
   static std::vector<LoopTick> ticks_of(LoopSession& session) {
     std::vector<LoopTick> all, some;
     for (bool more = true; more;) {
