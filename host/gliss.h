@@ -48,7 +48,6 @@
 #include "gliss/query/force_statistics.h"
 #include "gliss/query/friction.h"
 #include "gliss/query/lazy_mesh.h"
-#include "gliss/query/lazy_tracker.h"
 #include "gliss/query/query.h"
 #include "gliss/query/settling.h"
 #include "gliss/query/texture.h"

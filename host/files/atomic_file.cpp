@@ -45,13 +45,20 @@ bool lock(int descriptor) {
 }
 
 // Created and locked; -1 where that name is taken, or cannot be created (errno).
-int create_temporary(const std::string& name) {
+int create_temporary(const std::string& name, unsigned mode) {
   const int descriptor =
-      repeated([&] { return open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666); });
+      repeated([&] { return open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode); });
   if (descriptor < 0) return descriptor;
   struct stat status {};
   const bool taken = !lock(descriptor) && errno == EWOULDBLOCK;
-  if (!taken && fstat(descriptor, &status) == 0 && status.st_nlink > 0) return descriptor;
+  if (!taken && fstat(descriptor, &status) != 0) {
+    const int error = errno;
+    unlink(name.c_str());
+    close(descriptor);
+    errno = error;
+    return -1;
+  }
+  if (!taken && status.st_nlink > 0) return descriptor;
   close(descriptor);  // whoever removes what the dead leave was quicker than the lock
   errno = EEXIST;
   return -1;
@@ -88,7 +95,7 @@ std::string with_ending(const std::string& path, const std::string& ending) {
   return path.substr(0, begin).append(cut_text(name, kLongestName - tail.size())) + tail;
 }
 
-AtomicFile::AtomicFile(const std::string& path) : path_(path), target_(path) {
+AtomicFile::AtomicFile(const std::string& path, unsigned mode) : path_(path), target_(path) {
   if (path.empty()) {
     errno = ENOENT;
     fail("cannot create");
@@ -109,7 +116,7 @@ AtomicFile::AtomicFile(const std::string& path) : path_(path), target_(path) {
   }
   for (int number = 0; descriptor_ < 0; ++number) {
     temporary_ = temporary_name(target_, number);
-    descriptor_ = create_temporary(temporary_);
+    descriptor_ = create_temporary(temporary_, mode);
     if (descriptor_ < 0 && (errno != EEXIST || number == kMostTemporaries)) fail("cannot create");
   }
   // A replaced file keeps its permissions; where that is not allowed the umask decides, as for a

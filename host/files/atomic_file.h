@@ -17,8 +17,9 @@ namespace gliss {
 class GLISS_EXPORT AtomicFile {
  public:
   // Creates the temporary, so that a missing or read-only folder is reported before any work is
-  // done. A symbolic link is followed; devices, pipes and folders are refused.
-  explicit AtomicFile(const std::string& path);
+  // done. A symbolic link is followed; devices, pipes and folders are refused. A file that is
+  // replaced keeps its permissions; `mode` and the umask are those of a new one.
+  explicit AtomicFile(const std::string& path, unsigned mode = 0666);
   ~AtomicFile();  // without commit() the temporary is removed and the path left as it was
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;

@@ -29,18 +29,26 @@ LazyMesh::LazyMesh(Mesh mesh, const LazyOptions& options)
   reach_ = largest_face(mesh_);
 }
 
-LazyRegion LazyMesh::build(std::span<const std::uint32_t> faces) const {
+LazyRegion LazyMesh::build(std::span<const std::uint32_t> faces,
+                           const std::function<void()>& poll) const {
   const std::vector<std::uint32_t> used = faces_around(mesh_, topology_, faces, options_.rings);
   BuildOptions build;
   build.precision = options_.precision;
   build.level = options_.level;
   build.like = &base_;
   build.faces = faces_touching(mesh_, topology_, used);
-  LazyRegion region{build_cache(mesh_, topology_, build), {}};
+  BuildBackend backend;
+  backend.poll = poll;
+  LazyRegion region{build_cache(mesh_, topology_, build, nullptr, backend), {}};
   region.used.resize(region.cache.patch_count());
   for (std::size_t p = 0; p < region.used.size(); ++p)
     region.used[p] = std::binary_search(used.begin(), used.end(), region.cache.patch_face[p]);
   return region;
+}
+
+bool LazyMesh::needs_all() const {
+  return base_.winding != nullptr ||
+         std::visit([](const auto& surface) { return !surface.part.empty(); }, base_.surface);
 }
 
 bool LazyMesh::is_inside(const LazyRegion& region, std::uint32_t face) const {

@@ -2,6 +2,7 @@
 // does not change, so that any number of threads may build from it.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -33,14 +34,19 @@ class GLISS_EXPORT LazyMesh {
   // The mesh must be validated; vertex normals are made where it has none.
   explicit LazyMesh(Mesh mesh, const LazyOptions& options = {});
 
+  // True if what is inside depends on patches that are far from a contact, so that all are wanted:
+  // parts of the mesh lie within one another, or its faces fold over their neighbours.
+  bool needs_all() const;
   // Base polygons only, of the whole mesh.
   const PatchCache& base() const { return base_; }
   const LazyOptions& options() const { return options_; }
   // No patch is farther than this from its base polygon, mesh's unit; but for patches that swell
   // beyond the size of their face.
   double reach() const { return reach_; }
-  // Covers the faces within `rings` edges of these.
-  LazyRegion build(std::span<const std::uint32_t> faces) const;
+  // Covers the faces within `rings` edges of these. `poll` is asked many times a second, and what
+  // it throws ends the build.
+  LazyRegion build(
+      std::span<const std::uint32_t> faces, const std::function<void()>& poll = [] {}) const;
   // True if the region covers the face and all those across its sides.
   bool is_inside(const LazyRegion& region, std::uint32_t face) const;
 

@@ -1,5 +1,6 @@
 #include "gliss/study/part_folder.h"
 
+#include <dirent.h>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
@@ -10,7 +11,7 @@
 #include <cstddef>
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
+#include <memory>
 #include <system_error>
 #include <utility>
 
@@ -24,6 +25,9 @@ namespace {
 
 constexpr std::uint32_t kPartFormat = 6;
 constexpr std::string_view kMagic = "GLSPART\n", kEnding = ".part";
+// An empty file in a folder that was made for parts: work that goes on may remove such a folder in
+// the end, and no other.
+constexpr const char* kMadeForParts = ".gliss-parts";
 
 struct PartHeader {
   char magic[8];
@@ -37,15 +41,19 @@ std::uint64_t checksum_of(const std::string& bytes) {
   return cache_format::checksum(bytes.data() + kChecked, bytes.size() - kChecked);
 }
 
-// A part that is open. Throws std::runtime_error for one of another user, who could have put
-// anything there: in a folder that a group may write to, say.
+// A part that is open. Throws std::runtime_error for one that another user could have written: in a
+// folder that a group may write to, say.
 class OpenPart : public OpenFile {
  public:
   explicit OpenPart(const std::string& path) : OpenFile(path, O_RDONLY | O_NOFOLLOW) {
     struct stat status {};
-    if (descriptor() >= 0 && fstat(descriptor(), &status) == 0 && status.st_uid != geteuid())
+    if (descriptor() < 0 || fstat(descriptor(), &status) != 0) return;
+    const char* fault = status.st_uid != geteuid()                    ? "belongs to another user"
+                        : (status.st_mode & (S_IWGRP | S_IWOTH)) != 0 ? "may be written by others"
+                                                                      : nullptr;
+    if (fault != nullptr)
       throw std::runtime_error(
-          fmt::format("'{}' belongs to another user; remove it, or name another folder", path));
+          fmt::format("'{}' {}; remove it, or name another folder", path, fault));
   }
 };
 
@@ -58,6 +66,19 @@ bool read_whole_head(OpenFile& opened) {
 bool has_whole_head(const std::string& path) {
   OpenPart opened(path);
   return read_whole_head(opened);
+}
+
+// Calls each(name) for what is in a folder; false where that cannot be read. The library's iterator
+// ends the process where memory ends.
+template <class Each>
+bool for_each_name(const std::string& folder, const Each& each) {
+  const std::unique_ptr<DIR, int (*)(DIR*)> opened(opendir(folder.c_str()), closedir);
+  if (opened == nullptr) return false;
+  while (const dirent* file = readdir(opened.get())) {
+    const std::string_view name = file->d_name;
+    if (name != "." && name != "..") each(name);
+  }
+  return true;
 }
 
 bool is_there(const std::string& path) {
@@ -100,13 +121,13 @@ PartFolder::PartFolder(const std::string& folder, std::uint64_t hash, double pat
       access_(access),
       patience_(patience) {
   open_folder();
-  for (const auto& file : std::filesystem::directory_iterator(folder)) {
-    const std::string name = file.path().filename();
-    if (!name.starts_with(key_))
-      ++foreign_;
-    else if (name.ends_with(kEnding))
-      ++kept_;
-  }
+  const bool is_read = for_each_name(folder, [&](std::string_view name) {
+    if (name.starts_with(key_))
+      kept_ += name.ends_with(kEnding);
+    else
+      foreign_ += name != kMadeForParts;
+  });
+  if (!is_read) fail("cannot list");
 }
 
 // Work that ended may remove the folder before it is locked here; then there is another one.
@@ -120,10 +141,9 @@ void PartFolder::open_folder() {
   fail("cannot keep");
 }
 
-// Folders that were made for parts are told by their sticky bit, which means nothing in a folder of
-// one user: work that goes on may remove them, and nobody else's. False where it is gone again.
+// False where the folder is gone again.
 bool PartFolder::open_once() {
-  const bool is_new = mkdir(folder_.c_str(), S_ISVTX | S_IRWXU) == 0;
+  const bool is_new = mkdir(folder_.c_str(), S_IRWXU) == 0;
   if (!is_new && errno != EEXIST) fail("cannot create");
   struct stat status {};
   if (lstat(folder_.c_str(), &status) == 0 && S_ISLNK(status.st_mode))
@@ -141,13 +161,18 @@ bool PartFolder::open_once() {
     refuse(is_taken(LOCK_SH) ? "another command is at work here"
                              : "shards are at work here; go on when they are done");
   }
-  made_ = is_new || (status.st_mode & S_ISVTX) != 0;
-  return fstat(lock_, &status) == 0 && status.st_nlink > 0;
+  if (fstat(lock_, &status) != 0 || status.st_nlink == 0) return false;
+  if (is_new) mark_as_made();
+  return true;
 }
 
 PartFolder::~PartFolder() {
-  if (made_ && access_ == PartsAccess::kAlone)
-    rmdir(folder_.c_str());  // refused while anything is there
+  if (access_ != PartsAccess::kAlone || unlinkat(lock_, kMadeForParts, 0) != 0) return;
+  if (rmdir(folder_.c_str()) != 0) mark_as_made();  // other things are there
+}
+
+void PartFolder::mark_as_made() const {
+  OwnedDescriptor(openat(lock_, kMadeForParts, O_WRONLY | O_CREAT | O_CLOEXEC, 0600));
 }
 
 std::optional<PartFile> PartFolder::load(std::size_t part) {
@@ -188,10 +213,10 @@ bool PartFolder::is_whole(std::size_t part) const {
 
 std::size_t PartFolder::whole() const {
   std::size_t count = 0;
-  for (const auto& file : std::filesystem::directory_iterator(folder_)) {
-    const std::string name = file.path().filename();
-    count += name.starts_with(key_) && name.ends_with(kEnding) && has_whole_head(file.path());
-  }
+  for_each_name(folder_, [&](std::string_view name) {
+    count += name.starts_with(key_) && name.ends_with(kEnding) &&
+             has_whole_head(fmt::format("{}/{}", folder_, name));
+  });
   return count;
 }
 
@@ -224,7 +249,7 @@ void PartFolder::save(std::size_t part, PartFile& file) {
   std::memcpy(file.bytes.data(), &header, sizeof header);
   const std::string path = path_of(part);
   const bool is_new = !is_there(path);
-  AtomicFile output(path);
+  AtomicFile output(path, 0600);
   output.write(file.bytes);
   output.commit();
   kept_ += is_new;
@@ -236,9 +261,9 @@ bool PartFolder::remove() {
     if (flock(lock_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) return false;
     access_ = PartsAccess::kAlone;
   }
-  for (const auto& file : std::filesystem::directory_iterator(folder_)) {
-    if (file.path().filename().string().starts_with(key_)) unlink(file.path().c_str());
-  }
+  for_each_name(folder_, [&](std::string_view name) {
+    if (name.starts_with(key_)) unlinkat(lock_, name.data(), 0);
+  });
   return true;
 }
 

@@ -51,7 +51,7 @@ GLISS_EXPORT std::uint64_t work_hash(std::uint64_t surface, const std::string& t
 // Closes it in the end.
 class OwnedDescriptor {
  public:
-  OwnedDescriptor() = default;
+  explicit OwnedDescriptor(int descriptor = -1) : descriptor_(descriptor) {}
   ~OwnedDescriptor() { set(-1); }
   OwnedDescriptor(const OwnedDescriptor&) = delete;
   OwnedDescriptor& operator=(const OwnedDescriptor&) = delete;
@@ -60,7 +60,7 @@ class OwnedDescriptor {
   void set(int descriptor) noexcept;            // closes the one before
 
  private:
-  int descriptor_ = -1;
+  int descriptor_;
 };
 
 // A part is a file of its own that is there as a whole or not at all, with a checksum. Its name
@@ -114,6 +114,7 @@ class GLISS_EXPORT PartFolder {
  private:
   void open_folder();
   bool open_once();
+  void mark_as_made() const;
   std::optional<PartFile> read(std::size_t part) const;
   std::string path_of(std::size_t part) const;
   std::string path_of_mark(std::uint64_t mark) const;
@@ -123,7 +124,6 @@ class GLISS_EXPORT PartFolder {
   const std::uint64_t hash_;
   std::string folder_, key_;  // the hash, which the names of its files begin with
   PartsAccess access_;
-  bool made_ = false;
   OwnedDescriptor lock_;
   double patience_;
   Stopwatch clock_;

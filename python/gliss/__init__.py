@@ -274,6 +274,13 @@ def _faces(faces):
     return _whole(offsets, "faces"), _np.concatenate(rows) if rows else _np.zeros(0, _np.uint32)
 
 
+def _path(path):
+    text = _os.fsdecode(path)
+    if "\0" in text:
+        raise ValueError(f"a path cannot hold a null character: {text!r}")
+    return text
+
+
 def _options(unit=None, **options):
     return dict(unit=unit, **_named(_surface_options, options))
 
@@ -461,7 +468,7 @@ class Surface:
 
     def save(self, path):
         """Keeps the patches in a cache, as ``gliss bake`` does: written whole or not at all. OSError."""
-        self._open.save(_os.fspath(path))
+        self._open.save(_path(path))
 
     def nearest(self, points, method="gregory"):
         """The nearest point of the surface to each point.
@@ -524,12 +531,12 @@ class Surface:
         progress: a function of (contacts done, of all), called a few times a second; True writes lines to sys.stderr.
         """
         methods = [methods] if isinstance(methods, str) else list(methods)
-        path = "" if output is None else _os.fspath(output)
+        path = "" if output is None else _path(output)
         if path and not path.endswith((".csv", ".h5", ".hdf5", ".npy")):
             raise ValueError(f"output: '{path}' must end in .csv, .npy, .h5 or .hdf5")
         if parts is None:
             parts = _os.path.splitext(path)[0] + ".parts" if path else ""
-        folder = "" if parts == "none" else _os.fspath(parts)
+        folder = "" if parts == "none" else _path(parts)
         if self._open.path:
             command = ["gliss", "sweep", self._open.path, "--depth", ",".join(_gliss.depth_names(depth))]
             command += ["--rings", str(rings)] if samples is None else ["--samples", _text(samples)]
@@ -630,7 +637,7 @@ def load(path, unit=None, **options):
     MeshError, CacheError, DeviceError, OSError, each with the program's line.
     """
     options = _options(unit, **options)
-    opened = _gliss.load(_os.fspath(path), options)
+    opened = _gliss.load(_path(path), options)
     if unit is None and opened.unit != 1:  # a cache's, which the program is to write in as well
         options["unit"] = opened.unit
     return Surface._of(opened, _words(options))
@@ -644,7 +651,7 @@ def check(mesh, faces=None, unit=None, **options):
     """
     try:
         if faces is None:
-            return _gliss.load(_os.fspath(mesh), _options(unit, **options)).findings
+            return _gliss.load(_path(mesh), _options(unit, **options)).findings
         options = _options("m" if unit is None else unit, **options)
         return _gliss.from_arrays(_real(mesh, "vertices"), *_faces(faces), options).findings
     except MeshError as error:
@@ -672,7 +679,7 @@ class Loop:
     """
 
     def __init__(self, scene, device="sim", *, seconds=0.0, wait=True, realtime=True, threads=0, cpu=None):
-        self._open = _gliss.open_loop(_os.fspath(scene), device, seconds, wait, realtime, threads, -1 if cpu is None else cpu)
+        self._open = _gliss.open_loop(_path(scene), device, seconds, wait, realtime, threads, -1 if cpu is None else cpu)
         self._end = _weakref.finalize(self, self._open.stop)  # also where Python ends
         _loops.add(self)
 

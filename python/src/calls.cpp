@@ -1,6 +1,11 @@
 #include "calls.h"
 
+#include <pthread.h>
+#include <unistd.h>
+
 #include <chrono>
+#include <stdexcept>
+#include <thread>
 
 #include "gliss/thread/clock.h"
 
@@ -12,19 +17,70 @@ constexpr Nanoseconds kPause = std::chrono::milliseconds(20);
 thread_local int depth = 0;  // calls of this thread that are under way
 thread_local Nanoseconds next{};
 
+// Once in a thread.
+void require_stack() {
+  constexpr std::size_t kLeast = 256 << 10;
+  thread_local bool is_checked = false;
+  if (std::exchange(is_checked, true)) return;
+  pthread_attr_t attributes;
+  std::size_t size = kLeast;
+  if (pthread_getattr_np(pthread_self(), &attributes) != 0) return;
+  pthread_attr_getstacksize(&attributes, &size);
+  pthread_attr_destroy(&attributes);
+  is_checked = size >= kLeast;
+  if (!is_checked)
+    throw std::runtime_error(
+        "this thread's stack is below 256 KiB; cure: threading.stack_size(1 << 20) before it "
+        "starts");
+}
+
+// The thread that ends the interpreter, once it does, and threads on their way to the GIL.
+std::atomic<std::thread::id> ending{};
+std::atomic<int> arriving{0};
+
+// To be called before the GIL is taken, and arrived() after.
+void arrive() {
+  ++arriving;
+  const std::thread::id ends = ending;
+  if (ends == std::thread::id{} || ends == std::this_thread::get_id()) return;
+  --arriving;
+  for (;;) pause();
+}
+void arrived() { --arriving; }
+
+void end_of_interpreter() {
+  ending = std::this_thread::get_id();
+  const py::gil_scoped_release released;
+  while (arriving != 0) std::this_thread::yield();
+}
+
 }  // namespace
 
-Call::Call() {
+void keep_calls_whole() {
+  py::module_::import("atexit").attr("register")(py::cpp_function(end_of_interpreter));
+  pthread_atfork(nullptr, nullptr, [] { arriving = 0; });  // the child has none of these threads
+}
+
+Acquired::Acquired() : state_((arrive(), PyGILState_Ensure())) { arrived(); }
+
+Acquired::~Acquired() { PyGILState_Release(state_); }
+
+Call::Call() : state_((require_stack(), PyEval_SaveThread())) {
   if (depth++ == 0) next = monotonic_time() + kPause;
 }
 
-Call::~Call() { --depth; }
+Call::~Call() {
+  --depth;
+  arrive();
+  PyEval_RestoreThread(state_);
+  arrived();
+}
 
 void poll() {
   if (depth == 0) return;
   const Nanoseconds now = monotonic_time();
   if (now < next) return;
-  const py::gil_scoped_acquire acquired;
+  const Acquired acquired;
   if (PyErr_CheckSignals() != 0) throw Interrupted{};
   next = monotonic_time() + kPause;
 }
@@ -45,7 +101,7 @@ void Progress::reach(std::uint64_t done, std::uint64_t total) const {
       (now.count() < next ||
        !next_.compare_exchange_strong(next, (now + std::chrono::milliseconds(200)).count())))
     return;
-  const py::gil_scoped_acquire held;
+  const Acquired held;
   call_(done, total);
 }
 

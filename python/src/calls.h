@@ -22,7 +22,24 @@ py::custom_type_setup made_by_functions();
 // Throws Interrupted. For whatever asks now and then, from any thread, without the GIL.
 void poll();
 
-// A thread's work within released().
+// Keeps threads that are at work when the interpreter ends, which daemon threads may be, from the
+// GIL: there they would be ended within functions that may not throw, and the process with them.
+void keep_calls_whole();
+
+// Holds the GIL, for a thread that works within released(); in such a thread at the end of the
+// interpreter it never returns.
+class Acquired {
+ public:
+  Acquired();
+  ~Acquired();
+  Acquired(const Acquired&) = delete;
+  Acquired& operator=(const Acquired&) = delete;
+
+ private:
+  const PyGILState_STATE state_;
+};
+
+// A thread's work within released(). Throws std::runtime_error on a stack too small for it.
 class Call {
  public:
   Call();
@@ -31,7 +48,7 @@ class Call {
   Call& operator=(const Call&) = delete;
 
  private:
-  py::gil_scoped_release released_;
+  PyThreadState* const state_;
 };
 
 // Calls a Python function (done, total) at most five times a second, and at the end; None: nothing.

@@ -176,7 +176,7 @@ void bind_loop(py::module_& module) {
   py::class_<Loop>(module, "OpenLoop", made_by_functions())
       .def("read", &Loop::read)
       .def("wait", &Loop::wait)
-      .def("stop", &Loop::stop, py::call_guard<py::gil_scoped_release>())
+      .def("stop", &Loop::stop, py::call_guard<Call>())
       .def("close", &Loop::close)
       .def("abandon", &Loop::abandon)
       .def("engage", &Loop::engage)

@@ -13,6 +13,8 @@
 namespace gliss {
 namespace {
 
+struct Stopped {};
+
 // Tells where a hand is and goes, from where it is seen now and then.
 class HandMotion {
  public:
@@ -79,7 +81,8 @@ void LazyWorker::work() {
       const Vec3 velocity = motion.see(hip, monotonic_time());
       try {
         build_for(posted->value, hip, velocity);
-      } catch (const std::bad_alloc&) {
+      } catch (const Stopped&) {
+      } catch (const std::exception&) {
         // The hand goes on with base polygons, and is told so; there may be memory later.
       }
     }
@@ -95,7 +98,9 @@ void LazyWorker::build_for(const Posted& posted, const Vec3& hip, const Vec3& ve
   });
   if (ready) return;
   if (options_.before_build) options_.before_build();
-  hand_over(mesh_->build(faces));
+  hand_over(mesh_->build(faces, [this] {
+    if (stop_.load(std::memory_order_relaxed)) throw Stopped{};
+  }));
 }
 
 // The base polygons' contacts from here to where the hand will be, on the side that it is on. What

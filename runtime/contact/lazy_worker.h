@@ -26,7 +26,7 @@ struct LazyWorkerOptions {
 class GLISS_EXPORT LazyWorker {
  public:
   explicit LazyWorker(std::shared_ptr<const LazyMesh> mesh, LazyWorkerOptions options = {});
-  ~LazyWorker();  // waits for a region that is being built
+  ~LazyWorker();  // ends a region that is being built
   LazyWorker(const LazyWorker&) = delete;
   LazyWorker& operator=(const LazyWorker&) = delete;
 

@@ -47,6 +47,8 @@ const char* fault_of(const SceneObject& object) {
   if (object.lazy == nullptr)
     return "has no surface: set its cache, or lazy to build patches near the HIP";
   if (object.effects.magnet.any()) return "is lazy and has a magnet, which needs a cache";
+  if (object.lazy->needs_all())
+    return "is lazy, and its parts lie within one another or fold: it needs a cache";
   return object.method == Method::kGregory ? nullptr
                                            : "is lazy, which is for the method gregory alone";
 }

@@ -29,11 +29,16 @@ UdpDevice::UdpDevice(std::uint16_t port, Nanoseconds patience) : port_(port) {
   const Nanoseconds start = monotonic_time();
   while (state_.sequence == 0) {
     const Nanoseconds now = monotonic_time();
-    if (refused_) {
-      throw LoopError(detail::message("udp:", port, ": the device at 127.0.0.1:", port,
-                                      " refused this loop, for it lacks the pass; cure: run it as "
-                                      "the user who serves the device"));
+    const auto found = udp::find_pass(port);
+    const bool is_new = found && !(pass_ && pass_->pass == found->pass);
+    if (refused_ && !is_new) {
+      throw LoopError(detail::message(
+          "udp:", port, ": the device at 127.0.0.1:", port, " refused this loop, for it lacks the ",
+          "pass; ", found ? "another one" : "none", " was found in ", udp::pass_paths(port),
+          "; cure: run it as the user who serves the device"));
     }
+    refused_ = false;
+    pass_ = found;
     if (now - start > patience) {
       if (rejected_ > 0)
         throw LoopError(
@@ -51,7 +56,6 @@ UdpDevice::UdpDevice(std::uint16_t port, Nanoseconds patience) : port_(port) {
                                 " s; cure: start the device's program or gliss serve with this "
                                 "port, or end the loop that uses it already"));
     }
-    pass_ = udp::find_pass(port);
     send({}, now, 0);
     // A refusal ends a wait at once, and is to be waited for, not to be spun on.
     for (const Nanoseconds next = now + kHelloEvery; state_.sequence == 0;) {

@@ -1,6 +1,7 @@
 #include "gliss/device/udp_pass.h"
 
 #include <fcntl.h>
+#include <pwd.h>
 #include <sys/file.h>
 #include <sys/random.h>
 #include <sys/stat.h>
@@ -8,7 +9,6 @@
 
 #include <cerrno>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <vector>
 
@@ -36,6 +36,17 @@ std::string fault_of(const std::string& folder) {
   return access(folder.c_str(), W_OK) == 0 ? "" : std::strerror(errno);
 }
 
+// The home of this user by the system's list, whatever HOME says: a service may have none, or that
+// of whoever started it. Empty where the list has none.
+std::string home_folder() {
+  std::vector<char> text(4096);
+  struct passwd entry {};
+  struct passwd* found = nullptr;
+  while (getpwuid_r(geteuid(), &entry, text.data(), text.size(), &found) == ERANGE)
+    text.resize(2 * text.size());
+  return found != nullptr && found->pw_dir[0] == '/' ? found->pw_dir : "";
+}
+
 // A folder where passes may lie, and what their paths begin with: that of the session, one in /tmp,
 // and one at home where somebody else has that.
 struct Place {
@@ -46,8 +57,8 @@ std::vector<Place> places() {
   const std::string session = detail::message("/run/user/", geteuid()),
                     shared = detail::message("/tmp/gliss-", geteuid());
   std::vector<Place> all{{session, session + "/gliss-", false}, {shared, shared + "/"}};
-  if (const char* home = std::getenv("HOME"); home != nullptr && *home == '/')
-    all.push_back({home + std::string("/.gliss"), home + std::string("/.gliss/")});
+  if (const std::string home = home_folder(); !home.empty())
+    all.push_back({home + "/.gliss", home + "/.gliss/"});
   return all;
 }
 
@@ -64,24 +75,43 @@ std::string new_path(std::uint16_t port) {
 
 }  // namespace
 
-OwnPass::OwnPass(std::uint16_t port) : path_(new_path(port)) {
+OwnPass::OwnPass(std::uint16_t port) : port_(port) {
   for (std::size_t got = 0; got < pass_.size();) {
     const ssize_t some = getrandom(pass_.data() + got, pass_.size() - got, 0);
     if (some > 0) got += static_cast<std::size_t>(some);
   }
-  // Whole and locked before it has its name: a loop that looks meanwhile finds it so, or not at
-  // all. What a killed server left gives way: the port is ours.
+  put_down();
+}
+
+// Whole and locked before it has its name: a loop that looks meanwhile finds it so, or not at all.
+// What a killed server left gives way: the port is ours.
+void OwnPass::put_down() {
+  path_ = new_path(port_);
   const std::string made = path_ + ".new";
   unlink(made.c_str());
-  descriptor_ = open(made.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
+  const int descriptor =
+      open(made.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
   const bool done =
-      descriptor_ >= 0 && flock(descriptor_, LOCK_EX | LOCK_NB) == 0 &&
-      write(descriptor_, pass_.data(), pass_.size()) == static_cast<ssize_t>(pass_.size()) &&
+      descriptor >= 0 && flock(descriptor, LOCK_EX | LOCK_NB) == 0 &&
+      write(descriptor, pass_.data(), pass_.size()) == static_cast<ssize_t>(pass_.size()) &&
       rename(made.c_str(), path_.c_str()) == 0;
-  if (done) return;
+  if (done) {
+    if (descriptor_ >= 0) close(descriptor_);
+    descriptor_ = descriptor;
+    return;
+  }
   const std::string why = std::strerror(errno);
-  if (descriptor_ >= 0) unlink(made.c_str()), close(descriptor_);
-  refuse(port, path_, detail::message("cannot be written (", why, ")"));
+  if (descriptor >= 0) unlink(made.c_str()), close(descriptor);
+  refuse(port_, path_, detail::message("cannot be written (", why, ")"));
+}
+
+void OwnPass::keep() noexcept {
+  struct stat status {};
+  if (lstat(path_.c_str(), &status) == 0 || errno != ENOENT) return;
+  try {
+    put_down();
+  } catch (const std::exception&) {  // the loop is refused, as without this
+  }
 }
 
 OwnPass::~OwnPass() {
@@ -107,6 +137,13 @@ std::optional<FoundPass> pass_in(const std::string& path, std::uint16_t port) {
 }
 
 }  // namespace
+
+std::string pass_paths(std::uint16_t port) {
+  std::string all;
+  for (const Place& place : places())
+    all += detail::message(all.empty() ? "" : ", ", place.begin, "udp-", port);
+  return all;
+}
 
 std::optional<FoundPass> find_pass(std::uint16_t port) {
   std::optional<FoundPass> left;  // by a server that is no more

@@ -23,8 +23,14 @@ class GLISS_EXPORT OwnPass {
   OwnPass& operator=(const OwnPass&) = delete;
 
   const Pass& value() const noexcept { return pass_; }
+  // Writes the file again, elsewhere if need be, where it is gone: a session's folder goes with the
+  // session. Where that fails, nothing happens.
+  void keep() noexcept;
 
  private:
+  void put_down();
+
+  std::uint16_t port_;
   std::string path_;
   int descriptor_ = -1;  // locked while it is served
   Pass pass_{};
@@ -34,6 +40,9 @@ struct FoundPass {
   Pass pass{};
   bool served = false;  // its process lives
 };
+
+// The files that may hold the pass of a port, separated by commas.
+GLISS_EXPORT std::string pass_paths(std::uint16_t port);
 
 // The pass of a port that a process of this user serves, wherever it lies, or served; none where
 // there is no file.

@@ -139,7 +139,10 @@ void UdpServer::receive(Nanoseconds now) noexcept {
       take(passed->wrench, port, now);
     } else if (port != 0 && (passed || has_no_pass())) {
       ++counts_.refused;
-      if (peer_ == 0) socket_.send_to(port, udp::encode(udp::RefusalDatagram{}));
+      if (peer_ == 0) {  // the loop looks for the pass again when it hears that
+        pass_.keep();
+        socket_.send_to(port, udp::encode(udp::RefusalDatagram{}));
+      }
     } else {
       ++counts_.rejected;
     }

@@ -62,7 +62,8 @@ class GLISS_EXPORT UdpServer {
   // the device has no force then and the loop is told that nothing comes after.
   void run(const std::function<bool()>& stop);
 
-  // One tick at `now`, of CLOCK_MONOTONIC, never backwards; neither waits nor allocates.
+  // One tick at `now`, of CLOCK_MONOTONIC, never backwards; it does not wait, and allocates
+  // nothing but where it writes a pass again for a loop that was refused.
   void step(Nanoseconds now) noexcept;
   void end() noexcept;  // at once: no force, and the loop is told
 

@@ -24,16 +24,23 @@ Mesh read_mesh(const ObjectDescription& described, const SceneOpening& opening) 
   return mesh;
 }
 
+PatchCache build_surface(const Mesh& mesh, const ObjectDescription& described,
+                         const SceneOpening& opening) {
+  BuildOptions options;
+  options.precision = described.precision.value_or(Precision::kDouble);
+  options.level = chosen_level(described.level, described.construction);
+  if (opening.build) return opening.build(mesh, options);
+  BuildBackend backend;
+  if (opening.poll) backend.poll = opening.poll;
+  return build_cache(mesh, options, nullptr, backend);
+}
+
 PatchCache open_surface(const ObjectDescription& described, const SceneOpening& opening) {
   if (described.from_cache || is_meant_as_cache(described.surface))
     return load_cache_of(described.surface,
                          {described.precision, described.level, described.construction},
                          opening.poll);
-  BuildOptions options;
-  options.precision = described.precision.value_or(Precision::kDouble);
-  options.level = chosen_level(described.level, described.construction);
-  const Mesh mesh = read_mesh(described, opening);
-  return opening.build ? opening.build(mesh, options) : build_cache(mesh, options);
+  return build_surface(read_mesh(described, opening), described, opening);
 }
 
 }  // namespace
@@ -54,10 +61,14 @@ std::vector<SceneObject> open_objects(const Scene& scene, const SceneOpening& op
     object.motion = described.motion;
     if (described.patches == Patches::kLazy) {
       const Precision precision = described.precision.value_or(Precision::kDouble);
-      object.lazy = std::make_shared<const LazyMesh>(
-          read_mesh(described, opening),
-          LazyOptions{described.rings, precision,
-                      chosen_level(described.level, described.construction)});
+      const Mesh mesh = read_mesh(described, opening);
+      auto lazy = std::make_shared<const LazyMesh>(
+          mesh, LazyOptions{described.rings, precision,
+                            chosen_level(described.level, described.construction)});
+      if (lazy->needs_all())
+        object.cache = std::make_shared<const PatchCache>(build_surface(mesh, described, opening));
+      else
+        object.lazy = std::move(lazy);
     } else {
       object.cache = std::make_shared<const PatchCache>(open_surface(described, opening));
     }

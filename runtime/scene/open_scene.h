@@ -22,7 +22,8 @@ struct SceneOpening {
 };
 
 // Opens the objects of a scene, in its order, for a Tracker. Caches are loaded, and other patches
-// are built, or near the hand later where the scene says lazy. Throws MeshError, CacheError,
+// are built, or near the hand later where the scene says lazy and the mesh permits it
+// (LazyMesh::needs_all). Throws MeshError, CacheError,
 // NoFileError, std::system_error.
 GLISS_EXPORT std::vector<SceneObject> open_objects(const Scene& scene,
                                                    const SceneOpening& opening = {});

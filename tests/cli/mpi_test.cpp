@@ -72,14 +72,8 @@ class Mpi : public test::RunTest {
   }
   Words mpi(const std::string& words) const { return joined({test::kMpiProgram}, words_of(words)); }
 
-  std::size_t parts() const {
-    std::error_code none;
-    std::size_t count = 0;
-    for (const auto& file : fs::directory_iterator(folder_ / parts_folder_, none))
-      count += file.path().extension() == ".part";
-    return count;
-  }
-  std::string first_part() const { return fs::directory_iterator(folder_ / parts_folder_)->path(); }
+  std::size_t parts() const { return test::part_paths(folder_ / parts_folder_).size(); }
+  std::string first_part() const { return test::part_paths(folder_ / parts_folder_).at(0); }
   // True once no rank works in the folder for parts.
   bool is_left() const {
     const int folder = open((folder_ / parts_folder_).c_str(), O_RDONLY);

@@ -19,6 +19,7 @@
 #include "gliss/study/sweep.h"
 #include "gliss/tables/csv_reader.h"
 #include "tests/support/gliss_process.h"
+#include "tests/support/part_files.h"
 #include "tests/support/places.h"
 #include "tests/support/require.h"
 #include "tests/support/scratch_folder.h"
@@ -427,6 +428,9 @@ TEST_F(Program, SaysInOneLineWhatIsWrong) {
       {"eval knot.obj --at points.csv --backend opencl --opencl-device none", "opencl: no ", 4},
       {"eval knot.gliss --at points.csv --precision float", "--precision float", 3},
       {"info cut.gliss", "cut.gliss", 3},
+      {"info none.gliss", "there is no file 'none.gliss'", 2},
+      {"trace none/x.gliss --depth 1mm", "there is no file 'none/x.gliss'", 2},
+      {"compare knot.obj/x.gliss", "there is no file 'knot.obj/x.gliss'", 2},
       {"info bad.obj", "bad.obj:4: face 0", 2},
       {"bake knot.obj -o x.gliss --faces 9-144", "--faces: 144 is beyond", 2},
       {"bake knot.obj -o x.gliss --faces 5-2", "'5-2'", 2},
@@ -804,13 +808,7 @@ TEST_F(Program, AKilledSweepGoesOnFromItsParts) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "s.h5.parts"));
   folder_.write("s.h5", "old");
 
-  const auto parts = [&] {
-    std::error_code none;
-    std::size_t count = 0;
-    for (const auto& file : std::filesystem::directory_iterator(folder_ / "s.h5.parts", none))
-      count += file.path().extension() == ".part";
-    return count;
-  };
+  const auto parts = [&] { return test::part_paths(folder_ / "s.h5.parts").size(); };
   for (const int signal : {SIGKILL, SIGINT}) {
     const std::size_t before = parts();
     test::Process sweep(folder_ / "", test::kProgram, words);

@@ -171,6 +171,20 @@ TEST_F(RunEnd, goes_on_where_the_disk_is_full) {
   }
 }
 
+TEST_F(RunEnd, tells_its_figures_where_a_recording_fails_at_its_end) {
+  const auto full = [] {
+    const rlimit limit{5000, 5000};  // less than what is kept back until then
+    return signal(SIGXFSZ, SIG_IGN) != SIG_ERR && setrlimit(RLIMIT_FSIZE, &limit) == 0;
+  };
+  for (const std::string name : {"run.csv", "run.h5"}) {
+    const Outcome outcome = run("scene.toml --seconds 0.1 --json -o " + name, full);
+    EXPECT_EQ(outcome.code, 1);
+    EXPECT_THAT(outcome.err, HasSubstr("File too large"));
+    EXPECT_GT(json_of(outcome).at("ticks").get<int>(), 0);
+    EXPECT_FALSE(std::filesystem::exists(folder_ / name));
+  }
+}
+
 // It does so after a second: whatever the machine, a run is soon made that takes longer. The hand's
 // path must not end before.
 TEST_F(RunEnd, shows_how_far_it_is_where_there_is_no_clock) {

@@ -75,7 +75,7 @@ bool reads_a_scene(const gliss::Mesh& mesh) {
 int main() {
   using namespace gliss;
   print_sizes<Vec3, Mesh, PatchCache, Box, DomainPoint, SurfacePoint, Contact, ContactTracker,
-              TraceStep, SweepBlock, SweepStatistics, LazyMesh, LazyTracker, LazyContact>();
+              TraceStep, SweepBlock, SweepStatistics, LazyMesh, LazyContact>();
   print_sizes<Pose, SceneObject, ObjectStep, Tracker, DeviceInfo, DeviceState, Guard, GuardInput,
               LoopOptions, LoopTick, HapticLoop, ObjectDescription, Scene, SimDevice, ReplayDevice,
               HaplyOptions, UdpServer, LoopSession>();

@@ -6,6 +6,9 @@
 
 #include <atomic>
 #include <cstring>
+#include <numbers>
+#include <numeric>
+#include <optional>
 #include <thread>
 
 #include "gliss/contact/tracker.h"
@@ -399,6 +402,31 @@ TEST(LazyContact, begins_and_ends_at_any_moment) {
       std::this_thread::sleep_for(std::chrono::microseconds(rng() % 300));
     }
   }
+}
+
+TEST(LazyContact, ends_a_build_that_takes_long) {
+  constexpr int kSides = 400;
+  Mesh disk;
+  for (int i = 0; i < kSides; ++i) {
+    const double turn = 2 * std::numbers::pi * i / kSides;
+    disk.positions.emplace_back(std::cos(turn), std::sin(turn), 0.01 * (i % 2));
+  }
+  disk.corner_vertex.resize(kSides);
+  std::iota(disk.corner_vertex.begin(), disk.corner_vertex.end(), 0u);
+  disk.face_begin.push_back(kSides);
+  std::atomic<bool> begun = false;
+  LazyWorkerOptions options;
+  options.before_build = [&] { begun = true; };
+  const auto mesh = std::make_shared<const LazyMesh>(disk);
+  std::optional<LazyWorker> worker(std::in_place, mesh, options);
+  while (!begun) {
+    worker->post({0.1, 0, 0.001}, false, 0);
+    std::this_thread::sleep_for(1ms);
+  }
+  std::this_thread::sleep_for(20ms);
+  const Nanoseconds start = monotonic_time();
+  worker.reset();
+  EXPECT_LT(in_seconds(monotonic_time() - start), 0.5);
 }
 
 TEST(LazyContact, bears_hips_that_are_none) {

@@ -20,7 +20,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using test::FakeDevice, test::kNaN, test::Peer;
-using ::testing::HasSubstr;
+using ::testing::AllOf, ::testing::HasSubstr;
 
 constexpr Nanoseconds kLong = 30s;  // a machine may be that slow
 
@@ -249,9 +249,19 @@ TEST(UdpDevice, takes_no_state_from_a_clock_that_is_ahead) {
 TEST(UdpDevice, is_told_that_it_was_refused) {
   ServedThread served;
   const auto port = served.server.port();
-  { const udp::OwnPass removed(port); }  // and its file, as if it were another user's
+  const udp::OwnPass another(port);  // takes the file's place, as if the port were another user's
   EXPECT_THAT(test::message_of<LoopError>([&] { UdpDevice(port, kLong); }),
-              HasSubstr("refused this loop, for it lacks the pass"));
+              AllOf(HasSubstr("refused this loop, for it lacks the pass; another one was found in"),
+                    HasSubstr(udp::pass_paths(port))));
+}
+
+TEST(UdpDevice, finds_a_pass_that_went_with_its_folder) {
+  ServedThread served;
+  const auto port = served.server.port();
+  { const udp::OwnPass removed(port); }  // and its file, as at the end of a session
+  ASSERT_FALSE(udp::find_pass(port));
+  EXPECT_GT(UdpDevice(port, kLong).read(monotonic_time()).sequence, 0u);
+  EXPECT_TRUE(udp::find_pass(port));
 }
 
 TEST(UdpDevice, answers_the_state_that_it_read_and_sends_nothing_but_numbers) {

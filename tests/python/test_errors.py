@@ -109,3 +109,10 @@ def test_a_cache_must_be_what_is_asked_for(cube, tmp_path):
     with pytest.raises(gliss.CacheError) as caught:
         gliss.load(path)
     assert not caught.value.stale
+
+
+def test_paths_with_a_null_character_are_refused(knot, tmp_path):
+    for call in (lambda path: knot.save(path), gliss.load, lambda path: gliss.Loop(path, "sim")):
+        with pytest.raises(ValueError, match="null character"):
+            call(str(tmp_path / "a\0b.gliss"))
+    assert not list(tmp_path.iterdir())

@@ -1,6 +1,8 @@
 """Ctrl-C ends long calls, and leaves parts of a sweep that the next one goes on from."""
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
 
@@ -46,8 +48,41 @@ def test_traces_and_hands_end(knot, path):
 def test_a_sweep_leaves_parts_and_goes_on(knot, tmp_path):
     output, parts = tmp_path / "samples.npy", tmp_path / "samples.parts"
     options = dict(methods="gregory", output=output)
-    interrupted(lambda: knot.sweep("2mm", 1.2e6, **options), lambda: any(parts.glob("*")))
+    interrupted(lambda: knot.sweep("2mm", 1.2e6, **options), lambda: any(parts.glob("*.part")))
     assert not output.exists() and list(parts.iterdir())
     sweep = knot.sweep("2mm", 1.2e6, **options)
     assert output.exists() and not parts.exists()
     assert sweep.computed < sweep.statistics[0]["samples"]
+
+
+def program(text):
+    return subprocess.run([sys.executable, "-c", text], env=os.environ, capture_output=True, text=True, timeout=60)
+
+
+def test_daemon_threads_do_not_abort_the_end():
+    done = program("""
+import threading, numpy as np, gliss
+knot = gliss.Surface([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+points = np.random.default_rng(1).normal(size=(20000, 3))
+def work():
+    while True:
+        knot.nearest(points)
+for _ in range(4):
+    threading.Thread(target=work, daemon=True).start()
+import time; time.sleep(0.3)
+""")
+    assert done.returncode == 0, done.stderr
+
+
+def test_small_stacks_are_refused():
+    done = program("""
+import threading, gliss
+threading.stack_size(64 << 10)
+def work():
+    try:
+        gliss.Surface([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    except RuntimeError as error:
+        print(error)
+thread = threading.Thread(target=work); thread.start(); thread.join()
+""")
+    assert done.returncode == 0 and "stack is below 256 KiB" in done.stdout, (done.returncode, done.stdout, done.stderr)

@@ -7,12 +7,12 @@
 
 #include "gliss/generate/generate.h"
 #include "gliss/query/contact_tracker.h"
-#include "gliss/query/lazy_tracker.h"
 #include "gliss/query/trace.h"
 #include "gliss/study/walk.h"
 #include "gliss/surface/names.h"
 #include "tests/oracle/oracle.h"
 #include "tests/oracle/union_oracle.h"
+#include "tests/support/lazy_tracker.h"
 #include "tests/support/open_meshes.h"
 #include "tests/support/sharp_meshes.h"
 #include "tests/support/surfaces.h"
@@ -510,7 +510,7 @@ TEST(Friction, of_lazy_patches_is_that_of_the_whole_mesh) {
   const PatchCache cache = test::cache_of(knot.mesh);
   const QueryOptions options = with_friction(0.5, 0.3);
   ContactTracker whole(cache, options);
-  LazyTracker lazy(knot.mesh, {}, options);
+  test::LazyTracker lazy(knot.mesh, {}, options);
   std::vector<Vec3> way = path_beneath(knot, 120, 12, 2, 0.05);
   way.resize(4000);
   const Vec3 out = knot.exact->nearest(way[0]).normal;

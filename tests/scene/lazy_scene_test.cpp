@@ -1,8 +1,10 @@
 // The keys of a scene that say which patches are built.
 #include "gliss/scene/scene.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "gliss/scene/open_scene.h"
 #include "tests/support/scratch_folder.h"
 
 namespace gliss {
@@ -48,6 +50,31 @@ TEST_F(LazyScene, names_line_and_key_of_what_does_not_go_together) {
             "scene.toml:4: object.patches: 'some' is not one of all, lazy");
   EXPECT_TRUE(refusal("mesh = \"a.obj\"\npatches = \"lazy\"\nrings = 1\n")
                   .starts_with("scene.toml:5: object.rings"));
+}
+
+TEST_F(LazyScene, builds_all_patches_where_one_part_lies_within_another) {
+  std::string shells[3];  // a cube, a mirrored one within it and so a cavity, a solid across that
+  int first = 1;
+  for (const double half : {2.0, -1.0, 1.5}) {
+    std::string& shell = shells[first / 8];
+    for (int i = 0; i < 8; ++i)
+      shell += fmt::format("v {} {} {}\n", i & 1 ? half : -half, i & 2 ? half : -half,
+                           i & 4 ? half : -half);
+    for (const char* face : {"0231", "4576", "0154", "2673", "0462", "1375"})
+      shell += fmt::format("f {} {} {} {}\n", face[0] - '0' + first, face[1] - '0' + first,
+                           face[2] - '0' + first, face[3] - '0' + first);
+    first += 8;
+  }
+  const auto opened = [&](const std::string& mesh) {
+    folder_.write("b.obj", mesh);
+    return open_objects(read("mesh = \"b.obj\"\npatches = \"lazy\"\n")).at(0);
+  };
+  for (const std::string& mesh : {shells[0], shells[0] + shells[1]}) {
+    const SceneObject object = opened(mesh);
+    EXPECT_TRUE(object.lazy != nullptr && object.cache == nullptr);
+  }
+  const SceneObject crossed = opened(shells[0] + shells[1] + shells[2]);
+  EXPECT_TRUE(crossed.lazy == nullptr && crossed.cache != nullptr);
 }
 
 }  // namespace

@@ -56,6 +56,7 @@ TEST(PartFolder, that_cannot_be_listed_lets_go_of_its_lock) {
 class HostileParts : public ::testing::Test {
  protected:
   HostileParts() {
+    umask(022);  // what is put in the place of parts is written by its owner alone
     options_.depths = {1e-3};
     options_.methods = {Method::kFlat};
     options_.rings = 3;
@@ -63,8 +64,7 @@ class HostileParts : public ::testing::Test {
     want_ = swept(cache_, *engine_, options_);
     SweepParts parts = open();
     swept(cache_, *engine_, options_, &parts);
-    for (const auto& file : fs::directory_iterator(parts_)) paths_.push_back(file.path());
-    std::sort(paths_.begin(), paths_.end());
+    paths_ = test::part_paths(parts_);
   }
 
   SweepParts open() const { return SweepParts(parts_, cache_, options_, true); }
@@ -120,6 +120,38 @@ TEST_F(HostileParts, are_kept_from_others) {
   ASSERT_EQ(stat(parts_.c_str(), &status), 0);
   EXPECT_EQ(status.st_mode & 0777, 0700u);
   ASSERT_GE(paths_.size(), 2u);
+  for (const std::string& path : paths_) {
+    ASSERT_EQ(stat(path.c_str(), &status), 0);
+    EXPECT_EQ(status.st_mode & 0777, 0600u) << path;
+  }
+}
+
+TEST_F(HostileParts, that_a_group_may_write_are_named) {
+  ASSERT_EQ(chmod(paths_[1].c_str(), 0660), 0);
+  SweepParts parts = open();
+  EXPECT_THAT(
+      test::message_of<std::runtime_error>([&] { swept(cache_, *engine_, options_, &parts); }),
+      AllOf(HasSubstr(paths_[1]), HasSubstr("may be written by others")));
+}
+
+TEST(PartFolder, removes_no_folder_but_its_own) {
+  const test::ScratchFolder folder;
+  const std::string own = folder / "own", given = folder / "given";
+  ASSERT_EQ(mkdir(given.c_str(), 01700), 0);
+  { PartFolder(given, 1).remove(); }
+  EXPECT_TRUE(fs::is_empty(given));
+  {
+    PartFile part;
+    PartFolder(own, 1).save(0, part);
+  }
+  ASSERT_EQ(chmod(own.c_str(), 0750), 0);
+  EXPECT_EQ(PartFolder(own, 1).foreign(), 0u);
+  EXPECT_TRUE(fs::exists(own));
+  { EXPECT_TRUE(PartFolder(own, 1).remove()); }
+  EXPECT_FALSE(fs::exists(own));
+  PartFolder gone(own, 1);
+  fs::remove_all(own);
+  EXPECT_TRUE(gone.remove());
 }
 
 TEST_F(HostileParts, that_are_something_else_are_done_again) {
@@ -203,7 +235,7 @@ TEST_F(HostileParts, with_forged_contacts_of_chunks_that_were_begun_are_done_aga
     swept(cache_, *slow, options_, &parts,
           [&](std::uint64_t, std::uint64_t) { return ++calls < 3; });
   }
-  const fs::path path = fs::directory_iterator(folder)->path();
+  const fs::path path = test::part_paths(folder).at(0);
   paths_ = {path};
   constexpr std::size_t kBegunAt = 32;
   constexpr std::size_t kContact = SweepPart::kContactReals * sizeof(double);

@@ -2,11 +2,11 @@
 // no force leaps and no contact is lost under force, whatever the method.
 #include "gliss/build/build_cache.h"
 #include "gliss/generate/generate.h"
-#include "gliss/query/lazy_tracker.h"
 #include "gliss/study/walk.h"
 #include "gliss/surface/names.h"
 #include "tests/extremes/extremes.h"
 #include "tests/oracle/union_oracle.h"
+#include "tests/support/lazy_tracker.h"
 #include "tests/support/open_meshes.h"
 #include "tests/support/sharp_meshes.h"
 #include "tests/support/surfaces.h"
@@ -120,7 +120,7 @@ TEST(SettledWalk, is_felt_alike_where_patches_are_built_on_the_way) {
     const PatchCache cache = build_cache(mesh);
     const double depth = walk_depth(mesh);
     for (const Walk& walk : paths_on(mesh, depth, 40'000)) {
-      LazyTracker lazy(mesh, {.rings = 2});
+      test::LazyTracker lazy(mesh, {.rings = 2});
       ContactTracker whole(cache, {});
       ForceStatistics felt(depth);
       for (std::size_t i = 0; i < walk.hips.size(); ++i) {

@@ -14,6 +14,7 @@
 
 #include "gliss/generate/generate.h"
 #include "tests/support/bytes.h"
+#include "tests/support/part_files.h"
 #include "tests/support/surfaces.h"
 
 namespace gliss {
@@ -35,13 +36,7 @@ class SweepPartsTest : public ::testing::Test {
   SweepParts open(bool samples = true) const {
     return SweepParts(folder_ / "parts", cache_, options_, samples);
   }
-  std::vector<std::string> files() const {
-    std::vector<std::string> paths;
-    for (const auto& file : std::filesystem::directory_iterator(folder_ / "parts"))
-      paths.push_back(file.path());
-    std::sort(paths.begin(), paths.end());
-    return paths;
-  }
+  std::vector<std::string> files() const { return test::part_paths(folder_ / "parts"); }
   static std::string read(const std::string& path) {
     std::ostringstream text;
     text << std::ifstream(path, std::ios::binary).rdbuf();

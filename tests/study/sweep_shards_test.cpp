@@ -16,6 +16,7 @@
 #include "gliss/study/sweep_grid.h"
 #include "gliss/study/sweep_parts.h"
 #include "tests/support/bytes.h"
+#include "tests/support/part_files.h"
 #include "tests/support/surfaces.h"
 
 namespace gliss {
@@ -217,9 +218,7 @@ TEST_F(SweepShards, survive_kills) {
 
 TEST_F(SweepShards, find_damaged_parts_of_theirs_and_leave_those_of_others) {
   shard(1, 1, *engine_);
-  std::vector<std::string> paths;
-  for (const auto& file : fs::directory_iterator(folder_ / "parts")) paths.push_back(file.path());
-  std::sort(paths.begin(), paths.end());
+  const std::vector<std::string> paths = test::part_paths(folder_ / "parts");
   for (const std::size_t part : {2, 3}) std::ofstream(paths[part], std::ios::app) << 'x';
   {
     SweepParts parts = open(PartsAccess::kShared);

@@ -1,13 +1,16 @@
 // Files of HIPs for commands that go by parts, and parts of their own.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "gliss/base/vector.h"
 #include "gliss/files/cache_format.h"
@@ -33,6 +36,17 @@ inline void write_hips(const std::string& path, std::size_t rows, std::size_t fi
   table.fill(rows, [&](std::size_t row) { return first + row; });
   table.write();
   file->close();
+}
+
+// Paths of the parts in a folder, in their order; none where it is not there.
+inline std::vector<std::string> part_paths(const std::string& folder) {
+  std::error_code none;
+  std::vector<std::string> paths;
+  for (const auto& file : std::filesystem::directory_iterator(folder, none)) {
+    if (file.path().extension() == ".part") paths.push_back(file.path());
+  }
+  std::sort(paths.begin(), paths.end());
+  return paths;
 }
 
 inline std::string read_file(const std::string& path) {

@@ -330,8 +330,15 @@ void run(const RunOptions& options) {
   if (options.device.starts_with("replay:")) inputs.push_back(options.device.substr(7));
   check_outputs({options.recording, options.summary}, inputs);
   const std::vector<SceneObject> objects = open_objects(scene, options);
-  for (std::size_t i = 0; i < objects.size(); ++i)
-    tell_soft_spring(options, objects[i].stiffness, scene.objects[i].surface);
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const ObjectDescription& described = scene.objects[i];
+    tell_soft_spring(options, objects[i].stiffness, described.surface);
+    if (described.patches == Patches::kLazy && objects[i].lazy == nullptr && !options.quiet)
+      tell(
+          fmt::format("gliss: {}: its parts lie within one another or fold, and what is inside "
+                      "asks all patches: all were built, none lazily\n",
+                      described.surface));
+  }
   const auto device = open_device(options.device, scene, stop_if_interrupted);
   LoopOptions rules = loop_options(scene, device->info());
   tell_swinging_hand(options, scene, rules);
@@ -355,19 +362,29 @@ void run(const RunOptions& options) {
   const HapticLoop& loop = session.loop();
   Json json = figures_of(options, scene, loop, outcome, device->info().name);
   if (device->info().has_orientation) json["largest_torque_Nm"] = outcome.report.largest_torque();
-  if (recording) {
+  std::exception_ptr failed = outcome.not_recorded;  // the first to fail; the rest is told
+  const auto attempt = [&](const auto& write) {
+    try {
+      write();
+    } catch (const std::exception&) {
+      if (!failed) failed = std::current_exception();
+    }
+  };
+  attempt([&] {
+    if (!recording) return;
     recording->add_histogram("wake_lateness", loop.record().lateness());
     recording->add_histogram("compute", loop.record().compute());
     recording->close();
-  }
-  if (report_file) {
+  });
+  attempt([&] {
+    if (!report_file) return;
     Json whole = json;
     whole["histograms"] = {{"wake", histogram_json(loop.record().lateness())},
                            {"compute", histogram_json(loop.record().compute())}};
     whole["trips"] = outcome.report.trips_json();
     report_file->write(printed(whole));
     report_file->commit();
-  }
+  });
   tell_tight_objects(options, scene, objects, outcome.report);
   if (outcome.report.rendered().touching == 0 && loop.record().ticks() > 0)
     tell_untouched_objects(options, scene, objects);
@@ -377,7 +394,7 @@ void run(const RunOptions& options) {
                     "force is at most {:g} N\n",
                     rules.guard.engage_below));
   report(options, text_of(loop, outcome, json), json);
-  if (outcome.not_recorded) std::rethrow_exception(outcome.not_recorded);
+  if (failed) std::rethrow_exception(failed);
   stop_if_interrupted();
   if (outcome.end == LoopEnd::kDeviceFault)
     throw LoopError(fmt::format("{}: {}", device->info().name, device->fault_text()));

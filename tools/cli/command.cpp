@@ -3,8 +3,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <utility>
 
@@ -158,11 +162,15 @@ void add_input_option(Command& command, const std::string& name, std::string& pa
 }
 
 void check_input(const std::string& name, const std::string& path) {
-  const auto status = std::filesystem::status(path);
-  if (!exists(status) && path == "-")
+  std::error_code failed;
+  const auto status = std::filesystem::status(path, failed);
+  if (status.type() == std::filesystem::file_type::not_found && path == "-")
     throw InputError(fmt::format("{}: standard input is not read; name a file", name));
-  if (!exists(status)) throw InputError(fmt::format("{}: there is no file '{}'", name, path));
+  if (status.type() == std::filesystem::file_type::not_found)
+    throw InputError(fmt::format("{}: there is no file '{}'", name, path));
   if (is_directory(status)) throw InputError(fmt::format("{}: '{}' is a folder", name, path));
+  if (failed || access(path.c_str(), R_OK) != 0)
+    throw InputError(fmt::format("{}: cannot read '{}': {}", name, path, std::strerror(errno)));
 }
 
 void add_cpu_option(Command& command, int& cpu) {

@@ -207,6 +207,7 @@ bool is_cache(const SurfaceOptions& options) {
 }
 
 PatchCache read_cache(const SurfaceOptions& options) {
+  check_input("MESH_OR_CACHE", options.surface);
   const bool marks = !options.creases.are_usual();
   if (marks || options.crease_radius > 0)
     throw InputError(

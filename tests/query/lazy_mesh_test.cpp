@@ -1,9 +1,10 @@
-#include "gliss/query/lazy_tracker.h"
-#include "gliss/build/build_cache.h"
+#include "gliss/query/lazy_mesh.h"
 
 #include <gtest/gtest.h>
 
+#include "gliss/build/build_cache.h"
 #include "gliss/generate/generate.h"
+#include "tests/support/lazy_tracker.h"
 
 namespace gliss {
 namespace {
@@ -24,7 +25,7 @@ TEST(LazyTracker, follows_the_same_contact_as_the_whole_cache) {
   const Mesh mesh = torus_knot().mesh;
   const PatchCache cache = build_cache(mesh);
   ContactTracker whole(cache, {});
-  LazyTracker lazy(mesh);
+  test::LazyTracker lazy(mesh);
   int touching = 0;
   for (const Vec3& hip : path_on(cache)) {
     const Contact expected = whole.tick(hip), contact = lazy.tick(hip);
@@ -38,7 +39,7 @@ TEST(LazyTracker, follows_the_same_contact_as_the_whole_cache) {
 
 TEST(LazyTracker, builds_only_what_is_near) {
   const Mesh mesh = torus_knot().mesh;
-  LazyTracker lazy(mesh);
+  test::LazyTracker lazy(mesh);
   lazy.tick(mesh.positions[100]);
   EXPECT_LT(lazy.built(), 60u);
 }
@@ -52,6 +53,28 @@ TEST(LazyMesh, shares_with_its_regions_what_is_known_of_the_whole_mesh) {
   for (std::uint32_t p = 0; p < region.cache.patch_count(); ++p)
     EXPECT_EQ(region.cache.first_patch(region.cache.patch_face[p]), p);
   EXPECT_EQ(region.cache.first_patch(0), kNone);
+}
+
+// Box by box; a box that is negative is wound inwards.
+Mesh boxes(const std::vector<double>& halves) {
+  Mesh mesh;
+  for (const double half : halves) {
+    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+    for (int i = 0; i < 8; ++i)
+      mesh.positions.push_back(half * Vec3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1));
+    for (const std::uint32_t corner :
+         {0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4, 2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5})
+      mesh.corner_vertex.push_back(first + corner);
+    for (int face = 0; face < 6; ++face) mesh.face_begin.push_back(mesh.face_begin.back() + 4);
+  }
+  return mesh;
+}
+
+TEST(LazyMesh, needs_all_patches_where_what_is_inside_depends_on_others) {
+  EXPECT_FALSE(LazyMesh(boxes({1})).needs_all());
+  EXPECT_FALSE(LazyMesh(boxes({2, -1})).needs_all());  // a cavity: its walls' normals say enough
+  EXPECT_TRUE(LazyMesh(boxes({2, 1})).needs_all());
+  EXPECT_FALSE(LazyMesh(torus_knot().mesh).needs_all());
 }
 
 }  // namespace
