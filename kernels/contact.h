@@ -141,7 +141,7 @@ FN contact contact_of_foot(surface_view view, foot f, effort* spent) {
                          mul3(numbers_of(view, f.patch)[PATCH_UNSCALE], f.d.r));
   c.clear = sqrt(f.clear2);
   c.crossings = f.crossings;
-  c.flags = f.flags | (f.d.converged ? FOOT_CONVERGED : 0u);
+  c.flags = f.flags | (f.d.converged ? (uint)FOOT_CONVERGED : 0u);
   c.warm = 1;
   c.bend = f.d.bend;
   c.drift = make_vector(K(0), K(0));

@@ -341,7 +341,7 @@ FN scalar cut_by(int rings, GLOBAL scalar* rows, int stride, GLOBAL uint* index,
     const cut_tile t = cut_tile_of(s, rings, frame, transforms + first, (ulong)tiles);
     for (int i = 0; i < TILE_UINTS; ++i) store_lanes(out + i * tiles + first, t.word[i]);
     const real later[] = {t.low, t.high, t.turn, t.rest, t.radius};
-    for (int i = 0; i < CUT_OUT_ROWS - TILE_UINTS; ++i)
+    for (int i = 0; i < CUT_OUT_ROWS - (int)TILE_UINTS; ++i)
       store_lanes(out + (TILE_UINTS + i) * tiles + first, later[i]);
     most = larger(t.most, most);
   }

@@ -261,7 +261,7 @@ FN void store_row(GLOBAL scalar* domain, int n, int r, int k, int j, GLOBAL scal
 // Numbers of a patch's control data in a form (with r << 8 for a table).
 FN ulong control_reals(uint form, uint n) {
   const uint kind = form & 255u, r = form >> 8;
-  return (ulong)n * (kind == FORM_PAPER    ? SIDE_REALS
+  return (ulong)n * (kind == FORM_PAPER    ? (uint)SIDE_REALS
                      : kind == FORM_RIBBON ? RIBBON_REALS
                      : kind == FORM_BEZIER ? BEZIER_REALS
                      : kind == FORM_SEXTIC ? SEXTIC_REALS

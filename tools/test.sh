@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# What CI runs: installs packages (as root or with sudo), checks the formatting, builds everything with warnings
-# as errors, runs the tests: some under ASan, UBSan and TSan, with the corpora of the fuzz targets, then all.
+# What CI runs: installs packages (as root or with sudo), checks (tools/check.sh), runs tests under sanitizers
+# (tools/sanitize.sh), then builds everything with warnings as errors and runs all tests.
 # What is installed here is tested: a skip for want of it is a failure (GLISS_REQUIRE).
 # Arguments go to ctest, and only those tests run: tools/test.sh -R Sweep
 set -euo pipefail
@@ -11,21 +11,14 @@ install_packages "${optional_test_packages[@]}" ||
   echo "Without ${optional_test_packages[*]}: tests that need it will be skipped" >&2
 if command -v apt-get >/dev/null; then export GLISS_REQUIRE=1; fi
 
-# Another release formats in another way.
-find kernels host runtime python tools tests bench examples -name '*.h' -o -name '*.cpp' -o -name '*.inc' | sort |
-  xargs clang-format-14 --dry-run -Werror
-
 # g++ is quicker by 6 % where it may fill 400 MB before it looks for what it no longer needs.
 if [[ ${CXX:-g++} == *g++* && ${CXX-} != *clang* ]]; then export CXXFLAGS="${CXXFLAGS-} --param ggc-min-heapsize=400000"; fi
 
-cores=$(nproc)
 if (($# == 0)); then
-  for sanitizers in asan tsan; do
-    cmake --preset "$sanitizers" -DGLISS_TESTS=ON -DGLISS_UNITY=ON
-    cmake --build --preset "$sanitizers" --parallel "$cores"
-    ctest --preset "$sanitizers" --parallel "$cores"
-  done
+  bash tools/check.sh
+  bash tools/sanitize.sh
 fi
+cores=$(nproc)
 cmake --preset release -DGLISS_TESTS=ON -DGLISS_BENCH=ON -DGLISS_UNITY=ON
 cmake --build --preset release --parallel "$cores"
 exec ctest --preset release --parallel "$cores" "$@"

@@ -376,8 +376,8 @@ class OpenClSurface final : public ResidentSurface {
           for (std::size_t i = 0; i < many; ++i)
             rows[r * kStride + i] = there[r * stride + b.slot[at - begin + i]];
         }
-        place_points(cache_, surface_, &b.patch[at - begin], 1, rows, kStride, many, nullptr, at,
-                     out);
+        place_points<Real>(cache_, surface_, {rows, kStride, many, &b.patch[at - begin], 1, at},
+                           out);
       }
     });
   }

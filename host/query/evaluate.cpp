@@ -33,16 +33,24 @@ struct Piece {
   std::vector<Real> rows = std::vector<Real>(9 * kStride);
 };
 
-// Points of one patch: point i at out[first + i], or out[first + at[i]] if `at` is not null.
+// Points of one patch.
+template <class Real>
+struct RunOfPoints {
+  std::uint32_t patch;
+  const Real *xi, *eta;
+  std::size_t count, first;  // as EvaluatedPoints has them
+  const std::uint32_t* at = nullptr;
+};
+
 template <class Real, class T>
-void evaluate_run(const PatchCache& cache, const Surface<Real>& s, std::uint32_t patch,
-                  const Real* xi, const Real* eta, std::size_t count, const std::uint32_t* at,
-                  std::size_t first, const SurfaceArrays<T>& out, std::vector<Real>& rows) {
-  for (std::size_t i = 0; i < count; i += kRows) {
-    const std::size_t many = std::min(kRows, count - i);
-    evaluate_patch(s, patch, xi + i, eta + i, many, kStride, rows.data());
-    place_points(cache, s, &patch, 0, rows.data(), kStride, many, at == nullptr ? nullptr : at + i,
-                 at == nullptr ? first + i : first, out);
+void evaluate_run(const PatchCache& cache, const Surface<Real>& s, const RunOfPoints<Real>& run,
+                  const SurfaceArrays<T>& out, std::vector<Real>& rows) {
+  EvaluatedPoints<Real> points{rows.data(), kStride, 0, &run.patch, 0, run.first, run.at};
+  for (std::size_t i = 0; i < run.count; i += points.count) {
+    points.move_target(points.count);
+    points.count = std::min(kRows, run.count - i);
+    evaluate_patch(s, run.patch, run.xi + i, run.eta + i, points.count, kStride, rows.data());
+    place_points(cache, s, points, out);
   }
 }
 
@@ -56,8 +64,10 @@ void evaluate_piece(const PatchCache& cache, const Surface<Real>& s, const Point
   switch (order.judge(piece.points.runs, static_cast<std::size_t>(kernels<Real>().lanes))) {
     case PatchOrder::kInRuns:
       for (const PatchRun& run : piece.points.runs)
-        evaluate_run(cache, s, run.patch, xi + run.begin, eta + run.begin, run.end - run.begin,
-                     nullptr, begin + run.begin, out, piece.rows);
+        evaluate_run<Real>(
+            cache, s,
+            {run.patch, xi + run.begin, eta + run.begin, run.end - run.begin, begin + run.begin},
+            out, piece.rows);
       break;
     case PatchOrder::kByPatch:
       order.sort();
@@ -67,16 +77,18 @@ void evaluate_piece(const PatchCache& cache, const Surface<Real>& s, const Point
         piece.eta[i] = eta[order.order[i]];
       }
       for (const PatchRun& run : order.runs)
-        evaluate_run(cache, s, run.patch, &piece.xi[run.begin], &piece.eta[run.begin],
-                     run.end - run.begin, &order.order[run.begin], begin, out, piece.rows);
+        evaluate_run<Real>(cache, s,
+                           {run.patch, &piece.xi[run.begin], &piece.eta[run.begin],
+                            run.end - run.begin, begin, &order.order[run.begin]},
+                           out, piece.rows);
       break;
     case PatchOrder::kSparse:
       for (std::size_t i = 0; i < count; i += kRows) {
         const std::size_t many = std::min(kRows, count - i);
         kernels<Real>().evaluate_each(s, &order.patch[i], xi + i, eta + i, many, kStride,
                                       piece.rows.data());
-        place_points(cache, s, &order.patch[i], 1, piece.rows.data(), kStride, many, nullptr,
-                     begin + i, out);
+        place_points<Real>(cache, s,
+                           {piece.rows.data(), kStride, many, &order.patch[i], 1, begin + i}, out);
       }
   }
 }
@@ -120,8 +132,8 @@ void evaluate_grid_points(const PatchCache& cache, std::span<const std::uint32_t
         evaluate_points(cache, points, there);
         continue;
       }
-      evaluate_run(cache, s, patch, xis.data(), etas.data(), xis.size(), nullptr, 0, there,
-                   piece.rows);
+      evaluate_run<Real>(cache, s, {patch, xis.data(), etas.data(), xis.size(), 0}, there,
+                         piece.rows);
     }
   });
 }
@@ -137,8 +149,7 @@ SurfacePoint evaluate(const PatchCache& cache, const DomainPoint& point) {
     const auto xi = static_cast<Real>(place.xi), eta = static_cast<Real>(place.eta);
     Real rows[9];
     evaluate_patch(s, place.patch, &xi, &eta, 1, 1, rows);
-    place_points(cache, s, &place.patch, 0, rows, 1, 1, nullptr, 0,
-                 arrays_of(std::span(&found, 1)));
+    place_points<Real>(cache, s, {rows, 1, 1, &place.patch, 0, 0}, arrays_of(std::span(&found, 1)));
   });
   return found;
 }

@@ -88,24 +88,24 @@ PatchPlace place_of(const PatchCache& cache, const Surface<Real>& s, const Domai
 }
 
 template <class Real, class T>
-void place_points(const PatchCache& cache, const Surface<Real>& s, const std::uint32_t* patch,
-                  std::size_t patch_step, const Real* rows, std::size_t stride, std::size_t count,
-                  const std::uint32_t* at, std::size_t first, const SurfaceArrays<T>& out,
+void place_points(const PatchCache& cache, const Surface<Real>& s,
+                  const EvaluatedPoints<Real>& points, const SurfaceArrays<T>& out,
                   const Kernels<Real>& by) {
   const Vec3& o = cache.origin;
   const MeshPlacement mesh{{o.x(), o.y(), o.z()}, 1 / cache.scale};
   if constexpr (sizeof(T) == 4) {
-    by.place_float(s, mesh, patch, patch_step, rows, stride, count, at, first, out);
+    by.place_float(s, mesh, points, out);
   } else {
-    by.place_double(s, mesh, patch, patch_step, rows, stride, count, at, first, out);
+    by.place_double(s, mesh, points, out);
   }
   if (!out.d_xi && !out.d_eta) return;
   std::uint32_t last = kNone;
   Eigen::Matrix<double, 2, 2> map;  // d(patch xi, eta) / d(face xi, eta), of a part
   double per = 0;
   bool maps = false;
-  for (std::size_t i = 0; i < (patch_step == 0 && !is_part(cache, *patch) ? 0 : count); ++i) {
-    const std::uint32_t p = patch[i * patch_step];
+  if (points.patch_step == 0 && !is_part(cache, *points.patch)) return;
+  for (std::size_t i = 0; i < points.count; ++i) {
+    const std::uint32_t p = points.patch_of(i);
     if (p != last) {
       last = p;
       maps = is_part(cache, p);
@@ -116,10 +116,10 @@ void place_points(const PatchCache& cache, const Surface<Real>& s, const std::ui
       }
     }
     if (!maps) continue;
-    const std::size_t to = first + (at != nullptr ? at[i] : i);
+    const std::size_t to = points.target(i);
     for (std::size_t c = 0; c < 3; ++c) {
-      const double xi = static_cast<double>(rows[(3 + c) * stride + i]) * per,
-                   eta = static_cast<double>(rows[(6 + c) * stride + i]) * per;
+      const double xi = static_cast<double>(points.row(3 + c)[i]) * per,
+                   eta = static_cast<double>(points.row(6 + c)[i]) * per;
       const int axis = static_cast<int>(c);
       if (out.d_xi) out.d_xi[axis][to] = static_cast<T>(xi * map(0, 0) + eta * map(1, 0));
       if (out.d_eta) out.d_eta[axis][to] = static_cast<T>(xi * map(0, 1) + eta * map(1, 1));
@@ -200,12 +200,6 @@ class ContactRows {
   std::uint32_t name() const { return raw_.uints[kContact##Name]; }
   CONTACT_NUMBERS(GLISS_NUMBER, GLISS_LENGTH, GLISS_POINT, GLISS_DIRECTION, GLISS_WAY)
   CONTACT_WORDS(GLISS_WORD)
-#undef GLISS_NUMBER
-#undef GLISS_LENGTH
-#undef GLISS_POINT
-#undef GLISS_DIRECTION
-#undef GLISS_WAY
-#undef GLISS_WORD
 
  protected:
   const PatchCache& cache_;
@@ -251,9 +245,9 @@ template <class Real>
 Contact contact_of(const PatchCache& cache, const Surface<Real>& s, const RawContact<Real>& raw) {
   ContactColumns<Real> columns(cache, s, raw);
   Contact c;
-#define GLISS_COLUMN(Type, name, place) c.place = static_cast<decltype(c.place)>(columns.name());
-  GLISS_CONTACT_COLUMNS(GLISS_COLUMN)
-#undef GLISS_COLUMN
+#define GLISS_COLUMN_PLACED(Type, name, place) \
+  c.place = static_cast<decltype(c.place)>(columns.name());
+  GLISS_CONTACT_COLUMNS(GLISS_COLUMN_PLACED)
   return c;
 }
 
@@ -261,10 +255,9 @@ template <class Real, class T>
 void store_contact(const PatchCache& cache, const Surface<Real>& s, const RawContact<Real>& raw,
                    const ContactArrays<T>& out, std::size_t i) {
   ContactColumns<Real> columns(cache, s, raw);
-#define GLISS_COLUMN(Type, name, place) \
+#define GLISS_COLUMN_STORED(Type, name, place) \
   if (out.name) store(out.name, i, columns.name());
-  GLISS_CONTACT_COLUMNS(GLISS_COLUMN)
-#undef GLISS_COLUMN
+  GLISS_CONTACT_COLUMNS(GLISS_COLUMN_STORED)
 }
 
 #define GLISS_FRAMES(REAL)                                                                        \
@@ -277,9 +270,8 @@ void store_contact(const PatchCache& cache, const Surface<Real>& s, const RawCon
   GLISS_FRAMES_OUT(REAL, float)                                                                   \
   GLISS_FRAMES_OUT(REAL, double)
 #define GLISS_FRAMES_OUT(REAL, T)                                                               \
-  template void place_points(const PatchCache&, const Surface<REAL>&, const std::uint32_t*,     \
-                             std::size_t, const REAL*, std::size_t, std::size_t,                \
-                             const std::uint32_t*, std::size_t, const SurfaceArrays<T>&,        \
+  template void place_points(const PatchCache&, const Surface<REAL>&,                           \
+                             const EvaluatedPoints<REAL>&, const SurfaceArrays<T>&,             \
                              const Kernels<REAL>&);                                             \
   template void store_contact(const PatchCache&, const Surface<REAL>&, const RawContact<REAL>&, \
                               const ContactArrays<T>&, std::size_t);

@@ -21,13 +21,11 @@ GLISS_EXPORT PatchPlace place_of(const PatchCache& cache, const Surface<Real>& s
 // True if the patch is one triangle of its face rather than all of it.
 GLISS_EXPORT bool is_part(const PatchCache& cache, std::uint32_t patch);
 
-// Points from the nine rows, `stride` apart, that evaluation gave: as Kernels::place_double does,
-// with derivatives by the coordinates of the face where a patch is but a part of it.
+// Places points as Kernels::place_double does, with derivatives by the coordinates of the face
+// where a patch is but a part of it.
 template <class Real, class T>
 GLISS_EXPORT void place_points(const PatchCache& cache, const Surface<Real>& s,
-                               const std::uint32_t* patch, std::size_t patch_step, const Real* rows,
-                               std::size_t stride, std::size_t count, const std::uint32_t* at,
-                               std::size_t first, const SurfaceArrays<T>& out,
+                               const EvaluatedPoints<Real>& points, const SurfaceArrays<T>& out,
                                const Kernels<Real>& by = kernels<Real>());
 
 template <class T>

@@ -189,9 +189,8 @@ ContactArrays<double> arrays_of(std::span<Contact> contacts) {
   ContactArrays<double> arrays;
   if (contacts.empty()) return arrays;
   Contact& first = contacts.front();
-#define GLISS_COLUMN(Type, name, place) arrays.name = column_of(first.place);
-  GLISS_CONTACT_COLUMNS(GLISS_COLUMN)
-#undef GLISS_COLUMN
+#define GLISS_COLUMN_OF(Type, name, place) arrays.name = column_of(first.place);
+  GLISS_CONTACT_COLUMNS(GLISS_COLUMN_OF)
   return arrays;
 }
 

@@ -53,15 +53,13 @@ struct HipArrays {
 // Contact as arrays.
 template <class T>
 struct ContactArrays {
-#define GLISS_COLUMN(Type, name, place) Type name{};
-  GLISS_CONTACT_COLUMNS(GLISS_COLUMN)
-#undef GLISS_COLUMN
+#define GLISS_COLUMN_MEMBER(Type, name, place) Type name{};
+  GLISS_CONTACT_COLUMNS(GLISS_COLUMN_MEMBER)
 
   ContactArrays from(std::size_t i) const {
     ContactArrays rest;
-#define GLISS_COLUMN(Type, name, place) rest.name = name.from(i);
-    GLISS_CONTACT_COLUMNS(GLISS_COLUMN)
-#undef GLISS_COLUMN
+#define GLISS_COLUMN_FROM(Type, name, place) rest.name = name.from(i);
+    GLISS_CONTACT_COLUMNS(GLISS_COLUMN_FROM)
     return rest;
   }
 };

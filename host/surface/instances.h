@@ -95,6 +95,37 @@ struct MeshPlacement {
   double per;
 };
 
+// The nine rows of points that evaluation gave, `stride` numbers apart, the patch of each, and
+// where in columns they go.
+template <class Real>
+struct EvaluatedPoints {
+  const Real* rows;
+  std::size_t stride, count;
+  const std::uint32_t* patch;         // of point i: patch[i * patch_step]
+  std::size_t patch_step;             // 0: all are of one
+  std::size_t first;                  // point i goes to first + i,
+  const std::uint32_t* at = nullptr;  // or first + at[i]
+
+  const Real* row(std::size_t r) const { return rows + r * stride; }
+  std::uint32_t patch_of(std::size_t i) const { return patch[i * patch_step]; }
+  std::size_t target(std::size_t i) const { return first + (at == nullptr ? i : at[i]); }
+  // Takes the targets of the points behind the next `many`.
+  void move_target(std::size_t many) {
+    if (at == nullptr)
+      first += many;
+    else
+      at += many;
+  }
+  EvaluatedPoints from(std::size_t begin, std::size_t many) const {
+    EvaluatedPoints some = *this;
+    some.rows += begin;
+    some.count = many;
+    some.patch += begin * patch_step;
+    some.move_target(begin);
+    return some;
+  }
+};
+
 template <class Real>
 struct Kernels {
   const char* isa;
@@ -157,15 +188,10 @@ struct Kernels {
   // The same at a point of each of `patch`[count], patch by patch: out[row * stride + i].
   void (*evaluate_each)(const Surface<Real>&, const std::uint32_t* patch, const Real* xi,
                         const Real* eta, std::size_t count, std::size_t stride, Real* out);
-  // Columns [0, count) of such rows as points in the mesh's unit: point i, of patch[i *
-  // patch_step], at out[first + i], or out[first + at[i]] if `at` is not null.
-  void (*place_double)(const Surface<Real>&, const MeshPlacement&, const std::uint32_t* patch,
-                       std::size_t patch_step, const Real* rows, std::size_t stride,
-                       std::size_t count, const std::uint32_t* at, std::size_t first,
+  // Such rows as points in the mesh's unit.
+  void (*place_double)(const Surface<Real>&, const MeshPlacement&, const EvaluatedPoints<Real>&,
                        const SurfaceArrays<double>& out);
-  void (*place_float)(const Surface<Real>&, const MeshPlacement&, const std::uint32_t* patch,
-                      std::size_t patch_step, const Real* rows, std::size_t stride,
-                      std::size_t count, const std::uint32_t* at, std::size_t first,
+  void (*place_float)(const Surface<Real>&, const MeshPlacement&, const EvaluatedPoints<Real>&,
                       const SurfaceArrays<float>& out);
   // Samples a patch and gives its shape, kShapeReals numbers, from its base polygon's corners and
   // triangles, its frame (unit normal and tangent) and its control data; `count` probes, or none
