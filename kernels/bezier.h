@@ -39,13 +39,14 @@ FN curve_point polynomial(control_data control, int first, int count, real t) {
 // sides along u, B of those along v.
 #define QUAD_DIFFERENCE 16
 
-// f stands for the derivatives along u and v in xi and eta.
-FN patch_point add_quad_corner(patch_point p, control_data control, int k, jet a, jet b,
-                               corner_blend g, real along_u, real along_v) {
+// Adds a corner's halved difference, blended; f stands for the derivatives along u and v in xi and
+// eta.
+FN patch_point add_quad_corner(patch_point p, real3 difference, jet a, jet b, corner_blend g,
+                               real along_u, real along_v) {
   const real ab = a.f * b.f;
   const jet f = make_jet(ab * g.f, b.f * fma(a.xi, g.f, a.f * g.p * along_u),
                          a.f * fma(b.xi, g.f, b.f * g.q * along_v));
-  return add_constant(p, f, load3(control, QUAD_DIFFERENCE + k));
+  return add_constant(p, f, difference);
 }
 
 FN patch_point gregory_quad(control_data control, real xi, real eta) {
@@ -67,10 +68,14 @@ FN patch_point gregory_quad(control_data control, real xi, real eta) {
             v0 = make_jet(qq * q1, q1 * (q1 - K(2) * q0), zero),
             v1 = make_jet(qq * q0, q0 * (K(2) * q1 - q0), zero);
   const real minus = splat(K(-1));
-  p = add_quad_corner(p, control, 0, u0, v0, blend_corner(p0, q0), one, one);
-  p = add_quad_corner(p, control, 1, u1, v0, blend_corner(p1, q0), minus, one);
-  p = add_quad_corner(p, control, 2, u1, v1, blend_corner(p1, q1), minus, minus);
-  p = add_quad_corner(p, control, 3, u0, v1, blend_corner(p0, q1), one, minus);
+  p = add_quad_corner(p, load3(control, QUAD_DIFFERENCE + 0), u0, v0, blend_corner(p0, q0), one,
+                      one);
+  p = add_quad_corner(p, load3(control, QUAD_DIFFERENCE + 1), u1, v0, blend_corner(p1, q0), minus,
+                      one);
+  p = add_quad_corner(p, load3(control, QUAD_DIFFERENCE + 2), u1, v1, blend_corner(p1, q1), minus,
+                      minus);
+  p = add_quad_corner(p, load3(control, QUAD_DIFFERENCE + 3), u0, v1, blend_corner(p0, q1), one,
+                      minus);
   patch_point r;
   r.g = p.g;
   r.g_xi = mul3(splat(K(-0.5f)), add3(p.g_xi, p.g_eta));

@@ -450,8 +450,9 @@ FN_LARGE foot descend_from_tile(surface_view view, hip_point h, foot f, track_op
 }
 
 // One start from an open tile, and what it settles.
-FN foot search_tile(surface_view view, hip_point h, uint patch, patch_tiles tiles, int from,
-                    open_tiles* open, track_options options, foot best) {
+FN foot search_tile(surface_view view, hip_point h, patch_tiles tiles, int from, open_tiles* open,
+                    track_options options, foot best) {
+  const uint patch = tiles.patch;
   const real scale = numbers_of(view, patch)[PATCH_SCALE];
   const domain_vector at = open->middle[from];
   const int tile = open->tile[from];
@@ -492,7 +493,7 @@ FN_LARGE foot search_tiles(surface_view view, hip_point h, uint patch, track_opt
         best.clear2 = smaller(open.distance2[from], best.clear2);
         break;
       }
-      best = search_tile(view, h, patch, tiles, from, &open, options, best);
+      best = search_tile(view, h, tiles, from, &open, options, best);
     }
   }
   return best;

@@ -7,6 +7,7 @@
 
 typedef struct {
   tile_places at;
+  uint patch;
   int n, levels;
   real unscale2;
 } patch_tiles;
@@ -18,6 +19,7 @@ FN patch_tiles tiles_of(surface_view view, hip_point h, uint patch) {
   patch_tiles t;
   const uint first = view.tile_begin[patch];
   const int count = (int)(view.tile_begin[patch + 1] - first);
+  t.patch = patch;
   t.n = valence_of(view, patch);
   t.levels = 1;
   while (t.n * t.levels * t.levels < count) ++t.levels;

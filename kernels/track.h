@@ -585,6 +585,57 @@ FN_LARGE void track_foot(surface_view view, hip_point h, foot* f, track_options 
   }
 }
 
+// The corner of the patch's domain that is nearest to a foot.
+FN int corner_nearest_to(surface_view view, foot f) {
+  const int n = valence_of(view, f.patch);
+  GLOBAL scalar* domain = domain_of(view, n);
+  int k = 0;
+  real nearest = -K(1);
+  for (int i = 0; i < n; ++i) {
+    const domain_vector c = domain_corner(domain, i);
+    const real dx = c.xi - f.d.xi, dy = c.eta - f.d.eta, d2 = fma(dx, dx, dy * dy);
+    if (nearest < K(0) || d2 < nearest) {
+      nearest = d2;
+      k = i;
+    }
+  }
+  return k;
+}
+
+// Moves a foot to a point of its patch's plane. Outside: over the side whose fan holds the point,
+// where the ray from the centre meets it.
+FN_LARGE foot move_as_printed(surface_view view, hip_point h, foot f, real xi, real eta,
+                              effort* spent) {
+  const int n = valence_of(view, f.patch);
+  GLOBAL scalar* domain = domain_of(view, n);
+  int out = -1;
+  real farthest = domain[0];
+  for (int i = 0; i < n; ++i) {
+    const real reach = outward(domain, i, make_vector(xi, eta));
+    if (reach > farthest) {
+      farthest = reach;
+      out = i;
+    }
+  }
+  domain_point to = {f.patch, xi, eta};
+  int crossed = 0;
+  if (out >= 0) {
+    to.xi = xi * (domain[0] / farthest);
+    to.eta = eta * (domain[0] / farthest);
+    const uint side = view.side_begin[f.patch] + (uint)out, twin = view.side_twin[side];
+    if (twin != NONE) {
+      to = cross_edge(view, side, twin, to.xi, to.eta);
+      crossed = 1;
+    } else {
+      f.flags |= FOOT_BORDER;
+    }
+  }
+  f = move_foot(view, h, f, to, spent);
+  f.d.evaluations += K(1);
+  f.crossings += crossed;
+  return f;
+}
+
 // Section 4.2 as printed, to be compared with: secants of length lambda = 0.1 towards the
 // neighbours of the nearest corner, no safeguard; over an edge to where the ray from the centre
 // meets it (4.3). Ends by the residual angle. An iteration takes three evaluations: with the budget
@@ -592,18 +643,8 @@ FN_LARGE void track_foot(surface_view view, hip_point h, foot* f, track_options 
 FN_LARGE foot track_as_printed(surface_view view, hip_point h, foot f, track_options options) {
   const real most = (real)options.max_iterations;
   while (f.d.evaluations < most && (K(3) * f.d.evaluations < most || !is_spent(options.spent))) {
-    const int n = valence_of(view, f.patch);
+    const int n = valence_of(view, f.patch), k = corner_nearest_to(view, f);
     GLOBAL scalar* domain = domain_of(view, n);
-    int k = 0;
-    real nearest = -K(1);
-    for (int i = 0; i < n; ++i) {
-      const domain_vector c = domain_corner(domain, i);
-      const real dx = c.xi - f.d.xi, dy = c.eta - f.d.eta, d2 = fma(dx, dx, dy * dy);
-      if (nearest < K(0) || d2 < nearest) {
-        nearest = d2;
-        k = i;
-      }
-    }
     const domain_vector c = domain_corner(domain, k), next = domain_corner(domain, wrap(k + 1, n)),
                         prev = domain_corner(domain, wrap(k - 1, n));
     const real lambda = K(1) / K(10);
@@ -624,34 +665,8 @@ FN_LARGE foot track_as_printed(surface_view view, hip_point h, foot f, track_opt
     const sym2 none = {K(0), K(0), K(0)};
     const domain_vector step =
         newton_step(secants, none, make_vector(dot3(a, f.d.r), dot3(b, f.d.r)));
-    real xi = fma(step.xi, xa.xi, fma(step.eta, xb.xi, f.d.xi));
-    real eta = fma(step.xi, xa.eta, fma(step.eta, xb.eta, f.d.eta));
-    // Outside: the side whose fan holds the point, where the ray from the centre meets it.
-    int out = -1;
-    real farthest = domain[0];
-    for (int i = 0; i < n; ++i) {
-      const real reach = outward(domain, i, make_vector(xi, eta));
-      if (reach > farthest) {
-        farthest = reach;
-        out = i;
-      }
-    }
-    domain_point to = {f.patch, xi, eta};
-    int crossed = 0;
-    if (out >= 0) {
-      to.xi = xi * (domain[0] / farthest);
-      to.eta = eta * (domain[0] / farthest);
-      const uint side = view.side_begin[f.patch] + (uint)out, twin = view.side_twin[side];
-      if (twin != NONE) {
-        to = cross_edge(view, side, twin, to.xi, to.eta);
-        crossed = 1;
-      } else {
-        f.flags |= FOOT_BORDER;
-      }
-    }
-    f = move_foot(view, h, f, to, options.spent);
-    f.d.evaluations += K(1);
-    f.crossings += crossed;
+    f = move_as_printed(view, h, f, fma(step.xi, xa.xi, fma(step.eta, xb.xi, f.d.xi)),
+                        fma(step.xi, xa.eta, fma(step.eta, xb.eta, f.d.eta)), options.spent);
   }
   return f;
 }

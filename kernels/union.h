@@ -190,6 +190,39 @@ FN int holds_rests(const union_search* u, real3 push) {
   return 1;
 }
 
+// The push out of the planes of two rests, which it rests on; false where those are nearly one, do
+// not both press, or others hold it.
+FN int push_of_two(union_search* u, int i, int j, real3* push) {
+  const real3 n = u->rest[i].normal, m = u->rest[j].normal;
+  const real b = dot3(n, u->rest[i].out), c = dot3(m, u->rest[j].out), along = dot3(n, m);
+  const real3 across = cross3(n, m);
+  const real apart = dot3(across, across);
+  if (!(apart > K(0x1p-24f))) return 0;
+  const real v = (b - along * c) / apart, w = (c - along * b) / apart;
+  *push = fma3(v, n, mul3(w, m));
+  if (!(v > K(0) && w > K(0) && holds_rests(u, *push))) return 0;
+  u->rest[i].weight = v;
+  u->rest[j].weight = w;
+  return 1;
+}
+
+// The same out of those of three.
+FN int push_of_three(union_search* u, int i, int j, int k, real3* push) {
+  const real3 a = u->rest[i].normal, b = u->rest[j].normal, c = u->rest[k].normal;
+  const real3 bc = cross3(b, c), ca = cross3(c, a), ab = cross3(a, b);
+  const real det = dot3(a, bc);
+  if (!(det * det > K(0x1p-24f))) return 0;
+  const real over = K(1) / det;
+  *push = mul3(over, fma3(dot3(a, u->rest[i].out), bc,
+                          fma3(dot3(b, u->rest[j].out), ca, mul3(dot3(c, u->rest[k].out), ab))));
+  const real v = over * dot3(*push, bc), w = over * dot3(*push, ca), x = over * dot3(*push, ab);
+  if (!(v > K(0) && w > K(0) && x > K(0) && holds_rests(u, *push))) return 0;
+  u->rest[i].weight = v;
+  u->rest[j].weight = w;
+  u->rest[k].weight = x;
+  return 1;
+}
+
 // The shortest push out of all tangent planes, and the weights of those that it rests on; false
 // where there is none.
 FN_LARGE int shortest_push(union_search* u, real3* push) {
@@ -212,38 +245,14 @@ FN_LARGE int shortest_push(union_search* u, real3* push) {
   }
   for (int i = 0; i < u->count; ++i) {
     for (int j = i + 1; j < u->count; ++j) {
-      const real3 n = u->rest[i].normal, m = u->rest[j].normal;
-      const real b = dot3(n, u->rest[i].out), c = dot3(m, u->rest[j].out), along = dot3(n, m);
-      const real3 across = cross3(n, m);
-      const real apart = dot3(across, across);
-      if (!(apart > K(0x1p-24f))) continue;
-      const real v = (b - along * c) / apart, w = (c - along * b) / apart;
-      *push = fma3(v, n, mul3(w, m));
-      if (v > none && w > none && holds_rests(u, *push)) {
-        u->rest[i].weight = v;
-        u->rest[j].weight = w;
-        return 1;
-      }
+      if (push_of_two(u, i, j, push)) return 1;
     }
   }
   for (int skip = u->count - 1; u->count >= 3 && skip >= (u->count == 4 ? 0 : 2); --skip) {
     // All but one of four; the first three of three.
     const int left = u->count == 4 ? skip : 3;
     const int i = left == 0 ? 1 : 0, j = left <= 1 ? 2 : 1, k = left <= 2 ? 3 : 2;
-    const real3 a = u->rest[i].normal, b = u->rest[j].normal, c = u->rest[k].normal;
-    const real3 bc = cross3(b, c), ca = cross3(c, a), ab = cross3(a, b);
-    const real det = dot3(a, bc);
-    if (!(det * det > K(0x1p-24f))) continue;
-    const real over = K(1) / det;
-    *push = mul3(over, fma3(dot3(a, u->rest[i].out), bc,
-                            fma3(dot3(b, u->rest[j].out), ca, mul3(dot3(c, u->rest[k].out), ab))));
-    const real v = over * dot3(*push, bc), w = over * dot3(*push, ca), x = over * dot3(*push, ab);
-    if (v > none && w > none && x > none && holds_rests(u, *push)) {
-      u->rest[i].weight = v;
-      u->rest[j].weight = w;
-      u->rest[k].weight = x;
-      return 1;
-    }
+    if (push_of_three(u, i, j, k, push)) return 1;
   }
   return 0;
 }
@@ -362,12 +371,31 @@ FN int are_seen_from(surface_view view, hip_point h, const union_search* u) {
   return 1;
 }
 
+// The secant along the seam of two parts, whose curvature their planes do not know.
+typedef struct {
+  real slope, step;  // the last ones; no step: there is none
+  int pressed;       // parts that were pressed then
+} seam_secant;
+
+// The push of two planes and a step along their seam, at most so long.
+FN real3 push_along_seam(const union_search* u, real3 push, real most, seam_secant* s) {
+  const real3 along = along_seam(u);
+  const real slope = dot3(along, u->push);
+  real bend = K(1);
+  if (s->step != K(0)) {
+    // In the middle of a round seam it is hardly bent, as seen from the HIP.
+    bend = fabs((slope - s->slope) / s->step);
+    bend = smaller(larger(bend, K(0x1p-7f)), K(4));
+  }
+  s->slope = slope;
+  s->step = smaller(larger(-slope / bend, -most), most);
+  return fma3(slope + s->step, along, push);
+}
+
 // From rests and a push to a contact point that no part buries; it is given up where what is known
-// is as near. Along the seam of two parts the step is the secant's, for there the planes know
-// nothing of its curvature.
+// is as near.
 FN_LARGE void settle(surface_view view, hip_point h, union_search* u, track_options options) {
-  real last_slope = K(0), last_step = K(0);
-  int last_pressed = 0;
+  seam_secant seam = {K(0), K(0), 0};
   real3 before = u->push, mark = u->push;
   track_options brief = options;
   brief.max_iterations = options.max_iterations < 1 ? options.max_iterations : 1;
@@ -381,39 +409,20 @@ FN_LARGE void settle(surface_view view, hip_point h, union_search* u, track_opti
     real3 push;
     if (!shortest_push(u, &push)) return;
     const int pressed = count_pressed(u);
-    if (pressed != last_pressed) last_step = K(0);
-    last_pressed = pressed;
-    if (pressed == 0) {
-      u->state = CONTACT_FREE;
-      return;
-    }
-    if (pressed == 1) {
-      if (settle_on_one(view, h, u, options)) return;
-      continue;
-    }
+    if (pressed != seam.pressed) seam.step = K(0);
+    seam.pressed = pressed;
+    if (pressed == 0) u->state = CONTACT_FREE;
+    if (pressed == 0 || (pressed == 1 && settle_on_one(view, h, u, options))) return;
+    if (pressed == 1) continue;
     // A patch away the surfaces are others, and the seam.
     const real most = numbers_of(view, u->rest[0].at.patch)[PATCH_UNSCALE];
-    int is_guess = 0;  // the step along the seam: it may be far too short
-    if (pressed == 2) {
-      const real3 along = along_seam(u);
-      const real slope = dot3(along, u->push);
-      real bend = K(1);
-      is_guess = last_step == K(0);
-      if (!is_guess) {
-        // In the middle of a round seam it is hardly bent, as seen from the HIP.
-        bend = fabs((slope - last_slope) / last_step);
-        bend = smaller(larger(bend, K(0x1p-7f)), K(4));
-      }
-      last_slope = slope;
-      last_step = smaller(larger(-slope / bend, -most / K(2)), most / K(2));
-      push = fma3(slope + last_step, along, push);
-    }
-    real3 step = sub3(push, u->push);
+    const int is_guess = pressed == 2 && seam.step == K(0);  // that step may be far too short
+    if (pressed == 2) push = push_along_seam(u, push, most / K(2), &seam);
+    const real3 step = sub3(push, u->push);
     const real length = norm3(step);
     if (length > most) {
-      step = mul3(most / length, step);
-      push = add3(u->push, step);
-      last_step = K(0);
+      push = add3(u->push, mul3(most / length, step));
+      seam.step = K(0);
     }
     u->push = push;
     const int are_there = move_rests(view, h, u, brief);
@@ -422,12 +431,10 @@ FN_LARGE void settle(surface_view view, hip_point h, union_search* u, track_opti
         larger(options.tolerance * numbers_of(view, u->rest[0].at.patch)[PATCH_UNSCALE],
                K(16) * EPSILON * norm3(push));
     if (length > close) continue;
-    if (!are_there) {
-      if (!move_rests(view, h, u, options)) return;
-      continue;
-    }
+    if (!are_there && !move_rests(view, h, u, options)) return;
+    if (!are_there) continue;
     if (is_seam_buried(view, h, u, options) == BURIED_YES) {
-      last_pressed = 0;
+      seam.pressed = 0;
       continue;
     }
     keep_pressed(u);
