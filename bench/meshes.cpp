@@ -8,7 +8,7 @@
 #include <tuple>
 
 #include "gliss/build/build_cache.h"
-#include "gliss/study/tessellate.h"
+#include "gliss/compare/tessellate.h"
 #include "gliss/surface/names.h"
 
 namespace gliss::bench {

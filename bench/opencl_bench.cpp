@@ -11,7 +11,7 @@
 #include "bench/setup.h"
 #include "gliss/build/build_cache.h"
 #include "gliss/engine/opencl.h"
-#include "gliss/study/sweep.h"
+#include "gliss/sweep/sweep.h"
 
 namespace gliss::bench {
 namespace {

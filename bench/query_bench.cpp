@@ -11,10 +11,10 @@
 #include "bench/peers/peers.h"
 #include "gliss/query/contact_tracker.h"
 #include "gliss/query/frames.h"
-#include "gliss/study/walk.h"
 #include "gliss/surface/layout.h"
 #include "gliss/surface/names.h"
 #include "gliss/surface/winding.h"
+#include "gliss/walk/walk.h"
 
 namespace gliss::bench {
 namespace {

@@ -9,7 +9,7 @@ Usage: bench/walks.py GLISS FOLDER_OR_MESH... [--ticks 100000] [--seed 1] [--ste
 
 GLISS is the program; FOLDER holds .obj, .off, .ply and .stl files; the generated knot, goldberg and banana
 come first, unless --found leaves them out. Counts are ticks whose force changes by more than 20 % of stiffness times depth, contacts
-lost under more than that included, per 100,000 ticks in contact (host/study/walk.h), ± one standard deviation
+lost under more than that included, per 100,000 ticks in contact (host/walk/walk.h), ± one standard deviation
 over seeds; all surfaces of a mesh get the same HIPs. Bold: more often than force shading by more than the spread
 of the two. Beyond: steps above twice the way of the hand, as often; slid: the share of ticks in contact that slide; lost
 contacts: each exact / fair / shaded / flat. Loops: the work that closed loops a face wide give the hand, at most, in % of

@@ -11,7 +11,7 @@
 #include "bench/meshes.h"
 #include "bench/work.h"
 #include "gliss/files/cache_file.h"
-#include "gliss/study/sweep.h"
+#include "gliss/sweep/sweep.h"
 
 namespace gliss::bench {
 namespace {

@@ -15,8 +15,8 @@
 #include <utility>
 #include <vector>
 
+#include "gliss/compare/tessellate.h"
 #include "gliss/contact/tracker.h"
-#include "gliss/study/tessellate.h"
 #include "gliss/thread/clock.h"
 
 namespace gliss {

@@ -4,8 +4,8 @@ if(GLISS_SANITIZE STREQUAL "thread")
   set(parts haply/haply_device loop/loop engine/parallel thread/periodic device/udp_device device/udp_server)
 else()
   set(parts files/atomic_file c_api/c_api files/cache_file chai3d/chai3d tables/csv_file tables/csv_reader device/guard
-    haply/haply_device files/hostile_files files/hostile_numbers study/hostile_parts loop/loop files/mesh engine/parallel
-    tables/result_file scene/scene_error scene/scene_file device/sim_device study/sweep device/udp_device
+    haply/haply_device files/hostile_files files/hostile_numbers sweep/hostile_parts loop/loop files/mesh engine/parallel
+    tables/result_file scene/scene_error scene/scene_file device/sim_device sweep/sweep device/udp_device
     device/udp_protocol device/udp_server base/units validate/validate tables/vtp_file)
 endif()
 list(TRANSFORM parts APPEND _test.cpp OUTPUT_VARIABLE sources)

@@ -18,8 +18,8 @@
 #include "gliss/build/build_cache.h"
 #include "gliss/engine/engine.h"
 #include "gliss/query/force_statistics.h"
-#include "gliss/study/random_places.h"
-#include "gliss/study/walk.h"
+#include "gliss/walk/random_places.h"
+#include "gliss/walk/walk.h"
 #include "rival_patches.h"
 #include "shapes.h"
 

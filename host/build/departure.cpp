@@ -9,6 +9,7 @@
 #include "gliss/build/face_rays.h"
 #include "gliss/build/patch_batch.h"
 #include "gliss/surface/base_triangles.h"
+#include "gliss/surface/domain.h"
 #include "gliss/surface/instances.h"
 
 namespace gliss {

@@ -65,11 +65,6 @@ const double* ValenceTables::second_of(std::uint32_t form, std::uint32_t n) cons
   return &second[second_begin[2 * n + blends_sides(form)]];
 }
 
-DomainVec on_side(std::uint32_t n, std::uint32_t k, double t) {
-  const double a = 2 * std::numbers::pi * k / n, b = 2 * std::numbers::pi * ((k + 1) % n) / n;
-  return {(1 - t) * std::cos(a) + t * std::cos(b), (1 - t) * std::sin(a) + t * std::sin(b)};
-}
-
 void PatchBatch::resize(std::span<const std::uint32_t> valences,
                         std::span<const std::uint32_t> forms) {
   side_begin.assign(1, 0);

@@ -41,12 +41,6 @@ GLISS_EXPORT ValenceTables make_valence_tables(std::span<const char> used);
 // with those of more valences. Polygons of very many sides have them made anew. Any thread may ask.
 std::shared_ptr<const ValenceTables> shared_valence_tables(std::span<const char> used);
 
-// A point of a patch's domain. Vector2d's alignment follows the flags of who includes it.
-using DomainVec = Eigen::Matrix<double, 2, 1, Eigen::DontAlign>;
-
-// The point at t of side k of the domain of n sides.
-GLISS_EXPORT DomainVec on_side(std::uint32_t n, std::uint32_t k, double t);
-
 // Patches before `to_build` are the paper's, whose control data a backend computes from their
 // corners; the others come drafted.
 struct GLISS_EXPORT PatchBatch {

@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "gliss/mesh/triangulate.h"
+#include "gliss/surface/domain.h"
 #include "gliss/surface/instances.h"
 
 namespace gliss {

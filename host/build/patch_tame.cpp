@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "gliss/surface/domain.h"
 #include "gliss/surface/instances.h"
 #include "gliss/surface/layout.h"
 

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "gliss/surface/domain.h"
 #include "gliss/surface/instances.h"
 #include "gliss/surface/layout.h"
 

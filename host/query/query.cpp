@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "gliss/base/plain_arithmetic.h"
-#include "gliss/build/patch_batch.h"
 #include "gliss/query/frames.h"
+#include "gliss/surface/domain.h"
 
 namespace gliss {
 namespace {

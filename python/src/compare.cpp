@@ -7,8 +7,8 @@
 
 #include "calls.h"
 #include "gliss/build/cache_mesh.h"
-#include "gliss/study/compare_mesh.h"
-#include "gliss/study/recommend.h"
+#include "gliss/compare/compare_mesh.h"
+#include "gliss/compare/recommend.h"
 #include "json.h"
 #include "options.h"
 #include "surface.h"

@@ -6,7 +6,7 @@
 #include "calls.h"
 #include "gliss/base/stopwatch.h"
 #include "gliss/build/cache_mesh.h"
-#include "gliss/study/tessellate.h"
+#include "gliss/compare/tessellate.h"
 #include "options.h"
 #include "surface.h"
 

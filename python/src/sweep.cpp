@@ -7,7 +7,7 @@
 
 #include "arrays.h"
 #include "calls.h"
-#include "gliss/study/sweep_parts.h"
+#include "gliss/sweep/sweep_parts.h"
 #include "json.h"
 #include "options.h"
 #include "surface.h"

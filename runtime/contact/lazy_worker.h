@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "gliss/base/export.h"
-#include "gliss/query/lazy_mesh.h"
+#include "gliss/lazy/lazy_mesh.h"
 #include "gliss/query/query.h"
 #include "gliss/thread/clock.h"
 #include "gliss/thread/seqlock.h"

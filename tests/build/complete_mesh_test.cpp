@@ -13,7 +13,7 @@
 #include "gliss/generate/generate.h"
 #include "gliss/mesh/creases.h"
 #include "gliss/query/query.h"
-#include "gliss/study/fidelity.h"
+#include "gliss/walk/fidelity.h"
 #include "tests/support/random_meshes.h"
 #include "tests/support/sharp_meshes.h"
 

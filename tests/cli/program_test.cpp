@@ -16,7 +16,7 @@
 #include "gliss/files/mesh_file.h"
 #include "gliss/generate/generate.h"
 #include "gliss/query/query.h"
-#include "gliss/study/sweep.h"
+#include "gliss/sweep/sweep.h"
 #include "gliss/tables/csv_reader.h"
 #include "tests/support/gliss_process.h"
 #include "tests/support/part_files.h"

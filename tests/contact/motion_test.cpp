@@ -7,7 +7,7 @@
 
 #include "gliss/contact/tracker.h"
 #include "gliss/generate/generate.h"
-#include "gliss/study/walk.h"
+#include "gliss/walk/walk.h"
 #include "tests/oracle/oracle.h"
 #include "tests/support/open_meshes.h"
 #include "tests/support/scratch_folder.h"

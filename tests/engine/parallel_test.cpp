@@ -4,7 +4,7 @@
 
 #include "gliss/generate/generate.h"
 #include "gliss/query/trace.h"
-#include "gliss/study/sweep_parts.h"
+#include "gliss/sweep/sweep_parts.h"
 #include "tests/support/bytes.h"
 #include "tests/support/surfaces.h"
 

@@ -16,7 +16,7 @@ namespace gliss::test {
 // Triangles in the cells of a grid. Shared between threads once made.
 class CrossingOracle {
  public:
-  // `triangles`: such as tessellate (host/study/tessellate.h) makes.
+  // `triangles`: such as tessellate (host/compare/tessellate.h) makes.
   explicit CrossingOracle(const Mesh& triangles) {
     Vec3 low = triangles.positions.front(), high = low;
     for (const Vec3& p : triangles.positions) {

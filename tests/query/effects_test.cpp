@@ -7,7 +7,7 @@
 
 #include "gliss/generate/generate.h"
 #include "gliss/query/trace.h"
-#include "gliss/study/walk.h"
+#include "gliss/walk/walk.h"
 #include "tests/oracle/oracle.h"
 #include "tests/support/open_meshes.h"
 #include "tests/support/sharp_meshes.h"

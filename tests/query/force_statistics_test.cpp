@@ -6,7 +6,7 @@
 #include <initializer_list>
 #include <optional>
 
-#include "gliss/study/sweep.h"
+#include "gliss/sweep/sweep.h"
 #include "tests/support/numbers.h"
 
 namespace gliss {

@@ -10,6 +10,7 @@
 #endif
 
 #include "gliss/build/build_cache.h"
+#include "gliss/compare/tessellate.h"
 #include "gliss/contact/tracker.h"
 #include "gliss/device/guard.h"
 #include "gliss/device/replay_device.h"
@@ -17,12 +18,11 @@
 #include "gliss/files/cache_file.h"
 #include "gliss/files/mesh_file.h"
 #include "gliss/generate/generate.h"
+#include "gliss/lazy/lazy_mesh.h"
 #include "gliss/loop/loop.h"
 #include "gliss/query/contact_tracker.h"
-#include "gliss/query/lazy_mesh.h"
 #include "gliss/query/trace.h"
-#include "gliss/study/sweep.h"
-#include "gliss/study/tessellate.h"
+#include "gliss/sweep/sweep.h"
 #include "tests/support/gliss_process.h"
 #include "tests/support/places.h"
 

@@ -6,7 +6,7 @@
 
 #include "gliss/generate/generate.h"
 #include "gliss/query/trace.h"
-#include "gliss/study/walk.h"
+#include "gliss/walk/walk.h"
 #include "tests/support/surfaces.h"
 
 namespace gliss {

@@ -3,8 +3,8 @@
 
 #include "gliss/build/build_cache.h"
 #include "gliss/files/mesh_file.h"
+#include "gliss/lazy/lazy_mesh.h"
 #include "gliss/mesh/rounding.h"
-#include "gliss/query/lazy_mesh.h"
 #include "gliss/scene/open_scene.h"
 #include "tests/support/scene_files.h"
 #include "tests/support/sharp_meshes.h"

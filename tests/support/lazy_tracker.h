@@ -5,8 +5,8 @@
 #include <memory>
 #include <utility>
 
+#include "gliss/lazy/lazy_mesh.h"
 #include "gliss/query/contact_tracker.h"
-#include "gliss/query/lazy_mesh.h"
 
 namespace gliss::test {
 

@@ -5,12 +5,12 @@
 #include <nlohmann/json.hpp>
 
 #include "gliss/build/build_cache.h"
+#include "gliss/compare/tessellate.h"
 #include "gliss/engine/engine.h"
 #include "gliss/files/mesh_file.h"
 #include "gliss/generate/generate.h"
+#include "gliss/lazy/lazy_mesh.h"
 #include "gliss/query/contact_tracker.h"
-#include "gliss/query/lazy_mesh.h"
-#include "gliss/study/tessellate.h"
 #include "gliss/surface/layout.h"
 #include "gliss/surface/names.h"
 #include "tests/support/gliss_process.h"

@@ -8,8 +8,8 @@
 
 #include "gliss/build/build_cache.h"
 #include "gliss/files/mesh_file.h"
-#include "gliss/study/fidelity.h"
 #include "gliss/surface/names.h"
+#include "gliss/walk/fidelity.h"
 #include "tools/cli/curvature.h"
 #include "tools/cli/finding_json.h"
 #include "tools/cli/slips.h"

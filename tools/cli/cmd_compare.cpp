@@ -6,8 +6,8 @@
 
 #include "gliss/base/units.h"
 #include "gliss/build/build_cache.h"
+#include "gliss/compare/compare_mesh.h"
 #include "gliss/generate/generate.h"
-#include "gliss/study/compare_mesh.h"
 #include "tools/cli/compare_json.h"
 #include "tools/cli/compare_picture.h"
 #include "tools/cli/compare_report.h"

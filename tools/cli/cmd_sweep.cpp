@@ -8,7 +8,7 @@
 
 #include "gliss/base/units.h"
 #include "gliss/files/atomic_file.h"
-#include "gliss/study/sweep_parts.h"
+#include "gliss/sweep/sweep_parts.h"
 #include "gliss/tables/file_seal.h"
 #include "gliss/tables/input_table.h"
 #include "tools/cli/curvature.h"

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "gliss/study/compare_mesh.h"
-#include "gliss/study/recommend.h"
+#include "gliss/compare/compare_mesh.h"
+#include "gliss/compare/recommend.h"
 #include "gliss/tables/result_file.h"
 #include "tools/cli/json.h"
 

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "gliss/study/compare.h"
+#include "gliss/compare/compare.h"
 #include "tools/cli/command.h"
 
 namespace gliss::tools {

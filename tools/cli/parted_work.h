@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "gliss/study/part_folder.h"
+#include "gliss/sweep/part_folder.h"
 #include "tools/cli/command.h"
 #include "tools/cli/json.h"
 #include "tools/cli/shard.h"

@@ -10,7 +10,7 @@
 
 #include "gliss/base/pace.h"
 #include "gliss/engine/engine.h"
-#include "gliss/study/part_folder.h"
+#include "gliss/sweep/part_folder.h"
 #include "gliss/tables/point_table.h"
 #include "gliss/tables/result_table.h"
 

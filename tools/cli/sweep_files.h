@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "gliss/base/units.h"
-#include "gliss/study/sweep.h"
+#include "gliss/sweep/sweep.h"
 #include "gliss/tables/plain_file.h"
 #include "gliss/tables/result_table.h"
 #include "tools/cli/described_file.h"

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "gliss/study/sweep.h"
+#include "gliss/sweep/sweep.h"
 #include "tools/cli/json.h"
 
 namespace gliss::tools {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "gliss/study/part_folder.h"
+#include "gliss/sweep/part_folder.h"
 #include "gliss/tables/plain_file.h"
 
 namespace gliss::tools {

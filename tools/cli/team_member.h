@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <functional>
 
-#include "gliss/study/part_folder.h"
+#include "gliss/sweep/part_folder.h"
 #include "tools/cli/json.h"
 #include "tools/cli/team.h"
 

@@ -1,0 +1,157 @@
+#include "gliss/compare/recommend.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <tuple>
+
+namespace gliss {
+namespace {
+
+constexpr double kGain = 1e-3;  // of the effort of a loop: less is none
+using Rows = std::vector<const CompareRow*>;
+
+struct Count {
+  double value = 0, spread = 0;  // one standard deviation
+};
+
+bool is_baseline(const CompareRow& row) { return row.candidate.method != Method::kGregory; }
+
+// A force that is shaded has no potential: where no loop stayed in contact it is not known to.
+bool makes_energy(const CompareRow& row) {
+  const bool is_unknown = std::isnan(row.loop_gain.gain);
+  return is_unknown ? row.candidate.method == Method::kShaded : row.loop_gain.excess() > kGain;
+}
+
+// Per 100,000 ticks of all walks; along the path where there are none.
+Count jumps_of(const CompareRow& row) {
+  if (row.walks.empty()) return {row.jumps_per_100k, 0};
+  Count mean;
+  for (const CompareWalk& walk : row.walks) {
+    mean.value += walk.felt.jumps_per_100k();
+    mean.spread = std::hypot(mean.spread, walk.felt.jumps_spread_per_100k());
+  }
+  const auto count = static_cast<double>(row.walks.size());
+  return {mean.value / count, mean.spread / count};
+}
+
+Count held_of(const CompareRow& row) {
+  const auto held = static_cast<double>(row.leaving.held);
+  return {held, std::sqrt(std::max(held, 1.0))};
+}
+
+const CompareRow* fewest(const Rows& rows, Count count_of(const CompareRow&)) {
+  const auto least =
+      std::min_element(rows.begin(), rows.end(), [&](const CompareRow* a, const CompareRow* b) {
+        return count_of(*a).value < count_of(*b).value;
+      });
+  return least == rows.end() ? nullptr : *least;
+}
+
+// Leaves those that have no more than the fewest, but for the spread.
+void keep_fewest(Rows& rows, Count count_of(const CompareRow&)) {
+  if (rows.empty()) return;
+  const Count least = count_of(*fewest(rows, count_of));
+  std::erase_if(rows, [&](const CompareRow* row) {
+    const Count count = count_of(*row);
+    return count.value - least.value > std::hypot(count.spread, least.spread);
+  });
+}
+
+bool is_within(const CompareRow& row, const CompareBudget& budget) {
+  const auto within = [](double value, const std::optional<double>& most) {
+    return !most || value <= *most;
+  };
+  return within(row.max_force_error, budget.force_error) && within(row.tick, budget.tick) &&
+         within(row.bytes, budget.memory);
+}
+
+// `equals`: the rows that are as good but for the error, itself among them.
+std::string reason_for(const CompareRow& row, const std::vector<CompareRow>& rows,
+                       const Rows& patches, std::size_t equals, const CompareBudget& budget) {
+  const Count jumps = jumps_of(row);
+  std::vector<std::string> reasons;
+  const CompareRow* least = fewest(patches, jumps_of);
+  const bool is_least =
+      least == nullptr || is_baseline(row) || jumps.value - jumps_of(*least).value <= jumps.spread;
+  reasons.push_back(
+      fmt::format("the force jumps {:.0f} ± {:.0f} times in 100,000 ticks{}, {}", jumps.value,
+                  jumps.spread, row.walks.size() > 1 ? " (the mean of all walks)" : "",
+                  is_least ? "no more than with any patches" : "as seldom as the budget allows"));
+  if (makes_energy(row))
+    reasons.push_back(
+        fmt::format("closed loops give the hand up to {:.2g} % of force x way, as "
+                    "with all patches here (at rims, say)",
+                    100 * row.loop_gain.gain));
+  else if (!std::isnan(row.loop_gain.gain))
+    reasons.push_back("closed loops give the hand no energy");
+  if (row.leaving.contacts > 0)
+    reasons.push_back(fmt::format("{} of {} contacts are held after the hand has left",
+                                  row.leaving.held, row.leaving.contacts));
+  std::string text = reasons.front();
+  for (std::size_t i = 1; i < reasons.size(); ++i)
+    text += (i + 1 < reasons.size() ? ", " : ", and ") + reasons[i];
+  if (equals > 1)
+    text += budget.force_error
+                ? fmt::format("; of the {} that are as good it is the quickest", equals)
+                : fmt::format(
+                      "; of the {} that are as good its force is nearest to the exact "
+                      "surface's (p99 of the error: {:.2g} %)",
+                      equals, 100 * row.p99_force_error);
+  for (const CompareRow& other : rows) {
+    if (!is_baseline(other) || !makes_energy(other) || jumps_of(other).value >= jumps.value)
+      continue;
+    text += fmt::format("; {} jumps {:.0f} times, but may give the hand energy",
+                        other.candidate.name(), jumps_of(other).value);
+    break;
+  }
+  return text;
+}
+
+}  // namespace
+
+Recommendation recommend(const std::vector<CompareRow>& rows, const CompareBudget& budget) {
+  Rows patches, left;
+  for (const CompareRow& row : rows) {
+    if (!is_baseline(row)) patches.push_back(&row);
+    if (is_within(row, budget)) left.push_back(&row);
+  }
+  if (left.empty()) return {nullptr, "nothing is within the budget"};
+  const CompareRow* smoothest = fewest(patches, jumps_of);
+  std::erase_if(left, [&](const CompareRow* row) {
+    if (!is_baseline(*row)) return false;
+    return makes_energy(*row) ||
+           (smoothest != nullptr && jumps_of(*row).value > jumps_of(*smoothest).value);
+  });
+  if (left.empty())
+    return {nullptr, "all within the budget give the hand energy or jump more than patches do"};
+  if (!std::all_of(left.begin(), left.end(),
+                   [](const CompareRow* row) { return makes_energy(*row); }))
+    std::erase_if(left, [](const CompareRow* row) { return makes_energy(*row); });
+  keep_fewest(left, jumps_of);
+  keep_fewest(left, held_of);
+  const auto cost = [&](const CompareRow* row) {
+    return std::tuple(budget.force_error ? row->tick : row->p99_force_error, row->bytes);
+  };
+  const CompareRow* best = *std::min_element(
+      left.begin(), left.end(),
+      [&](const CompareRow* a, const CompareRow* b) { return cost(a) < cost(b); });
+  return {best, reason_for(*best, rows, patches, left.size(), budget)};
+}
+
+void mark_pareto(std::vector<CompareRow>& rows) {
+  const auto figures = [](const CompareRow& row) {
+    return std::array{jumps_of(row).value, row.p99_force_error, row.tick, row.bytes_per_patch};
+  };
+  for (CompareRow& row : rows) {
+    row.pareto = std::none_of(rows.begin(), rows.end(), [&](const CompareRow& other) {
+      const auto a = figures(other), b = figures(row);
+      return a != b && std::equal(a.begin(), a.end(), b.begin(), std::less_equal<>());
+    });
+  }
+}
+
+}  // namespace gliss
