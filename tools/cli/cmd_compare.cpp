@@ -93,37 +93,45 @@ void add_walk_options(Command& command, ComparingOptions& options) {
                  });
 }
 
-void describe(Command& command, ComparingOptions& options) {
-  CompareOptions& compare = options.comparing.measuring;
-  compare.candidates = all_candidates();
-  add_mesh_options(command, options, "MESH_OR_CACHE");
+// Adds what is compared: --levels, --precisions, --solvers and --backends.
+void add_compared_options(Command& command, CompareOptions& compare) {
   command.option(
       {"--levels", "LIST",
        "surfaces to compare, any of fair, paper, paper-ribbon, paper-bezier, paper-table, "
        "paper-table:N, shaded, flat; fair-ribbon and the like as well; default: the first five, "
        "shaded and flat"},
-      [&](const std::string& text) {
+      [&compare](const std::string& text) {
         compare.candidates = parse_list("--levels", text, parse_candidate);
       });
-  command.option({"--precisions", "LIST", "precisions to compare: float, double; both by default"},
-                 [&](const std::string& text) {
-                   compare.precisions =
-                       parse_list("--precisions", text, [](const std::string& name) {
-                         return parse_name("--precisions", name, kPrecisionNames);
-                       });
+  add_names_option(
+      command, {"--precisions", "LIST", "precisions to compare: float, double; both by default"},
+      compare.precisions, kPrecisionNames);
+  add_names_option(
+      command, {"--solvers", "LIST", "solvers to compare: newton (default), gauss-newton, paper"},
+      compare.solvers, kSolverNames);
+  add_names_option(
+      command, {"--backends", "LIST", "backends to compare: tbb (default), serial, opencl, auto"},
+      compare.backends, kBackendNames);
+}
+
+void add_budget_options(Command& command, CompareBudget& budget) {
+  command.option({"--max-force-error", "RATIO",
+                  "budget: the largest error of the force, as 1% of stiffness x depth"},
+                 [&budget](const std::string& text) {
+                   budget.force_error = parse_ratio("--max-force-error", text);
                  });
-  command.option({"--solvers", "LIST", "solvers to compare: newton (default), gauss-newton, paper"},
-                 [&](const std::string& text) {
-                   compare.solvers = parse_list("--solvers", text, [](const std::string& name) {
-                     return parse_name("--solvers", name, kSolverNames);
-                   });
-                 });
-  command.option({"--backends", "LIST", "backends to compare: tbb (default), serial, opencl, auto"},
-                 [&](const std::string& text) {
-                   compare.backends = parse_list("--backends", text, [](const std::string& name) {
-                     return std::string(parse_name("--backends", name, kBackendNames));
-                   });
-                 });
+  command.option({"--max-tick", "TIME", "budget: the longest tick, as 5us"},
+                 [&budget](const std::string& text) { budget.tick = parse_time(text); });
+  command.option(
+      {"--max-memory", "SIZE", "budget: the most memory, as 64MiB"},
+      [&budget](const std::string& text) { budget.memory = parse_memory("--max-memory", text); });
+}
+
+void describe(Command& command, ComparingOptions& options) {
+  CompareOptions& compare = options.comparing.measuring;
+  compare.candidates = all_candidates();
+  add_mesh_options(command, options, "MESH_OR_CACHE");
+  add_compared_options(command, compare);
   add_step_options(command, compare.solving);
   add_settle_option(command, compare.settle);
   command.option({"--depth", "LIST", "depths of the HIPs; default: 1 % of the mesh's diagonal"},
@@ -140,16 +148,7 @@ void describe(Command& command, ComparingOptions& options) {
       {"--reference", "MESH",
        "the true surface: a dense mesh in the same unit, or knot, torus, goldberg as generated"},
       options.reference);
-  command.option({"--max-force-error", "RATIO",
-                  "budget: the largest error of the force, as 1% of stiffness x depth"},
-                 [&](const std::string& text) {
-                   options.budget.force_error = parse_ratio("--max-force-error", text);
-                 });
-  command.option({"--max-tick", "TIME", "budget: the longest tick, as 5us"},
-                 [&](const std::string& text) { options.budget.tick = parse_time(text); });
-  command.option(
-      {"--max-memory", "SIZE", "budget: the most memory, as 64MiB"},
-      [&](const std::string& text) { options.budget.memory = parse_memory("--max-memory", text); });
+  add_budget_options(command, options.budget);
   command.option(
       {"--dense-limit", "N",
        "how many triangles the densest mesh for flat and shaded may have; 0: none; default 500000"},

@@ -34,10 +34,8 @@ void describe(Command& command, ProjectOptions& options) {
       [&options](const std::string& text) { options.stiffness = positive_stiffness(text); });
   add_keep_option(command, options.keep);
   add_solver_options(command, options.query);
-  command.option({"--method", "NAME", "gregory (default), shaded or flat"},
-                 [&options](const std::string& name) {
-                   options.query.method = parse_name("--method", name, kMethodNames);
-                 });
+  add_name_option(command, {"--method", "NAME", "gregory (default), shaded or flat"},
+                  options.query.method, kMethodNames);
   add_parts_options(command, options);
 }
 

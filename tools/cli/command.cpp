@@ -56,11 +56,10 @@ void add_common_options(Command& command, ReportOptions& options) {
 void add_common_options(Command& command, CommonOptions& options) {
   command.option({"--threads", "N", "threads to use; 0, the default: all of the machine"},
                  options.threads, 0, 4096);
-  command.option({"--backend", "NAME",
-                  "tbb (default), serial, opencl, or auto: opencl on a GPU, tbb where that fails"},
-                 [&options](const std::string& text) {
-                   options.backend = parse_name("--backend", text, kBackendNames);
-                 });
+  add_name_option(command,
+                  {"--backend", "NAME",
+                   "tbb (default), serial, opencl, or auto: opencl on a GPU, tbb where that fails"},
+                  options.backend, kBackendNames);
   command.option({"--opencl-device", "NAME",
                   "OpenCL device: part of its name, or its number in gliss devices"},
                  options.device);
@@ -95,20 +94,17 @@ void add_mesh_options(Command& command, SurfaceOptions& options, const std::stri
                   "weld borders whose vertices are no farther apart, as 0.01mm; default: only "
                   "vertices at the very same place; none: never"},
                  [&options](const std::string& text) { options.weld = parse_weld(text); });
-  command.option(
+  add_name_option(
+      command,
       {"--normals", "NAME",
        "vertex normals to use: file, made (from the faces), or auto (default): made where the "
        "file has only those of its facets"},
-      [&options](const std::string& text) {
-        options.normals = parse_name("--normals", text, kNormalNames);
-      });
-  command.option(
-      {"--orient", "NAME",
-       "how closed parts face: outward (default; one wound against the part around it is a "
-       "cavity), or file: one that is inside out is a room"},
-      [&options](const std::string& text) {
-        options.orient = parse_name("--orient", text, kOrientNames);
-      });
+      options.normals, kNormalNames);
+  add_name_option(command,
+                  {"--orient", "NAME",
+                   "how closed parts face: outward (default; one wound against the part around it "
+                   "is a cavity), or file: one that is inside out is a room"},
+                  options.orient, kOrientNames);
   command.flag("--flip", options.flip, "turn the faces of open parts over");
   command.option(
       {"--crease", "LIST",
@@ -128,20 +124,17 @@ void add_mesh_options(Command& command, SurfaceOptions& options, const std::stri
 
 void add_surface_options(Command& command, SurfaceOptions& options, const std::string& name) {
   add_mesh_options(command, options, name);
-  command.option({"--precision", "NAME", "float or double (default)"},
-                 [&options](const std::string& text) {
-                   options.precision = parse_name("--precision", text, kPrecisionNames);
-                 });
+  add_name_option(command, {"--precision", "NAME", "float or double (default)"}, options.precision,
+                  kPrecisionNames);
   command.option(
       {"--level", "NAME",
        "exact (default), ribbon, bezier or table; table:N has N cells along half a side"},
       [&options](const std::string& text) { options.level = parse_level("--level", text); });
-  command.option(
+  add_name_option(
+      command,
       {"--construction", "NAME",
        "fair (default), or paper: the paper's own patches, which bend more on irregular meshes"},
-      [&options](const std::string& text) {
-        options.construction = parse_name("--construction", text, kConstructionNames);
-      });
+      options.construction, kConstructionNames);
 }
 
 void add_output_option(Command& command, std::string& output, const std::string& description) {
@@ -203,10 +196,8 @@ void add_stiffness_option(Command& command, double& stiffness) {
 }
 
 void add_solver_options(Command& command, SolverOptions& options) {
-  command.option({"--solver", "NAME", "newton (default), gauss-newton or paper"},
-                 [&options](const std::string& text) {
-                   options.solver = parse_name("--solver", text, kSolverNames);
-                 });
+  add_name_option(command, {"--solver", "NAME", "newton (default), gauss-newton or paper"},
+                  options.solver, kSolverNames);
   add_step_options(command, options);
 }
 
@@ -307,12 +298,8 @@ void add_effect_options(Command& command, EffectOptions& effects) {
 }
 
 void add_methods_option(Command& command, std::vector<Method>& methods) {
-  command.option({"--method", "LIST", "methods: gregory, shaded, flat; all by default"},
-                 [&methods](const std::string& text) {
-                   methods = parse_list("--method", text, [](const std::string& name) {
-                     return parse_name("--method", name, kMethodNames);
-                   });
-                 });
+  add_names_option(command, {"--method", "LIST", "methods: gregory, shaded, flat; all by default"},
+                   methods, kMethodNames);
 }
 
 std::vector<double> parse_depths(const std::string& text) {

@@ -104,6 +104,25 @@ auto parse_list(const std::string& option, const std::string& text, Parse parse)
   return values;
 }
 
+// Adds an option whose value is one of those names.
+template <class Chosen, class Value, std::size_t count>
+void add_name_option(Command& command, const OptionText& text, Chosen& chosen,
+                     const Named<Value> (&names)[count]) {
+  command.option(text, [name = text.name, &chosen, &names](const std::string& word) {
+    chosen = parse_name(name, word, names);
+  });
+}
+// The same whose value is a list of them, each once.
+template <class Chosen, class Value, std::size_t count>
+void add_names_option(Command& command, const OptionText& text, std::vector<Chosen>& chosen,
+                      const Named<Value> (&names)[count]) {
+  command.option(text, [name = text.name, &chosen, &names](const std::string& list) {
+    chosen = parse_list(name, list, [&](const std::string& word) -> Chosen {
+      return parse_name(name, word, names);
+    });
+  });
+}
+
 inline bool has(const std::vector<Method>& methods, Method method) {
   return std::find(methods.begin(), methods.end(), method) != methods.end();
 }
