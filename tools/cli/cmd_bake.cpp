@@ -72,7 +72,7 @@ std::vector<std::uint32_t> parse_faces(const Mesh& mesh, const std::string& text
   return {faces.begin(), faces.end()};
 }
 
-void run(const BakeOptions& options) {
+void check_files(const BakeOptions& options) {
   refuse_cache(options);
   check_outputs({options.output}, {options.surface});
   if (has_mesh_ending(options.output)) {
@@ -80,59 +80,66 @@ void run(const BakeOptions& options) {
         fmt::format("'{}' has the ending of a mesh, and bake writes a cache: name it as FILE.gliss",
                     options.output));
   }
+}
+
+BuildOptions build_options_of(const BakeOptions& options, const Mesh& mesh) {
+  BuildOptions made;
+  made.tame = !options.no_tame;
+  if (!options.region.empty()) made.faces = parse_region(mesh, options.region);
+  if (!options.faces.empty()) made.faces = parse_faces(mesh, options.faces);
+  return made;
+}
+
+void report_bake(const BakeOptions& options, const Mesh& mesh, std::size_t faces,
+                 const PatchCache& cache, const BuildReport& found, double seconds) {
+  const std::string unit = unit_name(cache.unit);
+  Json json = {{"output", options.output},
+               {"mesh_faces", mesh.face_count()},
+               {"faces", faces},
+               {"patches", cache.patch_count()},
+               {"level", level_name(cache.level)},
+               {"construction", construction_name(cache.level.construction)},
+               {"precision", precision_name(cache.precision())},
+               {"unit", unit}};
+  json.update(built_json(found));
+  json.update({{"creases", cache.crease_count},
+               {"strips", mesh.strips.size()},
+               {"rounded_corners", mesh.rounded_corners.size()},
+               {"flagged_faces", found.flagged_faces},
+               {"departure", departure_json(cache.departure, cache.unit)},
+               {"tightest", departure_json(cache.tightest, cache.unit)},
+               {"rho_min", radius_json(cache.smallest_rho())},
+               {"bytes", cache.bytes()},
+               {"mesh_hash", hash_name(cache.mesh_hash)},
+               {"seconds", seconds}});
+  report(options,
+         fmt::format("{}: {} of {} faces, {} patches of level {}, {} construction, in {}, unit {}\n"
+                     "{}{}\n"
+                     "{}\n"
+                     "least radius of curvature {} {}, {} bytes, {:.2f} s\n",
+                     options.output, faces, mesh.face_count(), cache.patch_count(),
+                     level_name(cache.level), construction_name(cache.level.construction),
+                     precision_name(cache.precision()), unit, built_text(found),
+                     creases_text(cache.crease_count) + rounded_text(mesh), departure_text(cache),
+                     radius_text(cache.smallest_rho()), unit, cache.bytes(), seconds),
+         json);
+}
+
+void run(const BakeOptions& options) {
+  check_files(options);
   const Stopwatch clock;
   const auto engine = make_engine(options);
   const Mesh mesh = read_mesh(options, true);
-  BuildOptions build_options;
-  build_options.tame = !options.no_tame;
-  if (!options.region.empty()) build_options.faces = parse_region(mesh, options.region);
-  if (!options.faces.empty()) build_options.faces = parse_faces(mesh, options.faces);
+  const BuildOptions how = build_options_of(options, mesh);
   BuildReport found;
-  const PatchCache cache = build(mesh, options, *engine, build_options, &found);
+  const PatchCache cache = build(mesh, options, *engine, how, &found);
   {
     const Watch watch(options, "write " + options.output);
     save_cache(cache, options.output, stop_if_interrupted);
   }
   tell_tight_curvature(options, cache, usual_depth(cache), "0.5 % of the diagonal");
-
-  const std::size_t faces =
-      build_options.faces.empty() ? mesh.face_count() : build_options.faces.size();
-  const std::string unit = unit_name(cache.unit);
-  const double seconds = clock.seconds();
-  report(options,
-         fmt::format("{}: {} of {} faces, {} patches of level {}, {} construction, in {}, unit {}\n"
-                     "folded {}, degenerate {}; eased {}, split {}, bent {}{}\n"
-                     "{}\n"
-                     "least radius of curvature {} {}, {} bytes, {:.2f} s\n",
-                     options.output, faces, mesh.face_count(), cache.patch_count(),
-                     level_name(cache.level), construction_name(cache.level.construction),
-                     precision_name(cache.precision()), unit, found.folded, found.degenerate,
-                     found.eased, found.split, found.bent,
-                     creases_text(cache.crease_count) + rounded_text(mesh), departure_text(cache),
-                     radius_text(cache.smallest_rho()), unit, cache.bytes(), seconds),
-         {{"output", options.output},
-          {"mesh_faces", mesh.face_count()},
-          {"faces", faces},
-          {"patches", cache.patch_count()},
-          {"level", level_name(cache.level)},
-          {"construction", construction_name(cache.level.construction)},
-          {"precision", precision_name(cache.precision())},
-          {"unit", unit},
-          {"folded", found.folded},
-          {"degenerate", found.degenerate},
-          {"eased", found.eased},
-          {"split", found.split},
-          {"bent", found.bent},
-          {"creases", cache.crease_count},
-          {"strips", mesh.strips.size()},
-          {"rounded_corners", mesh.rounded_corners.size()},
-          {"flagged_faces", found.flagged_faces},
-          {"departure", departure_json(cache.departure, cache.unit)},
-          {"tightest", departure_json(cache.tightest, cache.unit)},
-          {"rho_min", radius_json(cache.smallest_rho())},
-          {"bytes", cache.bytes()},
-          {"mesh_hash", hash_name(cache.mesh_hash)},
-          {"seconds", seconds}});
+  report_bake(options, mesh, how.faces.empty() ? mesh.face_count() : how.faces.size(), cache, found,
+              clock.seconds());
 }
 
 }  // namespace

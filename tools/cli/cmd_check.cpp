@@ -53,10 +53,84 @@ CheckedSurface build_surface(const SurfaceOptions& options, const Mesh& mesh) {
   return surface;
 }
 
-template <class Items>
-std::string listed(const char* name, const Items& items, std::size_t count) {
-  if (count == 0) return "";
-  return fmt::format("{}: {}{}\n", name, fmt::join(items, ","), count > kListed ? ",..." : "");
+// What was found before the mesh was refused, if it was.
+struct Checked {
+  std::vector<Finding> findings;
+  Mesh mesh;
+  std::vector<VertexPair> creases;
+  CheckedSurface surface;
+  std::exception_ptr refusal;  // null: accepted
+};
+
+Checked check(const SurfaceOptions& options) {
+  Checked checked;
+  Mesh& mesh = checked.mesh;
+  try {
+    mesh = load_mesh(options, checked.findings);
+    tell_odd_size(options, mesh);
+    tell_seams(options, mesh, checked.findings);
+    tell_creases(options, mesh);
+    if (!mesh.sharp.empty()) checked.creases = crease_edges(mesh, build_topology(mesh));
+    round_creases(options, mesh);
+    checked.surface = build_surface(options, mesh);
+  } catch (const MeshError&) {
+    checked.refusal = std::current_exception();
+  }
+  return checked;
+}
+
+// The first of some items by `text_of`, behind a name; "" where there are none.
+template <class Item, class TextOf>
+std::string listed(const char* name, const std::vector<Item>& items, TextOf text_of) {
+  if (items.empty()) return "";
+  std::vector<std::string> first;
+  for (const Item& item : std::span(items).first(std::min(items.size(), kListed)))
+    first.push_back(text_of(item));
+  return fmt::format("{}: {}{}\n", name, fmt::join(first, ","),
+                     items.size() > kListed ? ",..." : "");
+}
+
+std::string text_of(const Checked& checked, const std::string& path) {
+  const auto& [findings, mesh, creases, surface, refusal] = checked;
+  std::string text = findings.empty() ? "nothing found\n"
+                                      : fmt::format("{:<9} {:<20} {:>7}  {}\n", "severity", "code",
+                                                    "count", "first");
+  for (const Finding& finding : findings)
+    text += fmt::format("{:<9} {:<20} {:>7}  {}\n", severity_name(finding.severity), finding.code,
+                        finding.count, finding.message);
+  text += fmt::format("{}: {}\n", path, state_of(findings, refusal != nullptr));
+  if (!mesh.lost_faces.empty()) text += removed_text(mesh) + "\n";
+  if (!refusal)
+    text += fmt::format("{} faces; {}{}\n{}\n", mesh.face_count(), built_text(surface.report),
+                        mesh.strips.empty() ? creases_text(creases.size()) : rounded_text(mesh),
+                        surface.departure_text);
+  return text +
+         listed("flagged", surface.report.flagged_faces,
+                [](std::uint32_t face) { return std::to_string(face); }) +
+         listed("not smooth, edges of vertices", surface.rough_edges,
+                [](const VertexPair& edge) { return fmt::format("{}-{}", edge[0], edge[1]); });
+}
+
+Json result_of(const Checked& checked, const std::string& path) {
+  const auto& [findings, mesh, creases, surface, refusal] = checked;
+  Json list = Json::array();
+  for (const Finding& finding : findings) list.push_back(json_of(finding));
+  Json json = {{"mesh", path},
+               {"accepted", !refusal},
+               {"state", state_of(findings, refusal != nullptr)},
+               {"faces", mesh.face_count()},
+               {"findings", list},
+               {"removed_faces", mesh.lost_faces}};
+  json.update(built_json(surface.report));
+  json.update({{"flagged_faces", surface.report.flagged_faces},
+               {"flagged_kinds", surface.kinds},
+               {"departure", surface.departure},
+               {"tightest", surface.tightest},
+               {"rough_edges", surface.rough_edges},
+               {"creases", creases},
+               {"strips", mesh.strips},
+               {"rounded_corners", mesh.rounded_corners}});
+  return json;
 }
 
 void describe(Command& command, SurfaceOptions& options) {
@@ -65,72 +139,9 @@ void describe(Command& command, SurfaceOptions& options) {
 
 void run(const SurfaceOptions& options) {
   refuse_cache(options);
-  std::vector<Finding> findings;
-  CheckedSurface surface;
-  Mesh mesh;
-  std::vector<VertexPair> creases;
-  std::exception_ptr refusal;
-  try {
-    mesh = load_mesh(options, findings);
-    tell_odd_size(options, mesh);
-    tell_seams(options, mesh, findings);
-    tell_creases(options, mesh);
-    if (!mesh.sharp.empty()) creases = crease_edges(mesh, build_topology(mesh));
-    round_creases(options, mesh);
-    surface = build_surface(options, mesh);
-  } catch (const MeshError&) {
-    refusal = std::current_exception();
-  }
-
-  std::string text;
-  Json list = Json::array();
-  for (const Finding& finding : findings) {
-    if (text.empty())
-      text = fmt::format("{:<9} {:<20} {:>7}  {}\n", "severity", "code", "count", "first");
-    text += fmt::format("{:<9} {:<20} {:>7}  {}\n", severity_name(finding.severity), finding.code,
-                        finding.count, finding.message);
-    list.push_back(json_of(finding));
-  }
-  if (findings.empty()) text += "nothing found\n";
-  const BuildReport& built = surface.report;
-  const auto& flagged = built.flagged_faces;
-  text += fmt::format("{}: {}\n", options.surface, state_of(findings, refusal != nullptr));
-  if (!mesh.lost_faces.empty()) text += removed_text(mesh) + "\n";
-  if (!refusal) {
-    text += fmt::format("{} faces; folded {}, degenerate {}; eased {}, split {}, bent {}{}\n",
-                        mesh.face_count(), built.folded, built.degenerate, built.eased, built.split,
-                        built.bent,
-                        mesh.strips.empty() ? creases_text(creases.size()) : rounded_text(mesh));
-    text += surface.departure_text + "\n";
-  }
-  text += listed("flagged", std::span(flagged).first(std::min(flagged.size(), kListed)),
-                 flagged.size());
-  std::vector<std::string> edges;
-  for (const VertexPair& edge : surface.rough_edges) {
-    if (edges.size() < kListed) edges.push_back(fmt::format("{}-{}", edge[0], edge[1]));
-  }
-  text += listed("not smooth, edges of vertices", edges, surface.rough_edges.size());
-  report(options, text,
-         {{"mesh", options.surface},
-          {"accepted", !refusal},
-          {"state", state_of(findings, refusal != nullptr)},
-          {"faces", mesh.face_count()},
-          {"findings", list},
-          {"removed_faces", mesh.lost_faces},
-          {"folded", built.folded},
-          {"degenerate", built.degenerate},
-          {"eased", built.eased},
-          {"split", built.split},
-          {"bent", built.bent},
-          {"flagged_faces", flagged},
-          {"flagged_kinds", surface.kinds},
-          {"departure", surface.departure},
-          {"tightest", surface.tightest},
-          {"rough_edges", surface.rough_edges},
-          {"creases", creases},
-          {"strips", mesh.strips},
-          {"rounded_corners", mesh.rounded_corners}});
-  if (refusal) std::rethrow_exception(refusal);
+  const Checked checked = check(options);
+  report(options, text_of(checked, options.surface), result_of(checked, options.surface));
+  if (checked.refusal) std::rethrow_exception(checked.refusal);
 }
 
 }  // namespace

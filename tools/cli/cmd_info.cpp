@@ -12,9 +12,9 @@
 namespace gliss::tools {
 namespace {
 
-// Tells how the faces that were built hang together.
+// Tells of the faces that were built, and how they hang together.
 struct Shape {
-  std::uint32_t vertices = 0, edges = 0, border_sides = 0, parts = 0;
+  std::uint32_t faces = 0, folded = 0, vertices = 0, edges = 0, border_sides = 0, parts = 0;
   std::map<std::uint32_t, std::uint32_t> valences;  // faces with as many sides
 };
 
@@ -43,6 +43,8 @@ Shape shape_of(const PatchCache& cache) {
         for (std::uint32_t face = 0; face < cache.mesh_face_count; ++face) {
           const std::uint32_t patch = cache.first_patch(face);
           if (patch == kNone) continue;
+          ++shape.faces;
+          shape.folded += cache.folded[patch] != 0;
           ++shape.valences[cache.face_valence[face]];
           const auto begin = cache.corner_of_face.begin() + s.side_begin[patch];
           const auto end = begin + s.valence(patch);
@@ -83,70 +85,71 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-void describe(Command& command, SurfaceOptions& options) {
-  add_surface_options(command, options, "MESH_OR_CACHE");
+// Counts by name as a list of `format`, which takes a count and its name.
+template <class Name>
+std::string list_text(const std::map<Name, std::uint32_t>& counts, const char* format) {
+  std::string text;
+  for (const auto& [name, count] : counts)
+    text += (text.empty() ? "" : ", ") + fmt::format(fmt::runtime(format), count, name);
+  return text;
 }
 
-void run(const SurfaceOptions& options) {
-  const auto engine = make_engine(options);
-  const PatchCache cache = open_surface(options, *engine);
-  const Shape shape = shape_of(cache);
-  const std::string unit = unit_name(options.unit);
-  const UnitChange length(cache.unit, options.unit);
-  const Box bounds = cache.bounds();
-  const Vec3 low = length(bounds.low), high = length(bounds.high);
-  const double rho_min = length(cache.smallest_rho());
-  const double rho_median = length(median({cache.rho_min.begin(), cache.rho_min.end()}));
-  std::uint32_t faces = 0, folded = 0;
-  for (std::uint32_t face = 0; face < cache.mesh_face_count; ++face) {
-    const std::uint32_t patch = cache.first_patch(face);
-    faces += patch != kNone;
-    folded += patch != kNone && cache.folded[patch];
-  }
+// What is known of a cache, lengths in the unit of --unit.
+struct Figures {
+  Shape shape;
+  std::map<std::string, std::uint32_t> kinds, forms;
+  Vec3 low, high;  // of the bounds
+  double rho_min = 0, rho_median = 0;
+};
 
-  Json valences;
-  std::string valence_text;
-  for (const auto& [valence, count] : shape.valences) {
-    valences[std::to_string(valence)] = count;
-    valence_text +=
-        fmt::format("{}{} x {} sides", valence_text.empty() ? "" : ", ", count, valence);
-  }
-  const auto kinds = count_kinds(cache);
-  Json forms;
-  std::string form_text;
-  for (const auto& [name, count] : count_forms(cache)) {
-    forms[name] = count;
-    form_text += fmt::format("{}{} {}", form_text.empty() ? "" : ", ", count, name);
-  }
+Figures figures_of(const PatchCache& cache, double unit) {
+  const UnitChange length(cache.unit, unit);
+  const Box bounds = cache.bounds();
+  return {shape_of(cache),
+          count_kinds(cache),
+          count_forms(cache),
+          length(bounds.low),
+          length(bounds.high),
+          length(cache.smallest_rho()),
+          length(median({cache.rho_min.begin(), cache.rho_min.end()}))};
+}
+
+std::string text_of(const PatchCache& cache, const Figures& figures, const std::string& unit) {
+  const auto& [shape, kinds, forms, low, high, rho_min, rho_median] = figures;
   const auto with_unit = [&](double radius) {
     const std::string text = radius_text(radius);
     return text == "none" ? text : text + " " + unit;
   };
-  report(options,
-         fmt::format("faces         {} of {}: {}\n"
-                     "vertices      {}, edges {}, border sides {}, parts {}\n"
-                     "patches       {}: exact {}, eased {}, split {}, bent {}\n"
-                     "folded faces  {}{}\n"
-                     "unit          {} (coordinates here in {})\n"
-                     "bounds        {:.6g} {:.6g} {:.6g} to {:.6g} {:.6g} {:.6g} {}, "
-                     "{:.4g} {} across\n"
-                     "departure     {}\n"
-                     "curvature     least radius of curvature {}, median of the patches {}\n"
-                     "level         {}, {} construction: {}\n"
-                     "precision     {}, {:.2f} MiB\n"
-                     "mesh hash     {}\n",
-                     faces, cache.mesh_face_count, valence_text, shape.vertices, shape.edges,
-                     shape.border_sides, shape.parts, cache.patch_count(), kinds.at("exact"),
-                     kinds.at("eased"), kinds.at("split"), kinds.at("bent"), folded,
-                     creases_text(cache.crease_count), unit_name(cache.unit), unit, low.x(),
-                     low.y(), low.z(), high.x(), high.y(), high.z(), unit, (high - low).norm(),
-                     unit, departure_text(cache), with_unit(rho_min), with_unit(rho_median),
-                     level_name(cache.level), construction_name(cache.level.construction),
-                     form_text, precision_name(cache.precision()),
-                     static_cast<double>(cache.bytes()) / (1 << 20), hash_name(cache.mesh_hash)),
-         {{"surface", options.surface},
+  return fmt::format(
+      "faces         {} of {}: {}\n"
+      "vertices      {}, edges {}, border sides {}, parts {}\n"
+      "patches       {}: exact {}, eased {}, split {}, bent {}\n"
+      "folded faces  {}{}\n"
+      "unit          {} (coordinates here in {})\n"
+      "bounds        {:.6g} {:.6g} {:.6g} to {:.6g} {:.6g} {:.6g} {}, {:.4g} {} across\n"
+      "departure     {}\n"
+      "curvature     least radius of curvature {}, median of the patches {}\n"
+      "level         {}, {} construction: {}\n"
+      "precision     {}, {:.2f} MiB\n"
+      "mesh hash     {}\n",
+      shape.faces, cache.mesh_face_count, list_text(shape.valences, "{} x {} sides"),
+      shape.vertices, shape.edges, shape.border_sides, shape.parts, cache.patch_count(),
+      kinds.at("exact"), kinds.at("eased"), kinds.at("split"), kinds.at("bent"), shape.folded,
+      creases_text(cache.crease_count), unit_name(cache.unit), unit, low.x(), low.y(), low.z(),
+      high.x(), high.y(), high.z(), unit, (high - low).norm(), unit, departure_text(cache),
+      with_unit(rho_min), with_unit(rho_median), level_name(cache.level),
+      construction_name(cache.level.construction), list_text(forms, "{} {}"),
+      precision_name(cache.precision()), static_cast<double>(cache.bytes()) / (1 << 20),
+      hash_name(cache.mesh_hash));
+}
+
+Json json_of(const PatchCache& cache, const Figures& figures, const SurfaceOptions& options) {
+  const auto& [shape, kinds, forms, low, high, rho_min, rho_median] = figures;
+  Json valences;
+  for (const auto& [valence, count] : shape.valences) valences[std::to_string(valence)] = count;
+  return {{"surface", options.surface},
           {"mesh_faces", cache.mesh_face_count},
-          {"faces", faces},
+          {"faces", shape.faces},
           {"valences", valences},
           {"vertices", shape.vertices},
           {"edges", shape.edges},
@@ -154,10 +157,10 @@ void run(const SurfaceOptions& options) {
           {"parts", shape.parts},
           {"patches", cache.patch_count()},
           {"kinds", kinds},
-          {"folded_faces", folded},
+          {"folded_faces", shape.folded},
           {"creases", cache.crease_count},
           {"surface_unit", unit_name(cache.unit)},
-          {"unit", unit},
+          {"unit", unit_name(options.unit)},
           {"bounds", {{low.x(), low.y(), low.z()}, {high.x(), high.y(), high.z()}}},
           {"departure", departure_json(cache.departure, cache.unit)},
           {"tightest", departure_json(cache.tightest, cache.unit)},
@@ -168,7 +171,19 @@ void run(const SurfaceOptions& options) {
           {"forms", forms},
           {"precision", precision_name(cache.precision())},
           {"bytes", cache.bytes()},
-          {"mesh_hash", hash_name(cache.mesh_hash)}});
+          {"mesh_hash", hash_name(cache.mesh_hash)}};
+}
+
+void describe(Command& command, SurfaceOptions& options) {
+  add_surface_options(command, options, "MESH_OR_CACHE");
+}
+
+void run(const SurfaceOptions& options) {
+  const auto engine = make_engine(options);
+  const PatchCache cache = open_surface(options, *engine);
+  const Figures figures = figures_of(cache, options.unit);
+  report(options, text_of(cache, figures, unit_name(options.unit)),
+         json_of(cache, figures, options));
 }
 
 }  // namespace

@@ -202,6 +202,19 @@ PatchCache build(const Mesh& mesh, const SurfaceOptions& options, const Engine& 
   return cache;
 }
 
+std::string built_text(const BuildReport& report) {
+  return fmt::format("folded {}, degenerate {}; eased {}, split {}, bent {}", report.folded,
+                     report.degenerate, report.eased, report.split, report.bent);
+}
+
+Json built_json(const BuildReport& report) {
+  return {{"folded", report.folded},
+          {"degenerate", report.degenerate},
+          {"eased", report.eased},
+          {"split", report.split},
+          {"bent", report.bent}};
+}
+
 bool is_cache(const SurfaceOptions& options) {
   return options.from_cache || is_meant_as_cache(options.surface);
 }

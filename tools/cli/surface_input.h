@@ -52,6 +52,8 @@ void tell_creases(const SurfaceOptions& options, const Mesh& mesh);
 // Builds with progress, and ends by Ctrl-C. `faces` empty: all.
 PatchCache build(const Mesh& mesh, const SurfaceOptions& options, const Engine& engine,
                  BuildOptions build_options = {}, BuildReport* report = nullptr);
+std::string built_text(const BuildReport& report);  // "folded 1, degenerate 0; eased 1, ..."
+Json built_json(const BuildReport& report);         // the same five counts
 
 // True if the surface is a cache, or is meant as one.
 bool is_cache(const SurfaceOptions& options);
