@@ -279,7 +279,6 @@ std::vector<Vec3> points_of(HandPath path) {
 // Says that a hand has felt nothing, and of a replay and a simulated hand how far off it was.
 void tell_untouched_objects(const RunOptions& options, const Scene& scene,
                             const std::vector<SceneObject>& objects) {
-  constexpr std::string_view kReplay = "replay:";
   if (options.quiet) return;
   const std::vector<Box> boxes = boxes_of(objects);
   if (options.device == "sim" && !boxes.empty()) {
@@ -287,11 +286,11 @@ void tell_untouched_objects(const RunOptions& options, const Scene& scene,
                    "write \"40mm\" for 40");
     return;
   }
-  if (!options.device.starts_with(kReplay)) {
+  const std::string path = replayed_file(options.device);
+  if (path.empty()) {
     tell("gliss: the hand touched nothing: do its ways lead into an object?\n");
     return;
   }
-  const std::string path = options.device.substr(kReplay.size());
   tell_untouched(options, path, points_in_metres(read_points(path, 1, {}, stop_if_interrupted)),
                  boxes, "name the columns x_mm,y_mm,z_mm");
 }
@@ -322,14 +321,57 @@ std::vector<Attribute> provenance(const RunOptions& options, const Scene& scene,
           {"objects", objects_json(scene).dump(-1, ' ', false, Json::error_handler_t::replace)}};
 }
 
-void run(const RunOptions& options) {
-  if (options.has_old_summary && !options.quiet)
-    tell("gliss: --report: the summary is --summary now; the old name will go\n");
-  const Scene scene = read_scene(options.scene, stop_if_interrupted);
+// The files that a run leaves. They are opened before the loop begins.
+struct RunFiles {
+  RunFiles(const RunOptions& options, const Scene& scene, const HapticDevice& device) {
+    if (!options.recording.empty())
+      recording.emplace(options.recording, provenance(options, scene, device),
+                        device.info().has_orientation);
+    if (!options.summary.empty()) summary.emplace(options.summary);
+  }
+
+  std::optional<RecordingFile> recording;
+  std::optional<AtomicFile> summary;
+};
+
+// Completes both files, and gives the first failure of the recording and of these, or null.
+std::exception_ptr complete(RunFiles& files, const TickRecord& record, const Outcome& outcome,
+                            const Json& figures) {
+  std::exception_ptr failed = outcome.not_recorded;
+  const auto attempt = [&](const auto& write) {
+    try {
+      write();
+    } catch (const std::exception&) {
+      if (!failed) failed = std::current_exception();
+    }
+  };
+  attempt([&] {
+    if (!files.recording) return;
+    files.recording->add_histogram("wake_lateness", record.lateness());
+    files.recording->add_histogram("compute", record.compute());
+    files.recording->close();
+  });
+  attempt([&] {
+    if (!files.summary) return;
+    Json whole = figures;
+    whole["histograms"] = histograms_json(record);
+    whole["trips"] = outcome.report.trips_json();
+    files.summary->write(printed(whole));
+    files.summary->commit();
+  });
+  return failed;
+}
+
+Scene read_scene(const RunOptions& options) {
+  Scene scene = gliss::read_scene(options.scene, stop_if_interrupted);
   std::vector<std::string> inputs = scene.files;
-  if (options.device.starts_with("replay:")) inputs.push_back(options.device.substr(7));
+  inputs.push_back(replayed_file(options.device));
   check_outputs({options.recording, options.summary}, inputs);
-  const std::vector<SceneObject> objects = open_objects(scene, options);
+  return scene;
+}
+
+void tell_odd_objects(const RunOptions& options, const Scene& scene,
+                      const std::vector<SceneObject>& objects) {
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const ObjectDescription& described = scene.objects[i];
     tell_soft_spring(options, objects[i].stiffness, described.surface);
@@ -339,17 +381,20 @@ void run(const RunOptions& options) {
                       "asks all patches: all were built, none lazily\n",
                       described.surface));
   }
+}
+
+void run(const RunOptions& options) {
+  if (options.has_old_summary && !options.quiet)
+    tell("gliss: --report: the summary is --summary now; the old name will go\n");
+  const Scene scene = read_scene(options);
+  const std::vector<SceneObject> objects = open_objects(scene, options);
+  tell_odd_objects(options, scene, objects);
   const auto device = open_device(options.device, scene, stop_if_interrupted);
   LoopOptions rules = loop_options(scene, device->info());
   tell_swinging_hand(options, scene, rules);
   if (options.no_wait && device->info().real_time)
     throw InputError(fmt::format("--no-wait: {} lives in real time", device->info().name));
-  std::optional<RecordingFile> recording;
-  if (!options.recording.empty())
-    recording.emplace(options.recording, provenance(options, scene, *device),
-                      device->info().has_orientation);
-  std::optional<AtomicFile> report_file;
-  if (!options.summary.empty()) report_file.emplace(options.summary);
+  RunFiles files(options, scene, *device);
 
   Tracker tracker(objects, open_hips(scene, {.poll = stop_if_interrupted}));
   rules.wait = !options.no_wait;
@@ -357,34 +402,12 @@ void run(const RunOptions& options) {
   LoopSession session(
       *device, tracker, rules,
       {options.seconds, true, {scene.priority, options.require_realtime, options.cpu}});
-  const Outcome outcome = follow(session, options, scene, recording);
+  const Outcome outcome = follow(session, options, scene, files.recording);
 
   const HapticLoop& loop = session.loop();
   Json json = figures_of(options, scene, loop, outcome, device->info().name);
   if (device->info().has_orientation) json["largest_torque_Nm"] = outcome.report.largest_torque();
-  std::exception_ptr failed = outcome.not_recorded;  // the first to fail; the rest is told
-  const auto attempt = [&](const auto& write) {
-    try {
-      write();
-    } catch (const std::exception&) {
-      if (!failed) failed = std::current_exception();
-    }
-  };
-  attempt([&] {
-    if (!recording) return;
-    recording->add_histogram("wake_lateness", loop.record().lateness());
-    recording->add_histogram("compute", loop.record().compute());
-    recording->close();
-  });
-  attempt([&] {
-    if (!report_file) return;
-    Json whole = json;
-    whole["histograms"] = {{"wake", histogram_json(loop.record().lateness())},
-                           {"compute", histogram_json(loop.record().compute())}};
-    whole["trips"] = outcome.report.trips_json();
-    report_file->write(printed(whole));
-    report_file->commit();
-  });
+  const std::exception_ptr failed = complete(files, loop.record(), outcome, json);
   tell_tight_objects(options, scene, objects, outcome.report);
   if (outcome.report.rendered().touching == 0 && loop.record().ticks() > 0)
     tell_untouched_objects(options, scene, objects);

@@ -41,7 +41,7 @@ void run(const ServeOptions& options) {
   limits.guard = scene.loop.guard;
   limits.guard->max_force = std::min(limits.guard->max_force, scene.max_force);
   limits.guard->max_torque = std::min(limits.guard->max_torque, scene.max_torque);
-  const bool has_path = options.device == "sim" || options.device.starts_with("replay:");
+  const bool has_path = options.device == "sim" || !replayed_file(options.device).empty();
   limits.waits = has_path && !options.at_once;
   UdpServer server(*device, static_cast<std::uint16_t>(options.port), limits);
   if (!options.quiet)

@@ -46,13 +46,18 @@ std::unique_ptr<HapticDevice> open_haply(const std::string& where, int priority)
 
 }  // namespace
 
+std::string replayed_file(const std::string& words) {
+  constexpr std::string_view kReplay = "replay:";
+  return words.starts_with(kReplay) ? words.substr(kReplay.size()) : "";
+}
+
 std::unique_ptr<HapticDevice> open_device(const std::string& words, const Scene& scene,
                                           const std::function<void()>& poll, bool realtime) {
   const auto colon = words.find(':');
   const std::string kind = words.substr(0, colon);
   const std::string rest = colon == std::string::npos ? "" : words.substr(colon + 1);
   if (words == "sim") return open_sim(scene);
-  if (kind == "replay" && !rest.empty()) return open_replay(rest, poll);
+  if (!replayed_file(words).empty()) return open_replay(rest, poll);
   if (kind == "udp" && !rest.empty())
     return std::make_unique<UdpDevice>(parse_number<std::uint16_t>("--device udp", rest));
   if (kind == "haply" && (words == kind || !rest.empty()))

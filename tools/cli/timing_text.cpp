@@ -3,6 +3,16 @@
 #include <fmt/format.h>
 
 namespace gliss::tools {
+namespace {
+
+Json bins_json(const DurationHistogram& h) {
+  Json bins = Json::array();
+  for (const auto& [longest, count] : h.bins())
+    bins.push_back(Json::array({microseconds(longest), count}));
+  return bins;
+}
+
+}  // namespace
 
 double microseconds(Nanoseconds time) { return static_cast<double>(time.count()) / 1e3; }
 
@@ -13,11 +23,8 @@ Json json_of(const DurationHistogram& h) {
           {"max_us", microseconds(h.max())}};
 }
 
-Json histogram_json(const DurationHistogram& h) {
-  Json bins = Json::array();
-  for (const auto& [longest, count] : h.bins())
-    bins.push_back(Json::array({microseconds(longest), count}));
-  return bins;
+Json histograms_json(const TickRecord& record) {
+  return {{"wake", bins_json(record.lateness())}, {"compute", bins_json(record.compute())}};
 }
 
 std::string timing_header() {

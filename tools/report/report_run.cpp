@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "gliss/loop/loop.h"
 #include "gliss/query/force_statistics.h"
@@ -43,6 +44,60 @@ GuardReason guard_reason(const std::string& name) {
   return GuardReason::kNone;
 }
 
+Vec3 rendered(const ReportTable& table, std::size_t row) {
+  return table.vector("fx", "fy", "fz", row);
+}
+Vec3 sent(const ReportTable& table, std::size_t row) {
+  return table.vector("sent_x", "sent_y", "sent_z", row);
+}
+
+Json figures_of(const ReportTable& table) {
+  ForceStatistics of_rendered, of_sent;
+  TickRecord record;
+  for (std::size_t row = 0; row < table.rows; ++row) {
+    const Vec3 force = rendered(table, row), given = sent(table, row);
+    if (force.allFinite()) of_rendered.add(table.texts.at("state")[row] == "contact", force);
+    of_sent.add(given != Vec3::Zero(), given);
+    const auto number = [&](const char* name) { return table.numbers.at(name)[row]; };
+    record.add(
+        {nanoseconds(number("time")), nanoseconds(number("lateness")),
+         nanoseconds(number("compute")), tick_error(guard_reason(table.texts.at("reason")[row]))},
+        static_cast<std::uint64_t>(std::min(std::max(0.0, number("missed")), 1e15)));
+  }
+  return {{"ticks", table.rows},
+          {"missed", record.missed()},
+          {"success_rate", record.success()},
+          {"largest_force_step", of_rendered.largest_step},
+          {"jumps_per_100k", of_rendered.jumps_per_100k()},
+          {"lost_per_100k", of_rendered.lost_per_100k()},
+          {"unsound", of_rendered.unsound + of_sent.unsound},
+          {"mean_force_step", of_rendered.mean_step},
+          {"largest_force", of_rendered.largest_force},
+          {"in_contact", of_rendered.touching},
+          {"entries", of_rendered.entries},
+          {"deepest_m", deepest(table)},
+          {"largest_sent_step", of_sent.largest_step},
+          {"sent_jumps_per_100k", of_sent.jumps_per_100k()},
+          {"sent_lost_per_100k", of_sent.lost_per_100k()},
+          {"largest_sent_force", of_sent.largest_force},
+          {"wake", json_of(record.lateness())},
+          {"compute", json_of(record.compute())},
+          {"histograms", histograms_json(record)}};
+}
+
+// The ticks at the extremes of either force, of which both are shown.
+std::vector<std::size_t> shown_ticks(const ReportTable& table, std::size_t most) {
+  const auto extremes_of = [&](Vec3 (*force)(const ReportTable&, std::size_t)) {
+    return extremes(table.rows, most / 2,
+                    [&](std::size_t row) { return force(table, row).norm(); });
+  };
+  const std::vector<std::size_t> of_sent = extremes_of(sent), of_rendered = extremes_of(rendered);
+  std::vector<std::size_t> both;
+  std::set_union(of_sent.begin(), of_sent.end(), of_rendered.begin(), of_rendered.end(),
+                 std::back_inserter(both));
+  return both;
+}
+
 }  // namespace
 
 Json read_objects(const Json& objects, const ReportSource& source) {
@@ -73,63 +128,18 @@ Json read_run_report(const Json& json, const ReportSource& source) {
 }
 
 Json recording_result(const ReportTable& table, const ReportSource& source) {
-  const auto rendered = [&](std::size_t row) { return table.vector("fx", "fy", "fz", row); };
-  const auto sent = [&](std::size_t row) {
-    return table.vector("sent_x", "sent_y", "sent_z", row);
-  };
+  const std::vector<std::size_t> shown =
+      shown_ticks(table, std::min<std::size_t>(kMostTicks, source.page_bytes / kTickBytes));
   const auto& time = table.numbers.at("time");
-  ForceStatistics of_rendered, of_sent;
-  TickRecord record;
-  for (std::size_t row = 0; row < table.rows; ++row) {
-    if (rendered(row).allFinite())
-      of_rendered.add(table.texts.at("state")[row] == "contact", rendered(row));
-    of_sent.add(sent(row) != Vec3::Zero(), sent(row));
-    const auto number = [&](const char* name) { return table.numbers.at(name)[row]; };
-    record.add(
-        {nanoseconds(time[row]), nanoseconds(number("lateness")), nanoseconds(number("compute")),
-         tick_error(guard_reason(table.texts.at("reason")[row]))},
-        static_cast<std::uint64_t>(std::min(std::max(0.0, number("missed")), 1e15)));
-  }
-  const std::size_t most = std::min<std::size_t>(kMostTicks, source.page_bytes / kTickBytes);
-  // Both forces at the extremes of either.
-  auto kept = extremes(table.rows, most / 2, [&](std::size_t row) { return sent(row).norm(); });
-  const std::size_t middle = kept.size();
-  for (const std::size_t row :
-       extremes(table.rows, most / 2, [&](std::size_t i) { return rendered(i).norm(); })) {
-    kept.push_back(row);
-  }
-  std::inplace_merge(kept.begin(), kept.begin() + static_cast<std::ptrdiff_t>(middle), kept.end());
-  kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
-
   return {
       {"kind", "recording"},
       {"origin", table.origin},
-      {"figures",
-       {{"ticks", table.rows},
-        {"missed", record.missed()},
-        {"success_rate", record.success()},
-        {"largest_force_step", of_rendered.largest_step},
-        {"jumps_per_100k", of_rendered.jumps_per_100k()},
-        {"lost_per_100k", of_rendered.lost_per_100k()},
-        {"unsound", of_rendered.unsound + of_sent.unsound},
-        {"mean_force_step", of_rendered.mean_step},
-        {"largest_force", of_rendered.largest_force},
-        {"in_contact", of_rendered.touching},
-        {"entries", of_rendered.entries},
-        {"deepest_m", deepest(table)},
-        {"largest_sent_step", of_sent.largest_step},
-        {"sent_jumps_per_100k", of_sent.jumps_per_100k()},
-        {"sent_lost_per_100k", of_sent.lost_per_100k()},
-        {"largest_sent_force", of_sent.largest_force},
-        {"wake", json_of(record.lateness())},
-        {"compute", json_of(record.compute())},
-        {"histograms",
-         {{"wake", histogram_json(record.lateness())},
-          {"compute", histogram_json(record.compute())}}}}},
-      {"shown", kept.size()},
-      {"time", packed_at<float>(kept, [&](std::size_t row) { return time[row]; })},
-      {"rendered", packed_at<float>(kept, [&](std::size_t row) { return rendered(row).norm(); })},
-      {"sent", packed_at<float>(kept, [&](std::size_t row) { return sent(row).norm(); })}};
+      {"figures", figures_of(table)},
+      {"shown", shown.size()},
+      {"time", packed_at<float>(shown, [&](std::size_t row) { return time[row]; })},
+      {"rendered",
+       packed_at<float>(shown, [&](std::size_t row) { return rendered(table, row).norm(); })},
+      {"sent", packed_at<float>(shown, [&](std::size_t row) { return sent(table, row).norm(); })}};
 }
 
 }  // namespace gliss::tools
