@@ -227,13 +227,11 @@ void Sweeping::write_result(const PartsOfResult& come) {
   if (!options_.picture.empty()) picture.emplace(cache_, grid_, options_.unit);
   std::optional<AtomicFile> summary;
   if (!options_.summary.empty()) summary.emplace(options_.summary);
-  SweepSink sink;
-  if (options_.keeps_samples()) {
-    sink = [&](const SweepBlock& block) {
-      if (file) file->add(block);
-      if (picture) picture->add(block);
-    };
-  }
+  const auto keep = [&](const SweepBlock& block) {
+    if (file) file->add(block);
+    if (picture) picture->add(block);
+  };
+  const SweepSink sink = options_.keeps_samples() ? SweepSink(keep) : nullptr;
 
   const Stopwatch clock;
   SweepResult result;
@@ -247,8 +245,7 @@ void Sweeping::write_result(const PartsOfResult& come) {
   const Json of_team = together_ != nullptr ? write_together(*file, come, result) : come(make);
   if (file) file->close(result);
   const double seconds = clock.seconds();
-  const std::uint64_t computed = of_team.value("contacts_computed", result.computed),
-                      samples = sample_count(cache_, grid_.rings);
+  const std::uint64_t computed = of_team.value("contacts_computed", result.computed);
   const double contacts = static_cast<double>(computed), rate = contacts / seconds;
 
   Json json = report_of_shard(computed);
@@ -268,8 +265,8 @@ void Sweeping::write_result(const PartsOfResult& come) {
          text_of(result) +
              fmt::format("{} samples a depth ({} rings), {:.4g} contacts computed in {:.2f} s, "
                          "{:.3g} M contacts/s, peak memory {:.0f} MiB\n",
-                         samples, grid_.rings, contacts, seconds, rate * 1e-6,
-                         static_cast<double>(peak_memory()) / (1 << 20)),
+                         sample_count(cache_, grid_.rings), grid_.rings, contacts, seconds,
+                         rate * 1e-6, static_cast<double>(peak_memory()) / (1 << 20)),
          json, options_.output == "-");
 }
 

@@ -147,6 +147,29 @@ PointTable path_of(const TracingOptions& options, const PatchCache& cache) {
   return read_hips(options, options.path, further);
 }
 
+Columns columns_of(const TracingOptions& options, const LargeArray<double>* steps) {
+  Columns columns;
+  columns.add({"step"}, step_type(steps))
+      .add({"method"}, ColumnType::kText)
+      .add({"x", "y", "z", "scp_x", "scp_y", "scp_z"}, ColumnType::kFloat64,
+           unit_name(options.unit))
+      .add({"fx", "fy", "fz"}, ColumnType::kFloat64, "N")
+      .add({"face"}, ColumnType::kUint32)
+      .was("patch")
+      .add({"state"}, ColumnType::kText);
+  if (options.trace.friction.any())
+    columns.add({"cone_share"}, ColumnType::kFloat64).add({"grip"}, ColumnType::kText);
+  return add_kept(columns, options.keep);
+}
+
+void tell_untouched(const TracingOptions& options, const PatchCache& cache,
+                    const PointTable& path) {
+  const Box box = cache.bounds();
+  const Box in_metres[] = {{box.low * cache.unit, box.high * cache.unit}};
+  tell_untouched(options, options.depth > 0 ? "--depth" : options.path, points_in_metres(path),
+                 in_metres, "say so by --unit, or by columns x_mm,y_mm,z_mm");
+}
+
 void run(TracingOptions options) {
   if (options.trace.friction.settle > 0 && !options.trace.friction.any())
     throw InputError("--friction-settle goes with --friction");
@@ -166,20 +189,9 @@ void run(TracingOptions options) {
   std::vector<Vec3> hips = points_in_metres(path);
   for (Vec3& hip : hips) hip /= cache.unit;
 
-  const std::string unit = unit_name(options.unit);
   const auto file = create_described_file(options.output, cache, options);
   file->set_attribute({"stiffness_N_per_m", options.trace.stiffness});
-  Columns columns;
-  columns.add({"step"}, step_type(steps))
-      .add({"method"}, ColumnType::kText)
-      .add({"x", "y", "z", "scp_x", "scp_y", "scp_z"}, ColumnType::kFloat64, unit)
-      .add({"fx", "fy", "fz"}, ColumnType::kFloat64, "N")
-      .add({"face"}, ColumnType::kUint32)
-      .was("patch")
-      .add({"state"}, ColumnType::kText);
-  if (options.trace.friction.any())
-    columns.add({"cone_share"}, ColumnType::kFloat64).add({"grip"}, ColumnType::kText);
-  ResultTable table(*file, "", add_kept(columns, options.keep));
+  ResultTable table(*file, "", columns_of(options, steps));
   const UnitChange outward(cache.unit, options.unit);
   std::vector<Row> rows;
   double deepest = 0;  // of the patches' contacts, m
@@ -203,12 +215,8 @@ void run(TracingOptions options) {
   file->close();
   tell_tight_curvature(options, cache, deepest, "the deepest contact");
   if (std::all_of(statistics.begin(), statistics.end(),
-                  [](const TraceStatistics& s) { return s.touching == 0; })) {
-    const Box box = cache.bounds();
-    const Box in_metres[] = {{box.low * cache.unit, box.high * cache.unit}};
-    tell_untouched(options, options.depth > 0 ? "--depth" : options.path, points_in_metres(path),
-                   in_metres, "say so by --unit, or by columns x_mm,y_mm,z_mm");
-  }
+                  [](const TraceStatistics& s) { return s.touching == 0; }))
+    tell_untouched(options, cache, path);
   report_statistics(options, statistics);
 }
 

@@ -32,6 +32,34 @@ std::string group_name(const SweepOptions& sweep, std::size_t kind) {
                      method_name(sweep.methods[kind % sweep.methods.size()]));
 }
 
+// What the table of statistics says of a histogram.
+struct HistogramFigure {
+  const char* name;
+  bool is_count;  // and has no unit
+  double (*of)(const Histogram&);
+};
+
+constexpr HistogramFigure kFigures[] = {
+    {"count", true, [](const Histogram& h) { return static_cast<double>(h.count()); }},
+    {"mean", false, [](const Histogram& h) { return h.mean(); }},
+    {"p50", false, [](const Histogram& h) { return h.quantile(0.5); }},
+    {"p99", false, [](const Histogram& h) { return h.quantile(0.99); }},
+    {"max", false, [](const Histogram& h) { return h.max(); }},
+    {"unsound", true, [](const Histogram& h) { return static_cast<double>(h.unsound()); }}};
+
+void write_bins(ResultFile& file, const std::string& name, const SweepStatistics& statistics) {
+  ResultTable bins(file, name,
+                   Columns().add({"upper_edge", "step", "edge_step", "angle", "error", "residual"}),
+                   {}, Histogram::kBins);
+  bins.fill(Histogram::kBins,
+            [](std::size_t i) { return Histogram::bin_edge(static_cast<int>(i)); });
+  for (const auto& named : kHistograms) {
+    const Histogram& histogram = statistics.*named.histogram;
+    bins.fill(Histogram::kBins, [&](std::size_t i) { return histogram.bins()[i]; });
+  }
+  bins.write();
+}
+
 }  // namespace
 
 SampleFile::SampleFile(const std::string& path, const PatchCache& cache, const SweepOptions& sweep,
@@ -140,19 +168,15 @@ void SampleFile::close(const SweepResult& result) {
 // Counts are float64, exact up to 2^53.
 void SampleFile::add_statistics(const SweepResult& result) {
   const auto& all = result.statistics;
-  const auto is_count = [](const std::string& figure) {
-    return figure == "count" || figure == "unsound";
-  };
   Columns columns;
   columns.add({"depth"}, ColumnType::kFloat64, "m").add({"method"}, ColumnType::kText);
   columns.add({"samples", "touching", "unconverged", "iterations", "crossings"});
   columns.add({"jumps_per_100k", "lost_per_100k", "leaps_per_100k"});
   columns.add({"iterations_sum", "crossings_sum"});  // those of version 0.1 are the same
   for (const auto& [name, unit, histogram] : kHistograms) {
-    for (const char* figure : {"count", "mean", "p50", "p99", "max", "unsound"}) {
-      columns.add({fmt::format("{}_{}", name, figure).c_str()}, ColumnType::kFloat64,
-                  is_count(figure) ? "" : unit);
-    }
+    for (const HistogramFigure& figure : kFigures)
+      columns.add({fmt::format("{}_{}", name, figure.name).c_str()}, ColumnType::kFloat64,
+                  figure.is_count ? "" : unit);
   }
   ResultTable table(*file_, "statistics", columns, {}, all.size());
   const auto column = [&](auto get) {
@@ -171,29 +195,12 @@ void SampleFile::add_statistics(const SweepResult& result) {
   column([](const SweepStatistics& s) { return s.iterations; });
   column([](const SweepStatistics& s) { return s.crossings; });
   for (const auto& named : kHistograms) {
-    const auto histogram = named.histogram;
-    column([histogram](const SweepStatistics& s) { return (s.*histogram).count(); });
-    column([histogram](const SweepStatistics& s) { return (s.*histogram).mean(); });
-    column([histogram](const SweepStatistics& s) { return (s.*histogram).quantile(0.5); });
-    column([histogram](const SweepStatistics& s) { return (s.*histogram).quantile(0.99); });
-    column([histogram](const SweepStatistics& s) { return (s.*histogram).max(); });
-    column([histogram](const SweepStatistics& s) { return (s.*histogram).unsound(); });
+    for (const HistogramFigure& figure : kFigures)
+      column([&](const SweepStatistics& s) { return figure.of(s.*named.histogram); });
   }
   table.write();
-
-  for (std::size_t kind = 0; kind < all.size(); ++kind) {
-    ResultTable bins(
-        *file_, group_name(sweep_, kind) + "/histogram",
-        Columns().add({"upper_edge", "step", "edge_step", "angle", "error", "residual"}), {},
-        Histogram::kBins);
-    bins.fill(Histogram::kBins,
-              [](std::size_t i) { return Histogram::bin_edge(static_cast<int>(i)); });
-    for (const auto& named : kHistograms) {
-      const Histogram& histogram = all[kind].*(named.histogram);
-      bins.fill(Histogram::kBins, [&](std::size_t i) { return histogram.bins()[i]; });
-    }
-    bins.write();
-  }
+  for (std::size_t kind = 0; kind < all.size(); ++kind)
+    write_bins(*file_, group_name(sweep_, kind) + "/histogram", all[kind]);
 }
 
 }  // namespace gliss::tools
