@@ -184,7 +184,7 @@ double flops_of_evaluate(std::uint32_t form, std::uint32_t n) {
     std::vector<double> baked(k.control_reals(form, n));
     std::vector<char> used(n + 1, 0);
     used[n] = 1;
-    take_to_form(corners.data(), control.data(), kFormPaper, form, n, make_valence_tables(used),
+    take_to_form(corners.data(), {control.data(), kFormPaper, n}, form, make_valence_tables(used),
                  baked.data());
     control = baked;
   }

@@ -47,7 +47,10 @@ struct FinishedPatch {
   std::vector<double> control{};       // in another form; empty: as drafted
   PatchTiles tiles{};
 
-  const double* reals() const { return control.empty() ? drafted : control.data(); }
+  // As drafted, until it is finished in another form.
+  ControlData control_data() const {
+    return {control.empty() ? drafted : control.data(), form, valence};
+  }
   std::size_t real_count() const { return kernels<double>().control_reals(form, valence); }
 };
 
@@ -343,10 +346,9 @@ class CacheBuilder {
                is_gentle_at_level(plain, formed)) {
       drafted.shape = formed.shape;
     } else {
-      PatchShape shape = b.shape.empty()
-                             ? examine(c.frame[p], plain.corner, plain.triangle, plain.drafted,
-                                       plain.form, plain.valence, sampler(), &samples)
-                             : examined(b, p, samples);
+      PatchShape shape = b.shape.empty() ? examine(c.frame[p], plain.corner, plain.triangle,
+                                                   plain.control_data(), sampler(), &samples)
+                                         : examined(b, p, samples);
       if (!(b.turned[p] > 0)) shape.turn = -1;
       judge(face, c.frame[p], shape, b.soundness[p], drafted);
       its_samples = &samples;
@@ -536,8 +538,8 @@ class CacheBuilder {
     const Kernels<double>& k = kernels<double>();
     to.form = form;
     to.control.resize(k.control_reals(form, d.valence));
-    take_to_form(d.corner, d.drafted, d.form, form, d.valence, sampler(), to.control.data());
-    to.shape = examine(*d.frame, d.corner, d.triangle, to.control.data(), form, d.valence,
+    take_to_form(d.corner, d.control_data(), form, sampler(), to.control.data());
+    to.shape = examine(*d.frame, d.corner, d.triangle, {to.control.data(), form, d.valence},
                        sampler(), &to.samples);
   }
 
@@ -547,8 +549,7 @@ class CacheBuilder {
     const std::vector<std::uint32_t> forms = forms_of(options_.level, d);
     if (forms.empty()) return false;
     form_patch(d, forms.front(), formed);
-    return formed.samples.is_gentle &&
-           keeps_direction(*d.frame, d.drafted, d.form, d.valence, sampler());
+    return formed.samples.is_gentle && keeps_direction(*d.frame, d.control_data(), sampler());
   }
 
   // Takes a patch to the level that was asked for and cuts it into tiles. `samples`: those of the
@@ -570,10 +571,9 @@ class CacheBuilder {
     if (d.in_fan != nullptr) {
       for (const Vec3& corner : d.in_fan->piece_corner) d.shape.hold(corner, *d.frame);
     }
-    // In its box as it is stored.
-    d.tiles = cut_tiles(*d.frame, d.shape, d.shape.low.cast<Real>().template cast<double>(),
-                        d.shape.high.cast<Real>().template cast<double>(), d.reals(), d.form,
-                        d.valence, *tables_, samples);
+    const Box stored{d.shape.low.cast<Real>().template cast<double>(),
+                     d.shape.high.cast<Real>().template cast<double>()};
+    d.tiles = cut_tiles(*d.frame, d.shape, stored, d.control_data(), *tables_, samples);
   }
 
   template <class Real>
@@ -585,7 +585,8 @@ class CacheBuilder {
     };
     s.form[patch] = d.form;
     if (!base_only_) {
-      narrow(d.reals(), d.real_count(), &s.control[3 * std::size_t{s.control_begin[patch]}]);
+      narrow(d.control_data().reals, d.real_count(),
+             &s.control[3 * std::size_t{s.control_begin[patch]}]);
       std::copy(d.tiles.words.begin(), d.tiles.words.end(),
                 &s.tile[kTileUints * std::size_t{s.tile_begin[patch]}]);
     }

@@ -213,8 +213,8 @@ PatchDraft draft_paper(const FaceCorners& face, std::vector<std::uint32_t> face_
 }
 
 PatchShape examine(const PatchFrame& frame, const double* corner, const std::uint32_t* triangle,
-                   const double* control, std::uint32_t form, std::uint32_t n,
-                   const Sampler& sampler, PatchSamples* samples) {
+                   const ControlData& control, const Sampler& sampler, PatchSamples* samples) {
+  const std::uint32_t n = control.sides;
   sampler.ask(n);
   const Kernels<double>& k = kernels<double>();
   double axes[kFrameReals], reals[kShapeReals];
@@ -224,9 +224,9 @@ PatchShape examine(const PatchFrame& frame, const double* corner, const std::uin
     samples->rows.resize(kCutRows * samples->count);
   }
   k.examine(sampler.tables.domain_of(n), sampler.tables.probes_of(n), k.probe_coarse(n),
-            sampler.tables.probe_count[n], control, form, corner, triangle, axes, n,
-            sampler.tables.second_of(form, n), samples == nullptr ? nullptr : samples->rows.data(),
-            reals);
+            sampler.tables.probe_count[n], control.reals, control.form, corner, triangle, axes, n,
+            sampler.tables.second_of(control.form, n),
+            samples == nullptr ? nullptr : samples->rows.data(), reals);
   if (samples != nullptr) samples->set_shape(reals, n);
   return shape_from(reals);
 }
@@ -256,34 +256,35 @@ std::vector<Vec3> normals_of(const PatchDraft& d, const Sampler& sampler,
 }
 
 PatchShape examine(const PatchDraft& d, const Sampler& sampler, PatchSamples* samples) {
-  PatchShape shape = examine(d.frame, d.corner.data(), d.triangle.data(), d.control.data(), d.form,
-                             d.valence(), sampler, samples);
+  PatchShape shape =
+      examine(d.frame, d.corner.data(), d.triangle.data(), d.control_data(), sampler, samples);
   if (!(d.turned > 0)) shape.turn = -1;
   return shape;
 }
 
-void take_to_form(const double* corner, const double* control, std::uint32_t from,
-                  std::uint32_t form, std::uint32_t n, const Sampler& sampler, double* out) {
+void take_to_form(const double* corner, const ControlData& control, std::uint32_t form,
+                  const Sampler& sampler, double* out) {
   const Kernels<double>& k = kernels<double>();
-  if ((form & 255u) != kFormTable) return k.to_form(corner, control, form, n, out);
+  const std::uint32_t n = control.sides;
+  if ((form & 255u) != kFormTable) return k.to_form(corner, control.reals, form, n, out);
   for (std::uint32_t part = 0; part < n; ++part) {
     sampler.ask(n);
-    k.to_table(sampler.tables.domain_of(n), control, from, form, n, part, out);
+    k.to_table(sampler.tables.domain_of(n), control.reals, control.form, form, n, part, out);
   }
 }
 
-bool keeps_direction(const PatchFrame& frame, const double* control, std::uint32_t form,
-                     std::uint32_t n, const Sampler& sampler) {
+bool keeps_direction(const PatchFrame& frame, const ControlData& control, const Sampler& sampler) {
   constexpr std::size_t kAlongNormal = 5;  // the row of n . normal of the base polygon
   const Kernels<double>& k = kernels<double>();
-  const std::uint32_t count = k.probe_coarse(n);
-  if (count == 0 || (n == 3 && blends_sides(form))) return false;
+  const std::uint32_t n = control.sides, count = k.probe_coarse(n);
+  if (count == 0 || (n == 3 && blends_sides(control.form))) return false;
   thread_local std::vector<double> rows;
   rows.resize(kCutRows * count);
   double axes[kFrameReals];
   frame.store(axes);
   const double *xi = sampler.tables.probes_of(n), *eta = xi + k.probe_reals(n) / 2;
-  k.sample(sampler.tables.domain_of(n), control, form, axes, n, xi, eta, count, rows.data());
+  k.sample(sampler.tables.domain_of(n), control.reals, control.form, axes, n, xi, eta, count,
+           rows.data());
   return std::all_of(&rows[kAlongNormal * count], rows.data() + (kAlongNormal + 1) * count,
                      [](double cosine) { return cosine > kGentleCosine; });
 }

@@ -69,6 +69,13 @@ struct PatchSamples {
   void set_shape(const double* reals, std::uint32_t n);
 };
 
+// The control data of a patch, kept elsewhere.
+struct ControlData {
+  const double* reals;  // as its form has them (Kernels::control_reals)
+  std::uint32_t form;   // kFormPaper and so on
+  std::uint32_t sides;
+};
+
 // Makes a shape of kShapeReals numbers: its bounds are widened by what lies between samples.
 PatchShape shape_from(const double* reals);
 
@@ -100,6 +107,7 @@ struct PatchDraft {
   PatchShape shape;
 
   std::uint32_t valence() const { return static_cast<std::uint32_t>(face_corner.size()); }
+  ControlData control_data() const { return {control.data(), form, valence()}; }
 };
 
 // The form of a fair patch.
@@ -135,17 +143,16 @@ PatchShape examine(const PatchDraft& draft, const Sampler& sampler,
                    PatchSamples* samples = nullptr);
 // The shape of a patch in any form, from its pieces.
 PatchShape examine(const PatchFrame& frame, const double* corner, const std::uint32_t* triangle,
-                   const double* control, std::uint32_t form, std::uint32_t n,
-                   const Sampler& sampler, PatchSamples* samples = nullptr);
+                   const ControlData& control, const Sampler& sampler,
+                   PatchSamples* samples = nullptr);
 // True if the normals of a patch at the coarse probes are as near to its base polygon's as a gentle
 // patch's. False for triangles that blend sides and where there are no such probes.
-bool keeps_direction(const PatchFrame& frame, const double* control, std::uint32_t form,
-                     std::uint32_t n, const Sampler& sampler);
+bool keeps_direction(const PatchFrame& frame, const ControlData& control, const Sampler& sampler);
 // PatchShape::turn of more samples.
 double closer_turn(const PatchDraft& draft, const Sampler& sampler);
 
 // The control data of a patch in another form, with room in `out` (Kernels::to_form).
-void take_to_form(const double* corner, const double* control, std::uint32_t from,
-                  std::uint32_t form, std::uint32_t n, const Sampler& sampler, double* out);
+void take_to_form(const double* corner, const ControlData& control, std::uint32_t form,
+                  const Sampler& sampler, double* out);
 
 }  // namespace gliss

@@ -98,7 +98,7 @@ std::vector<PatchDraft> relaxed(const PatchDraft& exact, const Sampler& sampler)
   d.kind = PatchKind::kEased;
   d.form = kFormRibbon;
   d.control.resize(kernels<double>().control_reals(d.form, n));
-  take_to_form(d.corner.data(), exact.control.data(), kFormPaper, d.form, n, sampler,
+  take_to_form(d.corner.data(), {exact.control.data(), kFormPaper, n}, d.form, sampler,
                d.control.data());
   examine_closely(d, sampler);
   if (!(d.shape.turn > kSafeTurn) || !keeps_normals(d, exact, sampler)) return {};

@@ -31,20 +31,21 @@ const std::vector<TileCut>& cuts_of(std::uint32_t n, const ValenceTables& tables
 
 }  // namespace
 
-PatchTiles cut_tiles(const PatchFrame& frame, const PatchShape& shape, const Vec3& low,
-                     const Vec3& high, const double* control, std::uint32_t form, std::uint32_t n,
-                     const ValenceTables& tables, const PatchSamples* samples) {
+PatchTiles cut_tiles(const PatchFrame& frame, const PatchShape& shape, const Box& box,
+                     const ControlData& control, const ValenceTables& tables,
+                     const PatchSamples* samples) {
   thread_local PatchSamples own;
   thread_local std::vector<double> out;
   static const double kLeastCosine = std::cos(kMostTurn), kLeastOfOne = std::cos(kLittleTurn);
   const Kernels<double>& k = kernels<double>();
+  const std::uint32_t n = control.sides;
   const auto sample = [&](const double* at, std::uint32_t count) {
     double axes[kFrameReals];
     frame.store(axes);
     own.count = count;
     own.rows.resize(kCutRows * count);
-    own.stretch2 = k.sample(tables.domain_of(n), control, form, axes, n, at, at + count, count,
-                            own.rows.data());
+    own.stretch2 = k.sample(tables.domain_of(n), control.reals, control.form, axes, n, at,
+                            at + count, count, own.rows.data());
     return &own;
   };
   if (samples == nullptr)
@@ -64,9 +65,10 @@ PatchTiles cut_tiles(const PatchFrame& frame, const PatchShape& shape, const Vec
   const TileSamples& tile = cut->*points;
   if (!tile.at.empty()) samples = sample(tile.at.data(), tile.count);
   out.resize(kCutOutRows * cut->padded);
-  const double box[] = {low.x(), low.y(), low.z(), high.x(), high.y(), high.z()};
+  const double bounds[] = {box.low.x(),  box.low.y(),  box.low.z(),
+                           box.high.x(), box.high.y(), box.high.z()};
   const double curvature = k.cut(samples->rows.data(), samples->count, tile.sample.data(),
-                                 tile.rings, cut->transform.data(), cut->padded, box,
+                                 tile.rings, cut->transform.data(), cut->padded, bounds,
                                  samples->stretch2, 1 / shape.rho_min, out.data());
   PatchTiles tiles;
   // A float's, so that it is the same number in both precisions.

@@ -15,13 +15,13 @@ struct PatchTiles {
   double curvature = 0;  // the largest, local frame: that of the tiles is relative to it
 };
 
-// Cuts a patch in any form into tiles. `low` and `high`: its oriented box as it is stored. Bounds
-// are from samples, four to a tile's side at least, widened by what lies between: half as much
-// again as the curvature at the samples says. The normal's is for a patch whose neighbours meet it
-// smoothly. `samples`: those that its examination left, or null.
-PatchTiles cut_tiles(const PatchFrame& frame, const PatchShape& shape, const Vec3& low,
-                     const Vec3& high, const double* control, std::uint32_t form, std::uint32_t n,
-                     const ValenceTables& tables, const PatchSamples* samples);
+// Cuts a patch in any form into tiles. `box`: its oriented box as it is stored. Bounds are from
+// samples, four to a tile's side at least, widened by what lies between: half as much again as the
+// curvature at the samples says. The normal's is for a patch whose neighbours meet it smoothly.
+// `samples`: those that its examination left, or null.
+PatchTiles cut_tiles(const PatchFrame& frame, const PatchShape& shape, const Box& box,
+                     const ControlData& control, const ValenceTables& tables,
+                     const PatchSamples* samples);
 
 // Takes the bound on normals from the tiles along borders and along edges whose two patches differ
 // in their normals: a nearest point may lie there that is no foot.

@@ -35,8 +35,7 @@ PatchDraft in_form(const PatchDraft& d, std::uint32_t form) {
   PatchDraft r = d;
   r.form = form;
   r.control.resize(kernels<double>().control_reals(form, d.valence()));
-  take_to_form(d.corner.data(), d.control.data(), d.form, form, d.valence(), fold_tables(),
-               r.control.data());
+  take_to_form(d.corner.data(), d.control_data(), form, fold_tables(), r.control.data());
   return r;
 }
 
@@ -127,8 +126,7 @@ bool folds(const PatchDraft& d, PatchShape shape) {
 bool is_spared(const PatchDraft& d, std::uint32_t form) {
   PatchSamples samples;
   examine(in_form(d, form), fold_tables(), &samples);
-  return samples.is_gentle &&
-         keeps_direction(d.frame, d.control.data(), d.form, d.valence(), fold_tables());
+  return samples.is_gentle && keeps_direction(d.frame, d.control_data(), fold_tables());
 }
 
 struct Search {

@@ -29,8 +29,7 @@ Cut cut(const Polygon& polygon) {
   PatchDraft& d = c.draft;
   d.shape = examine(d, tables, &c.samples);
   c.low = d.shape.low, c.high = d.shape.high;
-  c.tiles =
-      cut_tiles(d.frame, d.shape, c.low, c.high, d.control.data(), d.form, n, tables, &c.samples);
+  c.tiles = cut_tiles(d.frame, d.shape, {c.low, c.high}, d.control_data(), tables, &c.samples);
   c.levels = static_cast<std::uint32_t>(
       std::lround(std::sqrt(static_cast<double>(c.tiles.words.size() / kTileUints / n))));
   return c;
