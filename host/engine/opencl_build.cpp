@@ -45,60 +45,38 @@ class OpenClBuilder {
 
   void run(PatchBatch& b) {
     const Idle idle{queue_};
-    const std::size_t patches = b.size(), sides = b.side_begin.back(),
-                      built_sides = b.side_begin[b.to_build],
-                      built_reals = b.control_begin[b.to_build];
-    shared_.device.require_room(patches * kPatchBytes + sides * kSideBytes +
+    shared_.device.require_room(b.size() * kPatchBytes + b.side_begin.back() * kSideBytes +
                                     (b.control.size() + b.sample_begin.back()) * sizeof(double),
                                 "a batch of patches needs");
     std::vector<cl::Event> kernels;
     upload(begins_, b.side_begin);
     upload(corner_, b.corner);
-    control_.resize(b.control.size());
-    if (built_reals < b.control.size()) {
-      std::copy(b.control.begin() + static_cast<std::ptrdiff_t>(built_reals), b.control.end(),
-                control_.data() + built_reals);
-      control_.upload(built_reals);
-    }
-    if (b.to_build > 0) kernels.push_back(build(b, built_sides));
-    upload(triangle_, b.triangle);
-    upload(frame_, b.frame);
-    upload(form_, b.form);
-    upload(control_begin_, b.control_begin);
-    upload(domain_, b.tables->domain);
-    upload(probe_, b.tables->probe);
-    upload(domain_begin_, b.tables->domain_begin);
-    upload(probe_begin_, b.tables->probe_begin);
-    upload(second_, b.tables->second);
-    upload(second_begin_, b.tables->second_begin);
-    upload(sample_begin_, b.sample_begin);
-    sample_.resize(b.sample_begin.back());
-    shape_.resize(patches * kShapeReals);
-    kernels.push_back(examiner_of(b)(queue_, patches, domain_.buffer(), domain_begin_.buffer(),
-                                     probe_.buffer(), probe_begin_.buffer(), begins_.buffer(),
-                                     corner_.buffer(), triangle_.buffer(), frame_.buffer(),
-                                     control_.buffer(), control_begin_.buffer(), form_.buffer(),
-                                     second_.buffer(), second_begin_.buffer(),
-                                     sample_begin_.buffer(), sample_.buffer(), shape_.buffer()));
-    control_.download(built_reals);
+    upload_drafted(b);
+    if (b.to_build > 0) kernels.push_back(build(b));
+    kernels.push_back(examine(b));
+    control_.download(b.control_begin[b.to_build]);
     if (b.to_build > 0) sound_.download();
     sample_.download();
     shape_.download();
     queue_.finish();
     shared_.count(kernels);
-    // Mapped all before any is written: a call that fails leaves the batch to the host.
-    const double *shape = shape_.data(), *sample = sample_.data(), *control = control_.data(),
-                 *sound = b.to_build > 0 ? sound_.data() : nullptr;
-    b.shape.assign(shape, shape + patches * kShapeReals);
-    b.sample.assign(sample, sample + b.sample_begin.back());
-    std::copy_n(control, built_reals, b.control.begin());
-    for (std::size_t p = 0; p < b.to_build; ++p)
-      b.soundness[p] = *std::min_element(sound + b.side_begin[p], sound + b.side_begin[p + 1]);
+    take_results(b);
   }
 
  private:
-  // Computes the control data of the first `sides` sides.
-  cl::Event build(const PatchBatch& b, std::size_t sides) {
+  // Uploads the control data of the patches that come drafted.
+  void upload_drafted(const PatchBatch& b) {
+    const std::size_t first = b.control_begin[b.to_build];
+    control_.resize(b.control.size());
+    if (first == b.control.size()) return;
+    std::copy(b.control.begin() + static_cast<std::ptrdiff_t>(first), b.control.end(),
+              control_.data() + first);
+    control_.upload(first);
+  }
+
+  // Computes the control data of the other patches.
+  cl::Event build(const PatchBatch& b) {
+    const std::size_t sides = b.side_begin[b.to_build];
     side_patch_.resize(sides);
     cl_uint* side_patch = side_patch_.data();
     for (std::size_t p = 0; p < b.to_build; ++p) {
@@ -114,6 +92,28 @@ class OpenClBuilder {
                      control_.buffer(), sound_.buffer());
   }
 
+  cl::Event examine(const PatchBatch& b) {
+    upload(triangle_, b.triangle);
+    upload(frame_, b.frame);
+    upload(form_, b.form);
+    upload(control_begin_, b.control_begin);
+    upload(domain_, b.tables->domain);
+    upload(probe_, b.tables->probe);
+    upload(domain_begin_, b.tables->domain_begin);
+    upload(probe_begin_, b.tables->probe_begin);
+    upload(second_, b.tables->second);
+    upload(second_begin_, b.tables->second_begin);
+    upload(sample_begin_, b.sample_begin);
+    sample_.resize(b.sample_begin.back());
+    shape_.resize(b.size() * kShapeReals);
+    return examiner_of(b)(queue_, b.size(), domain_.buffer(), domain_begin_.buffer(),
+                          probe_.buffer(), probe_begin_.buffer(), begins_.buffer(),
+                          corner_.buffer(), triangle_.buffer(), frame_.buffer(), control_.buffer(),
+                          control_begin_.buffer(), form_.buffer(), second_.buffer(),
+                          second_begin_.buffer(), sample_begin_.buffer(), sample_.buffer(),
+                          shape_.buffer());
+  }
+
   // Examines patches of all kinds so far, for which it is compiled anew where a batch has more.
   Launch& examiner_of(const PatchBatch& b) {
     PatchKinds kinds = examined_;
@@ -126,6 +126,17 @@ class OpenClBuilder {
       examined_ = kinds;
     }
     return *examine_;
+  }
+
+  // Maps all results before it writes any: a call that fails leaves the batch to the host.
+  void take_results(PatchBatch& b) {
+    const double *shape = shape_.data(), *sample = sample_.data(), *control = control_.data(),
+                 *sound = b.to_build > 0 ? sound_.data() : nullptr;
+    b.shape.assign(shape, shape + b.size() * kShapeReals);
+    b.sample.assign(sample, sample + b.sample_begin.back());
+    std::copy_n(control, b.control_begin[b.to_build], b.control.begin());
+    for (std::size_t p = 0; p < b.to_build; ++p)
+      b.soundness[p] = *std::min_element(sound + b.side_begin[p], sound + b.side_begin[p + 1]);
   }
 
   // Nothing is under way when work ends, however it ends.
