@@ -23,25 +23,7 @@ class OpenClBuilder {
  public:
   explicit OpenClBuilder(const OpenClShared& shared)
       : shared_(shared),
-        queue_(shared.device.context(), shared.device.id(), CL_QUEUE_PROFILING_ENABLE),
-        begins_(shared.device, queue_, "the polygons"),
-        side_patch_(shared.device, queue_, "the polygons"),
-        triangle_(shared.device, queue_, "the polygons"),
-        corner_(shared.device, queue_, "the polygons"),
-        frame_(shared.device, queue_, "the polygons"),
-        form_(shared.device, queue_, "the polygons"),
-        domain_(shared.device, queue_, "the tables"),
-        probe_(shared.device, queue_, "the tables"),
-        domain_begin_(shared.device, queue_, "the tables"),
-        probe_begin_(shared.device, queue_, "the tables"),
-        second_(shared.device, queue_, "the tables"),
-        second_begin_(shared.device, queue_, "the tables"),
-        control_begin_(shared.device, queue_, "the control data"),
-        control_(shared.device, queue_, "the control data"),
-        sound_(shared.device, queue_, "the control data"),
-        sample_begin_(shared.device, queue_, "the samples"),
-        sample_(shared.device, queue_, "the samples"),
-        shape_(shared.device, queue_, "the shapes") {}
+        queue_(shared.device.context(), shared.device.id(), CL_QUEUE_PROFILING_ENABLE) {}
 
   void run(PatchBatch& b) {
     const Idle idle{queue_};
@@ -156,16 +138,24 @@ class OpenClBuilder {
   cl::CommandQueue queue_;
   std::optional<Launch> build_, examine_;
   PatchKinds examined_;
-  Staging<cl_uint> begins_, side_patch_, triangle_;
-  Staging<double> corner_, frame_;
-  Staging<cl_uint> form_;
-  Staging<double> domain_, probe_;
-  Staging<cl_uint> domain_begin_, probe_begin_;
-  Staging<double> second_;
-  Staging<cl_uint> second_begin_, control_begin_;
-  Staging<double> control_, sound_;
-  Staging<cl_uint> sample_begin_;
-  Staging<double> sample_, shape_;
+  Staging<cl_uint> begins_{shared_.device, queue_, "the polygons"};
+  Staging<cl_uint> side_patch_{shared_.device, queue_, "the polygons"};
+  Staging<cl_uint> triangle_{shared_.device, queue_, "the polygons"};
+  Staging<double> corner_{shared_.device, queue_, "the polygons"};
+  Staging<double> frame_{shared_.device, queue_, "the polygons"};
+  Staging<cl_uint> form_{shared_.device, queue_, "the polygons"};
+  Staging<double> domain_{shared_.device, queue_, "the tables"};
+  Staging<double> probe_{shared_.device, queue_, "the tables"};
+  Staging<cl_uint> domain_begin_{shared_.device, queue_, "the tables"};
+  Staging<cl_uint> probe_begin_{shared_.device, queue_, "the tables"};
+  Staging<double> second_{shared_.device, queue_, "the tables"};
+  Staging<cl_uint> second_begin_{shared_.device, queue_, "the tables"};
+  Staging<cl_uint> control_begin_{shared_.device, queue_, "the control data"};
+  Staging<double> control_{shared_.device, queue_, "the control data"};
+  Staging<double> sound_{shared_.device, queue_, "the control data"};
+  Staging<cl_uint> sample_begin_{shared_.device, queue_, "the samples"};
+  Staging<double> sample_{shared_.device, queue_, "the samples"};
+  Staging<double> shape_{shared_.device, queue_, "the shapes"};
 };
 
 }  // namespace

@@ -72,24 +72,6 @@ std::vector<std::uint32_t> parse_faces(const Mesh& mesh, const std::string& text
   return {faces.begin(), faces.end()};
 }
 
-void check_files(const BakeOptions& options) {
-  refuse_cache(options);
-  check_outputs({options.output}, {options.surface});
-  if (has_mesh_ending(options.output)) {
-    throw InputError(
-        fmt::format("'{}' has the ending of a mesh, and bake writes a cache: name it as FILE.gliss",
-                    options.output));
-  }
-}
-
-BuildOptions build_options_of(const BakeOptions& options, const Mesh& mesh) {
-  BuildOptions made;
-  made.tame = !options.no_tame;
-  if (!options.region.empty()) made.faces = parse_region(mesh, options.region);
-  if (!options.faces.empty()) made.faces = parse_faces(mesh, options.faces);
-  return made;
-}
-
 void report_bake(const BakeOptions& options, const Mesh& mesh, std::size_t faces,
                  const PatchCache& cache, const BuildReport& found, double seconds) {
   const std::string unit = unit_name(cache.unit);
@@ -126,11 +108,20 @@ void report_bake(const BakeOptions& options, const Mesh& mesh, std::size_t faces
 }
 
 void run(const BakeOptions& options) {
-  check_files(options);
+  refuse_cache(options);
+  check_outputs({options.output}, {options.surface});
+  if (has_mesh_ending(options.output)) {
+    throw InputError(
+        fmt::format("'{}' has the ending of a mesh, and bake writes a cache: name it as FILE.gliss",
+                    options.output));
+  }
   const Stopwatch clock;
   const auto engine = make_engine(options);
   const Mesh mesh = read_mesh(options, true);
-  const BuildOptions how = build_options_of(options, mesh);
+  BuildOptions how;
+  how.tame = !options.no_tame;
+  if (!options.region.empty()) how.faces = parse_region(mesh, options.region);
+  if (!options.faces.empty()) how.faces = parse_faces(mesh, options.faces);
   BuildReport found;
   const PatchCache cache = build(mesh, options, *engine, how, &found);
   {

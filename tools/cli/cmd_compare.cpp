@@ -181,14 +181,11 @@ double walk_depth_of(const ComparingOptions& options, const Mesh& mesh) {
 // From a point in the mesh's unit to the true surface.
 TrueDistance true_distance(const ComparingOptions& options, const Mesh& mesh) {
   if (options.reference.empty()) return nullptr;
-  for (const auto& [name, make] : {std::pair(
-                                       "knot", +[] { return torus_knot(); }),
-                                   std::pair(
-                                       "torus", +[] { return torus(); }),
-                                   std::pair(
-                                       "goldberg", +[] { return goldberg(); })}) {
-    if (options.reference != name) continue;
-    const Generated made = make();
+  constexpr Named<Generated (*)()> kGenerated[] = {{"knot", [] { return torus_knot(); }},
+                                                   {"torus", [] { return torus(); }},
+                                                   {"goldberg", [] { return goldberg(); }}};
+  if (const auto generate = find_named(kGenerated, options.reference)) {
+    const Generated made = (*generate)();
     const double scale = mesh.unit / made.mesh.unit;
     return [exact = made.exact, scale](const Vec3& x) {
       return std::abs(exact->nearest(x * scale).distance) / scale;
@@ -300,21 +297,16 @@ void add_compare(Command& program) {
       program, "compare",
       "Measure what each level costs and gives, on this mesh and machine.\n"
       "First a table of what a hand feels: jumps of the force, per 100,000 ticks in contact of "
-      "random "
-      "walks (steps above 20 % of stiffness x depth), slow and ten times as fast, with settle 0 "
-      "and "
-      "above; lost/: contacts that end under more, as often; held: contacts that are felt for "
-      "longer "
-      "than 5 x --settle while the hand is out of the object, of how many; loops: what closed "
-      "loops "
-      "give the hand, in % of force x way. error: largest difference of the force from the exact "
-      "surface's of its own "
-      "construction, or from that of --reference, in % of stiffness x depth, along a path; p99: a "
-      "hundredth of the samples are above it. Then costs and shape. far: from the exact surface. "
-      "gap: angle between the normals on both sides of edges. step: change of the force from tick "
-      "to tick of its own path; walk: of the slow walks; beyond/: steps there above twice the way "
-      "of the hand. Last a recommendation: no energy, fewest jumps and held contacts, least "
-      "error.\n",
+      "random walks (steps above 20 % of stiffness x depth), slow and ten times as fast, with "
+      "settle 0 and above; lost/: contacts that end under more, as often; held: contacts that are "
+      "felt for longer than 5 x --settle while the hand is out of the object, of how many; loops: "
+      "what closed loops give the hand, in % of force x way. error: largest difference of the "
+      "force from the exact surface's of its own construction, or from that of --reference, in % "
+      "of stiffness x depth, along a path; p99: a hundredth of the samples are above it. Then "
+      "costs and shape. far: from the exact surface. gap: angle between the normals on both sides "
+      "of edges. step: change of the force from tick to tick of its own path; walk: of the slow "
+      "walks; beyond/: steps there above twice the way of the hand. Last a recommendation: no "
+      "energy, fewest jumps and held contacts, least error.\n",
       "gliss compare teeth.obj --unit mm --depth 0.5mm --max-force-error 1% --max-tick 5us",
       describe, run);
 }

@@ -102,18 +102,6 @@ struct Figures {
   double rho_min = 0, rho_median = 0;
 };
 
-Figures figures_of(const PatchCache& cache, double unit) {
-  const UnitChange length(cache.unit, unit);
-  const Box bounds = cache.bounds();
-  return {shape_of(cache),
-          count_kinds(cache),
-          count_forms(cache),
-          length(bounds.low),
-          length(bounds.high),
-          length(cache.smallest_rho()),
-          length(median({cache.rho_min.begin(), cache.rho_min.end()}))};
-}
-
 std::string text_of(const PatchCache& cache, const Figures& figures, const std::string& unit) {
   const auto& [shape, kinds, forms, low, high, rho_min, rho_median] = figures;
   const auto with_unit = [&](double radius) {
@@ -181,7 +169,15 @@ void describe(Command& command, SurfaceOptions& options) {
 void run(const SurfaceOptions& options) {
   const auto engine = make_engine(options);
   const PatchCache cache = open_surface(options, *engine);
-  const Figures figures = figures_of(cache, options.unit);
+  const UnitChange length(cache.unit, options.unit);
+  const Box bounds = cache.bounds();
+  const Figures figures{shape_of(cache),
+                        count_kinds(cache),
+                        count_forms(cache),
+                        length(bounds.low),
+                        length(bounds.high),
+                        length(cache.smallest_rho()),
+                        length(median({cache.rho_min.begin(), cache.rho_min.end()}))};
   report(options, text_of(cache, figures, unit_name(options.unit)),
          json_of(cache, figures, options));
 }

@@ -362,14 +362,6 @@ std::exception_ptr complete(RunFiles& files, const TickRecord& record, const Out
   return failed;
 }
 
-Scene read_scene(const RunOptions& options) {
-  Scene scene = gliss::read_scene(options.scene, stop_if_interrupted);
-  std::vector<std::string> inputs = scene.files;
-  inputs.push_back(replayed_file(options.device));
-  check_outputs({options.recording, options.summary}, inputs);
-  return scene;
-}
-
 void tell_odd_objects(const RunOptions& options, const Scene& scene,
                       const std::vector<SceneObject>& objects) {
   for (std::size_t i = 0; i < objects.size(); ++i) {
@@ -386,7 +378,10 @@ void tell_odd_objects(const RunOptions& options, const Scene& scene,
 void run(const RunOptions& options) {
   if (options.has_old_summary && !options.quiet)
     tell("gliss: --report: the summary is --summary now; the old name will go\n");
-  const Scene scene = read_scene(options);
+  const Scene scene = read_scene(options.scene, stop_if_interrupted);
+  std::vector<std::string> inputs = scene.files;
+  inputs.push_back(replayed_file(options.device));
+  check_outputs({options.recording, options.summary}, inputs);
   const std::vector<SceneObject> objects = open_objects(scene, options);
   tell_odd_objects(options, scene, objects);
   const auto device = open_device(options.device, scene, stop_if_interrupted);

@@ -44,18 +44,11 @@ GuardReason guard_reason(const std::string& name) {
   return GuardReason::kNone;
 }
 
-Vec3 rendered(const ReportTable& table, std::size_t row) {
-  return table.vector("fx", "fy", "fz", row);
-}
-Vec3 sent(const ReportTable& table, std::size_t row) {
-  return table.vector("sent_x", "sent_y", "sent_z", row);
-}
-
 Json figures_of(const ReportTable& table) {
   ForceStatistics of_rendered, of_sent;
   TickRecord record;
   for (std::size_t row = 0; row < table.rows; ++row) {
-    const Vec3 force = rendered(table, row), given = sent(table, row);
+    const Vec3 force = table.force(row), given = table.sent(row);
     if (force.allFinite()) of_rendered.add(table.texts.at("state")[row] == "contact", force);
     of_sent.add(given != Vec3::Zero(), given);
     const auto number = [&](const char* name) { return table.numbers.at(name)[row]; };
@@ -87,11 +80,10 @@ Json figures_of(const ReportTable& table) {
 
 // The ticks at the extremes of either force, of which both are shown.
 std::vector<std::size_t> shown_ticks(const ReportTable& table, std::size_t most) {
-  const auto extremes_of = [&](Vec3 (*force)(const ReportTable&, std::size_t)) {
-    return extremes(table.rows, most / 2,
-                    [&](std::size_t row) { return force(table, row).norm(); });
-  };
-  const std::vector<std::size_t> of_sent = extremes_of(sent), of_rendered = extremes_of(rendered);
+  const auto of_rendered = extremes(table.rows, most / 2,
+                                    [&](std::size_t row) { return table.force(row).norm(); }),
+             of_sent = extremes(table.rows, most / 2,
+                                [&](std::size_t row) { return table.sent(row).norm(); });
   std::vector<std::size_t> both;
   std::set_union(of_sent.begin(), of_sent.end(), of_rendered.begin(), of_rendered.end(),
                  std::back_inserter(both));
@@ -138,8 +130,8 @@ Json recording_result(const ReportTable& table, const ReportSource& source) {
       {"shown", shown.size()},
       {"time", packed_at<float>(shown, [&](std::size_t row) { return time[row]; })},
       {"rendered",
-       packed_at<float>(shown, [&](std::size_t row) { return rendered(table, row).norm(); })},
-      {"sent", packed_at<float>(shown, [&](std::size_t row) { return sent(table, row).norm(); })}};
+       packed_at<float>(shown, [&](std::size_t row) { return table.force(row).norm(); })},
+      {"sent", packed_at<float>(shown, [&](std::size_t row) { return table.sent(row).norm(); })}};
 }
 
 }  // namespace gliss::tools

@@ -23,6 +23,8 @@ struct ReportTable {
   Vec3 vector(const char* x, const char* y, const char* z, std::size_t row) const {
     return {numbers.at(x)[row], numbers.at(y)[row], numbers.at(z)[row]};
   }
+  Vec3 force(std::size_t row) const { return vector("fx", "fy", "fz", row); }
+  Vec3 sent(std::size_t row) const { return vector("sent_x", "sent_y", "sent_z", row); }
 };
 
 ReportTable read_csv_ticks(const ReportSource& source);

@@ -34,7 +34,7 @@ Json method_result(const ReportTable& table, const std::string& method,
   const auto touching = [&](std::size_t tick) {
     return table.texts.at("state")[rows[tick]] == "contact";
   };
-  const auto force = [&](std::size_t tick) { return table.vector("fx", "fy", "fz", rows[tick]); };
+  const auto force = [&](std::size_t tick) { return table.force(rows[tick]); };
   ForceStatistics statistics;
   std::vector<double> change(rows.size(), std::numeric_limits<double>::quiet_NaN());
   for (std::size_t tick = 0; tick < rows.size(); ++tick) {
