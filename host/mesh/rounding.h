@@ -14,15 +14,19 @@ namespace gliss {
 // Convex and concave creases are rounded alike. Creases that turn by less than a degree, and those
 // of one edge that end within the mesh at both ends, are taken for smooth.
 //
-// The faces of the mesh keep their numbers and their sides; mesh.strips and mesh.rounded_corners
-// say which follow. The mesh is left with one unit normal a vertex (those that it has count as
-// they do for creases, others have NormalWeights::kSmooth), with the tangents of the arcs, and
-// without marks and smoothing groups. Vertices keep their numbers too: at a rounded one it is that
-// of the first of those that it becomes. A mesh without marks is left alone.
+// The faces of the mesh keep their numbers and how many sides they have; mesh.strips and
+// mesh.rounded_corners say which follow. The mesh is left with one unit normal a vertex (those that
+// it has count as they do for creases, others have NormalWeights::kSmooth), with the tangents of
+// the arcs, and without marks and smoothing groups. Vertices keep their numbers too: at a rounded
+// one it is that of the first of those that it becomes. A mesh without marks is left alone.
 //
-// Throws MeshError, and leaves the mesh as it is, where the radius does not fit within the faces
-// beside the creases; what() names the face with the least room, and the largest radius for which
-// all faces have room. Time: linear, and for a face with creases the square of its sides.
+// Where faces beside the creases are too small for the radius, vertices near them slide over the
+// surface, and along the creases, and pairs of triangles in one plane exchange diagonals.
+//
+// Throws MeshError, and leaves the mesh as it is, where the radius does not fit all the same;
+// what() names the face with the least room, and the largest radius for which all faces have room.
+// Time: linear, and for a face with creases the square of its sides; where vertices slide, some
+// tens of times as much.
 //
 // The rounding of an edge by a ball is that of Rossignac and Requicha (1984, Constant-radius
 // blending in solid modeling).

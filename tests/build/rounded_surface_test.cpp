@@ -72,6 +72,62 @@ TEST(RoundedSurface, a_cube_is_what_a_ball_leaves_of_it) {
   }
 }
 
+// The same where the radius spans three rings of faces, or eight: along edges the surface is a
+// cylinder, as if there were no rings.
+TEST(RoundedSurface, rings_of_small_faces_change_nothing) {
+  const Mesh fine = without_normals(gliss::cube(20, 20).mesh);
+  for (const Mesh& shape : {fine, in_triangles(fine), shaken(in_triangles(fine), 0.3, 4)}) {
+    for (const double r : {3.0, 8.0}) {
+      const Mesh mesh = rounded(shape, r);
+      BuildReport report;
+      const PatchCache cache =
+          rounded_cache(mesh, {Level::kExact, 0, Construction::kFair}, &report);
+      EXPECT_TRUE(report.flagged_faces.empty());
+      Worst flat, tilt, strip, strip_tilt;
+      for (std::uint32_t f = 0; f < shape.face_count() + mesh.strips.size(); ++f) {
+        for (const SurfacePoint& p : points_of(cache, f)) {
+          const Vec3 from = p.position - p.position.cwiseMax(r - 10).cwiseMin(10 - r);
+          const double off = std::abs(from.norm() - r) / r,
+                       turned = oracle::angle<double>(from, p.normal);
+          (f < shape.face_count() ? flat : strip).add(off);
+          (f < shape.face_count() ? tilt : strip_tilt).add(turned);
+        }
+      }
+      record(
+          fmt::format("{} {}", shape.source, r),
+          "flat {:.1e}, {:.1e} rad; strips {:.1e} of the radius, {:.1e} rad; least radius {:.3f}",
+          flat.value, tilt.value, strip.value, strip_tilt.value, cache.smallest_rho() / r);
+      EXPECT_LT(flat.value, 1e-14);
+      EXPECT_LT(tilt.value, 1e-13);
+      EXPECT_LT(strip.value, 1e-5);
+      EXPECT_LT(strip_tilt.value, 1e-4);
+      EXPECT_GT(cache.smallest_rho(), 0.65 * r);
+    }
+  }
+}
+
+// The rim of a wall of 40 rings, over 8 of which the ball reaches.
+TEST(RoundedSurface, a_rim_of_several_rings_is_a_piece_of_a_torus) {
+  const Mesh wall = without_normals(cylinder(64, 40, 20, 40).mesh);
+  for (const Mesh& shape : {wall, in_triangles(wall)}) {
+    const Mesh mesh = rounded(shape, 8);
+    const PatchCache cache = rounded_cache(mesh, {Level::kExact, 0, Construction::kFair});
+    Worst off, tilt;
+    for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
+      for (const SurfacePoint& p : points_of(cache, f)) {
+        Vec3 centre = Vec3(p.position.x(), p.position.y(), 0);
+        centre = std::min(12.0, centre.norm()) * centre.stableNormalized();
+        centre.z() = std::clamp(p.position.z(), -12.0, 12.0);
+        off.add(std::abs((p.position - centre).norm() - 8) / 8);
+        tilt.add(oracle::angle<double>(p.position - centre, p.normal));
+      }
+    }
+    record(shape.source, "{:.1e} of the radius, {:.1e} rad", off.value, tilt.value);
+    EXPECT_LT(off.value, 1e-4);
+    EXPECT_LT(tilt.value, 2e-3);
+  }
+}
+
 // Convex, concave and mixed corners, rims, borders, and creases that end.
 TEST(RoundedSurface, is_closed_and_smooth_across_every_edge) {
   struct Case {
@@ -79,12 +135,26 @@ TEST(RoundedSurface, is_closed_and_smooth_across_every_edge) {
     double radius, degrees = 40;
   };
   for (const auto& [shape, radius, degrees] :
-       {Case{cube(), 0.1}, Case{cube(), 0.4}, Case{in_triangles(cube()), 0.1}, Case{l_solid(), 0.2},
-        Case{in_triangles(l_solid()), 0.2}, Case{corner_solid(), 0.2},
-        Case{in_triangles(corner_solid()), 0.2}, Case{prism(3).mesh, 1}, Case{prism(6).mesh, 1},
-        Case{prism(12).mesh, 1}, Case{in_triangles(prism(12).mesh), 1}, Case{cylinder(24).mesh, 1},
-        Case{in_triangles(cylinder(24).mesh), 1}, Case{ridge(), 0.05, 80},
-        Case{in_triangles(ridge()), 0.05, 80}}) {
+       {Case{cube(), 0.1},
+        Case{cube(), 0.4},
+        Case{in_triangles(cube()), 0.1},
+        Case{l_solid(), 0.2},
+        Case{in_triangles(l_solid()), 0.2},
+        Case{corner_solid(), 0.2},
+        Case{in_triangles(corner_solid()), 0.2},
+        Case{prism(3).mesh, 1},
+        Case{prism(6).mesh, 1},
+        Case{prism(12).mesh, 1},
+        Case{in_triangles(prism(12).mesh), 1},
+        Case{cylinder(24).mesh, 1},
+        Case{in_triangles(cylinder(24).mesh), 1},
+        Case{ridge(), 0.05, 80},
+        Case{in_triangles(ridge()), 0.05, 80},
+        Case{without_normals(gliss::cube(8, 20).mesh), 6},
+        Case{shaken(in_triangles(without_normals(gliss::cube(8, 20).mesh)), 0.5, 3), 6},
+        Case{fine_l_solid(4), 0.3},
+        Case{in_triangles(fine_l_solid(4)), 0.25},
+        Case{drilled_plate(64, 0.55), 4.5}}) {
     const Mesh mesh = rounded(shape, radius, degrees);
     EXPECT_GT(mesh.strips.size(), 0u);
     EXPECT_EQ(build_topology(mesh).border_side_count == 0,

@@ -8,6 +8,7 @@
 #include "gliss/validate/validate.h"
 #include "tests/support/mesh_files.h"
 #include "tests/support/sharp_meshes.h"
+#include "tests/support/surfaces.h"
 
 namespace gliss {
 namespace {
@@ -210,8 +211,90 @@ TEST(Rounding, what_has_nothing_to_round_stays) {
   EXPECT_EQ(hash_of(with_rounded_edges(flat, 0.1, {{1, 2}})), hash_of(flat));
 }
 
+// Faces smaller than the radius: those at creases are stretched, and what is behind makes way.
+TEST(Rounding, a_radius_may_span_several_rings_of_faces) {
+  const Mesh fine = test::without_normals(gliss::cube(20, 20).mesh);
+  for (const Mesh& shape :
+       {fine, test::in_triangles(fine), test::shaken(test::in_triangles(fine), 0.3, 1)}) {
+    for (const double r : {1.5, 3.0, 8.0}) {
+      const Mesh mesh = with_rounding(shape, r * shape.unit);
+      expect_rounded(mesh, shape);
+      const std::size_t flat = shape.face_count(), strips = flat + mesh.strips.size();
+      for (std::size_t f = 0; f < strips; ++f) {
+        for (std::uint32_t c = mesh.face_begin[f]; c < mesh.face_begin[f + 1]; ++c) {
+          const Vec3 &p = mesh.positions[mesh.corner_vertex[c]],
+                     &n = mesh.normals[mesh.corner_normal[c]];
+          const Vec3 centre = p.cwiseMax(r - 10).cwiseMin(10 - r);
+          EXPECT_LT((p - centre - r * n).norm(), 1e-13) << f;
+        }
+      }
+    }
+  }
+}
+
+TEST(Rounding, several_rings_at_notches_holes_and_rims) {
+  const Mesh wall = test::without_normals(cylinder(64, 40, 20, 40).mesh);
+  for (const auto& [shape, radius] :
+       {std::pair(test::fine_l_solid(8), 0.35),
+        std::pair(test::in_triangles(test::fine_l_solid(8)), 0.25),
+        std::pair(test::drilled_plate(64, 0.5), 4.9),
+        std::pair(test::drilled_plate(128, 0.55), 4.9), std::pair(wall, 4.0),
+        std::pair(test::in_triangles(wall), 4.0)}) {
+    const Mesh mesh = with_rounding(shape, radius * shape.unit);
+    expect_rounded(mesh, shape);
+  }
+}
+
+// Whatever is marked, and however large the radius: it is refused, or leaves a sound mesh.
+TEST(Rounding, any_marks_and_radii_leave_a_sound_mesh) {
+  std::mt19937 chance(7);
+  int rounded = 0, refused = 0;
+  for (int round = 0; round < 12; ++round) {
+    for (const Mesh& shape :
+         {torus(24, 12).mesh, test::ridge(8), test::in_triangles(torus(18, 12).mesh),
+          test::fine_l_solid(3), test::in_triangles(test::fine_l_solid(3))}) {
+      Mesh mesh = shape;
+      const Topology topology = build_topology(mesh);
+      std::vector<std::uint32_t> sides;
+      for (std::uint32_t side = 0; side < topology.side_twin.size(); ++side)
+        if (topology.side_twin[side] != kNone && chance() % 12 == 0) sides.push_back(side);
+      mark_creases(mesh, topology, {.angle = 60 * kDegree}, sides);
+      try {
+        round_creases(mesh, (0.01 + 0.04 * (round % 4)) *
+                                (box_of(mesh).high - box_of(mesh).low).norm() * mesh.unit);
+      } catch (const MeshError&) {
+        ++refused;
+        continue;
+      }
+      ++rounded;
+      expect_rounded(mesh, shape);
+    }
+  }
+  EXPECT_GT(rounded, 5);
+  EXPECT_GT(refused, 5);
+}
+
 std::string refusal_of(const Mesh& shape, double radius) {
   return test::message_of<MeshError>([&] { with_rounding(shape, radius); });
+}
+
+// What is named does fit, where that takes several rings too.
+TEST(Rounding, the_largest_radius_that_fits_spans_many_rings) {
+  const Mesh fine = test::without_normals(gliss::cube(20, 20).mesh),
+             wall = test::without_normals(cylinder(64, 40, 20, 40).mesh),
+             notch = test::fine_l_solid(8);
+  for (const auto& [shape, least] :
+       {std::pair(fine, 9.8), std::pair(test::in_triangles(fine), 9.8),
+        std::pair(test::shaken(test::in_triangles(fine), 0.3, 1), 9.8), std::pair(wall, 19.0),
+        std::pair(test::in_triangles(wall), 19.0), std::pair(notch, 0.38),
+        std::pair(test::in_triangles(notch), 0.28),
+        std::pair(test::drilled_plate(128, 0.55), 4.9)}) {
+    const std::string refusal = refusal_of(shape, 50 * shape.unit), last = "that fits is ";
+    const double fits = 1e-3 * std::stod(refusal.substr(refusal.find(last) + last.size()));
+    test::record(shape.source, "{:.4g}", fits / shape.unit);
+    EXPECT_GT(fits, least * shape.unit);
+    EXPECT_NO_THROW(with_rounding(shape, fits)) << refusal;
+  }
 }
 
 TEST(Rounding, a_radius_without_room_is_refused_with_the_largest_that_fits) {

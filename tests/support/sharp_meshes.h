@@ -161,6 +161,70 @@ inline Mesh in_triangles(const Mesh& mesh) {
   return cut;
 }
 
+// An L of `cells` squares along each of its shorter edges, of length 1.
+inline Mesh fine_l_solid(int cells) {
+  std::vector<std::array<int, 3>> filled;
+  for (int i = 0; i < 2 * cells; ++i)
+    for (int j = 0; j < 2 * cells; ++j)
+      for (int k = 0; k < cells; ++k)
+        if (i < cells || j < cells) filled.push_back({i, j, k});
+  Mesh mesh = boxes(filled);
+  for (Vec3& p : mesh.positions) p /= cells;
+  return mesh;
+}
+
+// A plate of 60 x 60 x 10 with a hole of radius 8 along z, from whose rims long thin triangles go
+// to the four corners: the more the rims are turned, by up to 0.55 rad, the more of them graze.
+inline Mesh drilled_plate(std::uint32_t around, double turned) {
+  Mesh mesh;
+  mesh.source = "drilled plate";
+  const std::uint32_t half = 4 + around;
+  for (const double z : {0.0, 10.0}) {
+    for (const auto& [x, y] : {std::pair{1, 1}, {-1, 1}, {-1, -1}, {1, -1}})
+      mesh.positions.emplace_back(30.0 * x, 30.0 * y, z);
+    for (std::uint32_t k = 0; k < around; ++k) {
+      const double angle = 2 * std::numbers::pi * k / around + turned;
+      mesh.positions.emplace_back(8 * std::cos(angle), 8 * std::sin(angle), z);
+    }
+  }
+  const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    mesh.corner_vertex.insert(mesh.corner_vertex.end(), {a, b, c});
+    mesh.face_begin.push_back(static_cast<std::uint32_t>(mesh.corner_vertex.size()));
+  };
+  const auto rim = [&](std::uint32_t k) { return 4 + k % around; };
+  const auto add_both = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    add(c, b, a), add(half + a, half + b, half + c);
+  };
+  for (std::uint32_t corner = 0; corner < 4; ++corner) {
+    const std::uint32_t after = (corner + 1) % 4, last = (corner + 1) * around / 4;
+    for (std::uint32_t k = corner * around / 4; k < last; ++k) add_both(corner, rim(k + 1), rim(k));
+    add_both(corner, after, rim(last));
+    add(corner, after, half + after), add(corner, half + after, half + corner);
+  }
+  for (std::uint32_t k = 0; k < around; ++k)
+    add(rim(k + 1), rim(k), half + rim(k)), add(rim(k + 1), half + rim(k), half + rim(k + 1));
+  return mesh;
+}
+
+// The mesh with each vertex that no crease is at moved within its faces, by up to `most`: their
+// corners move in their planes where these are parallel to the axes.
+inline Mesh shaken(Mesh mesh, double most, std::uint32_t seed) {
+  oracle::Rng rng(seed);
+  const Topology topology = build_topology(mesh);
+  mark_creases(mesh, topology, {.angle = 40 * kDegree});
+  std::vector<char> stays(mesh.positions.size(), 0);
+  for (std::uint32_t side = 0; side < mesh.sharp.size(); ++side)
+    if (mesh.is_crease(side)) stays[mesh.corner_vertex[side]] = 1;
+  const std::vector<Vec3> normals = vertex_normals(mesh);
+  for (std::size_t v = 0; v < stays.size(); ++v) {
+    if (stays[v] != 0) continue;
+    const Vec3 by = oracle::uniform(rng, 0, most) * oracle::random_unit(rng);
+    mesh.positions[v] += across(normals[v], by);
+  }
+  mesh.sharp.clear();
+  return mesh;
+}
+
 inline Mesh with_creases(Mesh mesh, const CreaseRules& rules = {.angle = 40 * kDegree}) {
   mark_creases(mesh, build_topology(mesh), rules);
   return mesh;
