@@ -341,7 +341,7 @@ double CreaseSpread::stretch_of(std::uint32_t side) const {
 // Vertices on creases: what a corner takes from the edges beside it is taken from others too, in
 // proportion to their lengths.
 void CreaseSpread::slide_along() {
-  slide_.assign(mesh_.positions.size(), 0);
+  slide_.resize(mesh_.positions.size(), 0);  // as before, to begin with
   const auto slides = [&](std::uint32_t v) { return kind_[v] == Kind::kSlides; };
   // The way along a side of the vertex at its end, and what a corner there takes.
   const auto pull = [&](std::uint32_t side) {
@@ -393,7 +393,7 @@ void CreaseSpread::follow() {
     add_pulls(v, pulls);
     free.emplace_back(v, pulls.size());
   }
-  speed_.assign(mesh_.positions.size(), Vec3::Zero());
+  speed_.resize(mesh_.positions.size(), Vec3::Zero());  // as before, to begin with
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     std::size_t i = 0;
     for (const auto& [v, end] : free) {
