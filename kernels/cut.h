@@ -14,11 +14,6 @@
 // meet smoothly differ by.
 #define CUT_LEAST_TURN K(0x1.0624f4172ce6ep-9)
 
-// For 0 <= x < 2^22.
-FN real whole_part(real x) {
-  const real big = splat(sizeof(scalar) == 4 ? K(0x1p23f) : K(0x1p52f)), near = (x + big) - big;
-  return pick(near > x, near - K(1), near);
-}
 FN real whole_above(real x) {
   const real floor = whole_part(x);
   return pick(floor < x, floor + K(1), floor);
@@ -360,12 +355,6 @@ FN_LARGE scalar cut_patch(GLOBAL scalar* rows, int stride, GLOBAL uint* index, i
                                      stretch2, curvature, out);
 }
 
-// A curvature as eight bits of it are read.
-FN real curve_of(real bits, scalar curvature) {
-  const real x = (bits - K(128)) * splat(K(1) / K(127));
-  return x * x * x * curvature;
-}
-
 // How far normals lean from the axis, at most: by more than the mean curvature, as it is read,
 // says, if beneath the patch that bounds them better.
 FN real lean_bits(cut_tile t, real mean) {
@@ -391,7 +380,8 @@ FN_LARGE void write_curves(GLOBAL_OUT scalar* out, int tiles, scalar curvature) 
     t.rest = load_lanes(later + 3 * tiles);
     t.radius = load_lanes(later + 4 * tiles);
     const real low = curve_bits(t.low * over, 0), high = curve_bits(t.high * over, 1);
-    const real mean = K(0.5f) * (curve_of(low, curvature) + curve_of(high, curvature));
+    const real mean = K(0.5f) * (curvature_of_code(low, splat(curvature)) +
+                                 curvature_of_code(high, splat(curvature)));
     GLOBAL_OUT scalar *word = at + TILE_HALF_CURVES * tiles, *axis = at + TILE_AXIS * tiles;
     store_lanes(word, fma(high, splat(K(0x1p24f)), fma(low, splat(K(65536)), load_lanes(word))));
     store_lanes(axis, fma(lean_bits(t, mean), splat(K(0x1p24f)), load_lanes(axis)));

@@ -50,9 +50,13 @@ FN real3 axis_of(tile_places t, int i) {
   return make3(x, y, sqrt(larger(K(1) - fma(x, x, y * y), splat(K(0)))));
 }
 
+// A curvature of a tile as its eight bits tell it; `most`: the patch's.
+FN real curvature_of_code(real code, real most) {
+  const real c = (code - K(128)) * splat(K(1) / K(127));
+  return c * c * c * most;
+}
 FN real curvature_of(tile_places t, uints bits) {
-  const real c = (reals_of(bits & 255u) - K(128)) * (K(1) / K(127));
-  return c * c * c * t.curvature;
+  return curvature_of_code(reals_of(bits & 255u), splat(t.curvature));
 }
 
 // How far aside of a tile's centre a HIP at a height may be at most, that a normal of the tile

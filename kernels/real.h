@@ -177,6 +177,12 @@ FN real number_at(control_data at, int i) { return splat(at[i]); }
 FN real larger(real a, real b) { return pick(a > b, a, b); }
 FN real smaller(real a, real b) { return pick(a < b, a, b); }
 
+// Largest whole number not above x, |x| < 2^22.
+FN real whole_part(real x) {
+  const real big = splat(sizeof(scalar) == 4 ? K(0x1p23f) : K(0x1p52f)), near = (x + big) - big;
+  return pick(near > x, near - K(1), near);
+}
+
 // Distance from 1 to the next number.
 #define EPSILON (sizeof(scalar) == 4 ? K(0x1p-23f) : K(0x1p-52f))
 

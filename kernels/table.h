@@ -7,13 +7,6 @@
 #define NODE_SAMPLES 12
 #define TABLE_REALS(r) (NODE_SAMPLES * ((r) + 1) * ((r) + 1))  // of a corner: [v][u]
 
-// Largest whole number not above x, |x| < 2^22.
-FN real whole(real x) {
-  const real big = splat(sizeof(scalar) == 4 ? K(0x1p23f) : (scalar)0x1p26f * (scalar)0x1p26f);
-  const real near = (x + big) - big;
-  return pick(near > x, near - K(1), near);
-}
-
 // Along u between two nodes that are neighbours; `triple` 0: G, 2: its slope along v.
 FN curve_point hermite_row(const real* nodes, int triple, hermite_basis u) {
   const real *at = nodes + 3 * triple, *next = at + NODE_SAMPLES;
@@ -42,8 +35,8 @@ FN patch_point evaluate_table(GLOBAL scalar* domain, GLOBAL scalar* control, int
   const real y = fma(cx, eta, -cy * xi);
   const jet u = corner_u(domain, n, 0, x, y).u, v = corner_u(domain, n, n - 1, x, y).rest;
   const real zero = splat(K(0)), cells = splat((scalar)(2 * r)), last = splat((scalar)(r - 1));
-  const real i = smaller(larger(whole(cells * u.f), zero), last),
-             j = smaller(larger(whole(cells * v.f), zero), last);
+  const real i = smaller(larger(whole_part(cells * u.f), zero), last),
+             j = smaller(larger(whole_part(cells * v.f), zero), last);
   const hermite_basis s = hermite_at(fma(cells, u.f, -i)), t = hermite_at(fma(cells, v.f, -j));
   const real width = splat((scalar)(r + 1));
   const real index = splat(K(NODE_SAMPLES)) * fma(fma(k, width, j), width, i);

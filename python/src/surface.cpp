@@ -112,7 +112,7 @@ void build(OpenSurface& surface, const Opening& opening, Make make) {
         throw py::value_error(
             "crease_radius: no edge is a crease; add which edges it rounds, as crease='auto' or "
             "crease='40deg'");
-      round_creases(*surface.mesh, opening.crease_radius);
+      round_creases(*surface.mesh, opening.crease_radius, poll);
     }
     BuildOptions options;
     options.precision = opening.precision.value_or(Precision::kDouble);

@@ -20,7 +20,7 @@ Mesh read_mesh(const ObjectDescription& described, const SceneOpening& opening) 
                                             .flip = described.flip,
                                             .creases = described.creases,
                                             .poll = opening.poll});
-  if (described.crease_radius > 0) round_creases(mesh, described.crease_radius);
+  if (described.crease_radius > 0) round_creases(mesh, described.crease_radius, opening.poll);
   return mesh;
 }
 

@@ -175,8 +175,8 @@ Bits answers(const Kernels<Real>& kernels, const PatchCache& cache, const Questi
                      &s.control[3 * std::size_t{s.control_begin[place.patch]}], s.form[place.patch],
                      n, xi.data(), eta.data(), count, count, rows.data());
     std::vector<SurfacePoint> placed(count);
-    place_points<Real>(cache, s, {rows.data(), count, count, &place.patch, 0, 0},
-                       arrays_of(placed), kernels);
+    place_points<Real>(cache, s, {rows.data(), count, count, &place.patch, 0, 0}, arrays_of(placed),
+                       kernels);
     add(bits, {&placed.back(), 1});
   }
   const TrackOptions<Real> options = track_options<Real>(QueryOptions{});

@@ -143,7 +143,7 @@ void round_creases(const SurfaceOptions& options, Mesh& mesh) {
     throw InputError(
         "--crease-radius: no edge is a crease; add which edges it rounds, as '--crease auto' or "
         "'--crease 40deg'");
-  gliss::round_creases(mesh, options.crease_radius);
+  gliss::round_creases(mesh, options.crease_radius, stop_if_interrupted);
 }
 
 Mesh read_mesh(const SurfaceOptions& options, bool tells_of_creases) {
