@@ -21,7 +21,7 @@ constexpr double kBend = 20 * std::numbers::pi / 180;  // rad, at a crease's ver
 constexpr double kGain = 1.01;                         // of the room, that counts as such
 constexpr int kMostIdle = 10;                          // steps without it
 constexpr int kSweeps = 60;
-constexpr double kRounding = 1e-9;
+constexpr double kLeastSpan = 1e-9;  // of what is divided by, for slivers
 
 // The normal of a polygon, of any length.
 Vec3 area_of(std::span<const Vec3> corners) {
@@ -34,12 +34,12 @@ Vec3 area_of(std::span<const Vec3> corners) {
 // The tangent of half of the angle between two vectors; bounded near half a turn.
 double half_tangent(const Vec3& a, const Vec3& b) {
   const double lengths = a.norm() * b.norm(), cosine = a.dot(b);
-  return a.cross(b).norm() / std::max(lengths + cosine, kRounding * lengths);
+  return a.cross(b).norm() / std::max(lengths + cosine, kLeastSpan * lengths);
 }
 
 double cotangent(const Vec3& a, const Vec3& b) {
   const double sine = a.cross(b).norm();
-  return a.dot(b) / std::max(sine, kRounding * a.norm() * b.norm());
+  return a.dot(b) / std::max(sine, kLeastSpan * a.norm() * b.norm());
 }
 
 }  // namespace
@@ -262,7 +262,7 @@ bool CreaseSpread::flips(std::uint32_t side) const {
       }))
     return false;
   const Vec3 &a = place_[side], &b = place_[twin], &c = place_[corners[2]], &d = place_[corners[5]];
-  if (!(cotangent(a - c, b - c) + cotangent(a - d, b - d) < -kRounding)) return false;
+  if (!(cotangent(a - c, b - c) + cotangent(a - d, b - d) < -kLeastSpan)) return false;
   const Vec3 one = (b - a).cross(c - a), other = (a - b).cross(d - b), both = one + other;
   if (angle_between(one, other) > kFlat) return false;
   // What an opened corner leaves to the second triangle is its first place.

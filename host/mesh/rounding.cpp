@@ -17,7 +17,7 @@
 namespace gliss {
 namespace {
 
-constexpr double kLeastSine = 0.25;  // below which a direction is not followed
+constexpr double kLeastTurned = 0.25;  // below which a direction is not followed
 
 // A length in m, not longer, in three digits.
 std::string in_mm(double length) {
@@ -101,7 +101,7 @@ class Rounder {
     if (vertex == kNone) vertex = rounded_.add_vertex({}, {});
     rounded_.mesh.positions[vertex] = lifted;
     rounded_.mesh.normals[vertex] =
-        turned.norm() > kLeastSine ? turned.normalized() : normal(m.corner);
+        turned.norm() > kLeastTurned ? turned.normalized() : normal(m.corner);
     return vertex;
   }
 
