@@ -143,13 +143,14 @@ typedef struct {
 // that off its chord.
 FN real lean_of(fair_curve c, real3 e) { return norm3(cross3(c.t0, e)) + norm3(cross3(c.t1, e)); }
 
-// Those of the start, 0, or the end, 1, of a curve. As n_c = C' x (n x e), the change of n has to
-// be measured along n x e, which is not quite across C'.
-FN fair_change fair_change_of(fair_curve c, shape_operator s, int end, real most_twist) {
-  const real3 e = unit3(c.edge), own = sub3(c.n1, c.n0);
+// Those of the start, 0, or the end, 1, of a curve; `e`: the edge's direction, `lean`: of both
+// tangents to it. As n_c = C' x (n x e), the change of n has to be measured along n x e, which is
+// not quite across C'.
+FN fair_change fair_change_of(fair_curve c, shape_operator s, int end, real3 e, real lean,
+                              real most_twist) {
+  const real3 own = sub3(c.n1, c.n0);
   const real3 n = end ? c.n1 : c.n0, t = end ? c.t1 : c.t0,
               second = end ? second_at_end(c) : second_at_start(c);
-  const real lean = lean_of(c, e);
   const real3 asked = turn_along(s, t), m = cross3(n, e);
   const real length = norm3(t), held = smaller(splat(K(1)), FAIR_REACH * s.reach / length),
              most_bend = FAIR_MOST_BEND * length;
@@ -165,9 +166,9 @@ FN fair_change fair_change_of(fair_curve c, shape_operator s, int end, real most
 // the shape operators of its ends at mid-side.
 FN real3 smooth_turn(fair_curve c, shape_operator s0, shape_operator s1) {
   const real3 e = unit3(c.edge), sum = add3(c.n0, c.n1);
-  const real most_twist = splat(FAIR_MOST_TWIST);
-  const real a = fair_change_of(c, s0, 0, most_twist).twist,
-             b = fair_change_of(c, s1, 1, most_twist).twist;
+  const real lean = lean_of(c, e), most_twist = splat(FAIR_MOST_TWIST);
+  const real a = fair_change_of(c, s0, 0, e, lean, most_twist).twist,
+             b = fair_change_of(c, s1, 1, e, lean, most_twist).twist;
   return mul3(K(0.5f) * clamp_to(a - b, splat(K(4) * FAIR_MOST_SMOOTH_TURN)),
               unit3(cross3(sum, e)));
 }
@@ -181,9 +182,10 @@ FN real3 sum_of(scalar f, scalar g, real3 a, real3 b) {
 // (1 - t) n_0 + t n_1 + t (1 - t) turn.
 FN void fair_side(fair_curve c, shape_operator s0, shape_operator s1, mask shaped, real twist_share,
                   real3 turn, control_out out) {
-  const real3 rise = sub3(c.n1, c.n0);
-  const real none = splat(K(0)), most_twist = FAIR_MOST_TWIST * twist_share;
-  fair_change a = fair_change_of(c, s0, 0, most_twist), b = fair_change_of(c, s1, 1, most_twist);
+  const real3 rise = sub3(c.n1, c.n0), e = unit3(c.edge);
+  const real none = splat(K(0)), lean = lean_of(c, e), most_twist = FAIR_MOST_TWIST * twist_share;
+  fair_change a = fair_change_of(c, s0, 0, e, lean, most_twist),
+              b = fair_change_of(c, s1, 1, e, lean, most_twist);
   a.bend = pick(shaped, a.bend, none);
   a.twist = pick(shaped, a.twist, none);
   b.bend = pick(shaped, b.bend, none);

@@ -47,7 +47,7 @@ struct FinishedPatch {
   std::vector<double> control{};       // in another form; empty: as drafted
   PatchTiles tiles{};
 
-  // As drafted, until it is finished in another form.
+  // The control data as drafted, until the patch is finished in another form.
   ControlData control_data() const {
     return {control.empty() ? drafted : control.data(), form, valence};
   }

@@ -2,13 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <queue>
-#include <span>
 #include <utility>
-
-#include "gliss/mesh/face_room.h"
 
 namespace gliss {
 namespace {
@@ -22,14 +18,6 @@ constexpr double kGain = 1.01;                         // of the room, that coun
 constexpr int kMostIdle = 10;                          // steps without it
 constexpr int kSweeps = 60;
 constexpr double kLeastSpan = 1e-9;  // of what is divided by, for slivers
-
-// The normal of a polygon, of any length.
-Vec3 area_of(std::span<const Vec3> corners) {
-  Vec3 sum = Vec3::Zero();
-  for (std::size_t i = 1; i + 1 < corners.size(); ++i)
-    sum += (corners[i] - corners[0]).cross(corners[i + 1] - corners[0]);
-  return sum;
-}
 
 // The tangent of half of the angle between two vectors; bounded near half a turn.
 double half_tangent(const Vec3& a, const Vec3& b) {
@@ -76,7 +64,9 @@ bool CreaseSpread::widen(double radius) {
   } else {
     slide_along();
     follow();
-    const double left = time_to_meet();
+    const double left = time_to_meet(mesh_, steps_, tried_, [&](std::uint32_t v, const Vec3& step) {
+                          return speed_of(v, step);
+                        }).radius;
     const double most = std::min({kStep * left, kRoom * (tried_ + left) - tried_, tried_});
     const double time = std::max(0.0, std::min(most, radius - tried_));
     move(time);
@@ -85,31 +75,14 @@ bool CreaseSpread::widen(double radius) {
   }
   list_sectors();
   if (turned_over() > turned_over_) return false;
-  room_ = room_now();
+  room_ = room_of_creases(mesh_, steps_, tried_);
   const CreaseRoom now = fits();
   idle_ = now.radius > kGain * best_.radius ? 0 : idle_ + 1;
   if (now.radius > best_.radius) best_ = now;
   return true;
 }
 
-// The room of all faces, from where corners are placed.
-CreaseRoom CreaseSpread::room_now() const {
-  CreaseRoom least{std::numeric_limits<double>::infinity(), 0};
-  std::vector<Vec3> steps, places;
-  for (std::uint32_t face = 0; face < mesh_.face_count(); ++face) {
-    steps.clear(), places.clear();
-    for (std::uint32_t c = mesh_.face_begin[face]; c < mesh_.face_begin[face + 1]; ++c) {
-      steps_.append_steps(c, steps);
-      while (places.size() < steps.size())
-        places.push_back(position(c) + tried_ * steps[places.size()]);
-    }
-    const double room = tried_ + room_of(places, steps, area_of(places));
-    if (room < least.radius) least = {room, face};
-  }
-  return least;
-}
-
-// How many triangles are turned over where their corners are placed.
+// Counts the triangles that are turned over where their corners are placed.
 std::size_t CreaseSpread::turned_over() const {
   std::size_t count = 0;
   for (std::uint32_t face = 0; face < mesh_.face_count(); ++face) {
@@ -147,8 +120,8 @@ void CreaseSpread::place_corners() {
   }
 }
 
-// Which vertices may move: those within the reach of a step from a crease, or along it from a
-// corner.
+// Finds the vertices that may move: those within the reach of a step from a crease, or along it
+// from a corner.
 void CreaseSpread::find_kinds() {
   kind_.assign(mesh_.positions.size(), Kind::kFixed);
   crease_ahead_.assign(mesh_.positions.size(), kNone);
@@ -265,14 +238,14 @@ bool CreaseSpread::flips(std::uint32_t side) const {
   if (!(cotangent(a - c, b - c) + cotangent(a - d, b - d) < -kLeastSpan)) return false;
   const Vec3 one = (b - a).cross(c - a), other = (a - b).cross(d - b), both = one + other;
   if (angle_between(one, other) > kFlat) return false;
-  // What an opened corner leaves to the second triangle is its first place.
+  // An opened corner leaves its first place to the second triangle.
   const Vec3 first_c = first_place(corners[2]), first_d = first_place(corners[5]);
   return (b - first_d).cross(c - first_d).dot(both) > 0 &&
          (a - first_c).cross(d - first_c).dot(both) > 0 &&
          !are_joined(corners[2], vertex_of(corners[5]));
 }
 
-// Where the side ahead of a corner leaves.
+// The place where the side ahead of a corner leaves.
 Vec3 CreaseSpread::first_place(std::uint32_t corner) const {
   return position(corner) + tried_ * steps_.step_of(corner);
 }
@@ -303,7 +276,7 @@ bool CreaseSpread::are_joined(std::uint32_t side, std::uint32_t vertex) const {
   return false;
 }
 
-// From triangles a b c and b a d to d b c and c a d.
+// Makes triangles d b c and c a d of a b c and b a d.
 void CreaseSpread::flip(std::uint32_t side) {
   const std::uint32_t twin = topology_.side_twin[side], c = prev(side), d = prev(twin);
   const auto put = [&](std::uint32_t to, std::uint32_t from) {
@@ -327,10 +300,10 @@ void CreaseSpread::flip(std::uint32_t side) {
 // The shorter of both places of a crease's edge.
 double CreaseSpread::length_of(std::uint32_t side) const {
   const Vec3 edge = edge_of(mesh_, topology_, side);
-  return (edge.norm() + tried_ * std::min(0.0, stretch_of(side)));
+  return edge.norm() + tried_ * std::min(0.0, stretch_of(side));
 }
 
-// By how much the shorter of both places of a crease's edge grows, by a radius of 1.
+// The length by which the shorter of both places of a crease's edge grows, by a radius of 1.
 double CreaseSpread::stretch_of(std::uint32_t side) const {
   const Vec3 along = edge_of(mesh_, topology_, side).stableNormalized();
   return std::min(
@@ -338,8 +311,8 @@ double CreaseSpread::stretch_of(std::uint32_t side) const {
       along.dot(steps_.step_of(topology_.side_twin[side]) - steps_.step_into(right_of(side))));
 }
 
-// Vertices on creases: what a corner takes from the edges beside it is taken from others too, in
-// proportion to their lengths.
+// Gives vertices on creases their speeds: what a corner takes from the edges beside it is taken
+// from others too, in proportion to their lengths.
 void CreaseSpread::slide_along() {
   slide_.resize(mesh_.positions.size(), 0);  // as before, to begin with
   const auto slides = [&](std::uint32_t v) { return kind_[v] == Kind::kSlides; };
@@ -360,7 +333,7 @@ void CreaseSpread::slide_along() {
   }
 }
 
-// What a free vertex is drawn by: the places of the other corners of each of its faces. Weights are
+// Adds what draws a free vertex: the places of the other corners of each of its faces. Weights are
 // those of mean value coordinates (Floater 2003) over the distance: what comes near counts most.
 void CreaseSpread::add_pulls(std::uint32_t vertex, std::vector<Pull>& pulls) const {
   std::vector<Vec3> steps;
@@ -384,7 +357,7 @@ void CreaseSpread::add_pulls(std::uint32_t vertex, std::vector<Pull>& pulls) con
   });
 }
 
-// Vertices of smooth regions: each goes as those around it do in the mean.
+// Gives vertices of smooth regions their speeds: each goes as those around it do in the mean.
 void CreaseSpread::follow() {
   std::vector<Pull> pulls;
   std::vector<std::pair<std::uint32_t, std::size_t>> free;  // vertices, ends of their pulls
@@ -417,25 +390,6 @@ Vec3 CreaseSpread::speed_of(std::uint32_t vertex, const Vec3& step) const {
 Vec3 CreaseSpread::slide_of(std::uint32_t vertex) const {
   if (kind_[vertex] != Kind::kSlides) return Vec3::Zero();
   return slide_[vertex] * steps_.sectors.tau[crease_ahead_[vertex]];
-}
-
-// By how much more the radius may grow until a face meets itself, at these speeds.
-double CreaseSpread::time_to_meet() const {
-  double least = std::numeric_limits<double>::infinity();
-  std::vector<Vec3> steps, places, speeds;
-  for (std::uint32_t face = 0; face < mesh_.face_count(); ++face) {
-    places.clear(), speeds.clear();
-    for (std::uint32_t c = mesh_.face_begin[face]; c < mesh_.face_begin[face + 1]; ++c) {
-      steps.clear();
-      steps_.append_steps(c, steps);
-      for (const Vec3& step : steps) {
-        places.push_back(position(c) + tried_ * step);
-        speeds.push_back(speed_of(vertex_of(c), step));
-      }
-    }
-    least = std::min(least, room_of(places, speeds, area_of(places)));
-  }
-  return least;
 }
 
 // Moves vertices as far as their speeds take them while the radius grows by so much.

@@ -28,8 +28,8 @@ class CreaseSpread {
   // The same of all times.
   const CreaseRoom& best() const { return best_; }
 
-  // As they are now; the mesh has no normals, and its faces may be turned over beside the creases
-  // until the corners have made their steps.
+  // The mesh and the rest as they are now; it has no normals, and its faces may be turned over
+  // beside the creases until the corners have made their steps.
   const Mesh& mesh() const { return mesh_; }
   const Topology& topology() const { return topology_; }
   const CreaseSteps& steps() const { return steps_; }
@@ -42,7 +42,7 @@ class CreaseSpread {
     Vec3 step;
     double weight;
   };
-  // What a vertex does: it stays, moves within its smooth region, or along its crease.
+  // The ways of a vertex: it stays, moves within its smooth region, or along its crease.
   enum class Kind : std::uint8_t { kFixed, kFree, kSlides };
 
   std::uint32_t vertex_of(std::uint32_t corner) const { return mesh_.corner_vertex[corner]; }
@@ -57,7 +57,6 @@ class CreaseSpread {
   template <class Visit>
   void for_each_corner(std::uint32_t vertex, Visit visit) const;
   void place_corners();
-  CreaseRoom room_now() const;
   std::size_t turned_over() const;
   void list_sectors();
   void find_kinds();
@@ -80,7 +79,6 @@ class CreaseSpread {
   void follow();
   Vec3 speed_of(std::uint32_t vertex, const Vec3& step) const;
   Vec3 slide_of(std::uint32_t vertex) const;
-  double time_to_meet() const;
   void move(double time);
   void put_on_crease(std::uint32_t vertex);
 

@@ -2,11 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <utility>
-
-#include "gliss/mesh/face_room.h"
 
 namespace gliss {
 namespace {
@@ -194,19 +191,10 @@ CreaseSteps find_crease_steps(const Mesh& mesh, const Topology& topology) {
   return StepFinder(mesh, topology).find();
 }
 
-CreaseRoom room_of_creases(const Mesh& mesh, const CreaseSteps& steps) {
-  CreaseRoom least{std::numeric_limits<double>::infinity(), 0};
-  std::vector<Vec3> corners, moves;
-  for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
-    corners.clear(), moves.clear();
-    for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c) {
-      steps.append_steps(c, moves);
-      corners.resize(moves.size(), mesh.positions[mesh.corner_vertex[c]]);
-    }
-    const double room = room_of(corners, moves, newell_normal(mesh, face));
-    if (room < least.radius) least = {room, face};
-  }
-  return least;
+CreaseRoom room_of_creases(const Mesh& mesh, const CreaseSteps& steps, double tried) {
+  const CreaseRoom more =
+      time_to_meet(mesh, steps, tried, [](std::uint32_t, const Vec3& step) { return step; });
+  return {tried + more.radius, more.face};
 }
 
 }  // namespace gliss

@@ -1,9 +1,11 @@
-// Where the corners of a mesh go when its creases are rounded. Private to host/.
+// Finds where the corners of a mesh go when its creases are rounded. Private to host/.
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
+#include "gliss/mesh/face_room.h"
 #include "gliss/mesh/sectors.h"
 #include "gliss/mesh/topology.h"
 
@@ -53,6 +55,32 @@ struct CreaseRoom {
   double radius;
   std::uint32_t face;
 };
-CreaseRoom room_of_creases(const Mesh& mesh, const CreaseSteps& steps);
+// `tried`: the radius by which the corners are placed already.
+CreaseRoom room_of_creases(const Mesh& mesh, const CreaseSteps& steps, double tried = 0);
+
+// By how much more the radius may grow until a face meets itself, and that face. The corners are
+// placed by the radius `tried`, and the place of a vertex by a step moves by speed_of(vertex, step)
+// for each 1 that the radius grows.
+template <class SpeedOf>
+CreaseRoom time_to_meet(const Mesh& mesh, const CreaseSteps& steps, double tried,
+                        const SpeedOf& speed_of) {
+  CreaseRoom least{std::numeric_limits<double>::infinity(), 0};
+  std::vector<Vec3> moves, places, speeds;
+  for (std::uint32_t face = 0; face < mesh.face_count(); ++face) {
+    places.clear(), speeds.clear();
+    for (std::uint32_t c = mesh.face_begin[face]; c < mesh.face_begin[face + 1]; ++c) {
+      const std::uint32_t vertex = mesh.corner_vertex[c];
+      moves.clear();
+      steps.append_steps(c, moves);
+      for (const Vec3& step : moves) {
+        places.push_back(mesh.positions[vertex] + tried * step);
+        speeds.push_back(speed_of(vertex, step));
+      }
+    }
+    const double time = room_of(places, speeds, newell_normal(places));
+    if (time < least.radius) least = {time, face};
+  }
+  return least;
+}
 
 }  // namespace gliss

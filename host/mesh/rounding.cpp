@@ -236,7 +236,7 @@ class Rounder {
                       " beside it; the largest that fits is ", in_mm(room.radius * mesh.unit)));
 }
 
-// As round_creases, with the radius in the mesh's unit.
+// Rounds as round_creases does, with the radius in the mesh's unit.
 Mesh rounded(const Mesh& mesh, const Topology& topology, const CreaseSteps& steps, double radius,
              const std::function<void()>& poll) {
   const CreaseRoom room = room_of_creases(mesh, steps);

@@ -22,8 +22,8 @@ namespace gliss {
 // the arcs, and without marks and smoothing groups. Vertices keep their numbers too: at a rounded
 // one it is that of the first of those that it becomes. A mesh without marks is left alone.
 //
-// Where faces beside the creases are too small for the radius, vertices near them slide over the
-// surface, and along the creases, and pairs of triangles in one plane exchange diagonals.
+// Vertices near faces that are too small for the radius slide over the surface, and along the
+// creases, and pairs of triangles in one plane exchange diagonals.
 //
 // Throws MeshError, and leaves the mesh as it is, where the radius does not fit all the same;
 // what() names the face with the least room, and the largest radius for which all faces have room.

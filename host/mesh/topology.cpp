@@ -71,18 +71,32 @@ Topology build_topology(const Mesh& mesh) {
   return topology;
 }
 
-Vec3 newell_normal(const Mesh& mesh, std::size_t face) {
+namespace {
+
+template <class At>
+Vec3 newell_of(std::size_t corners, const At& at) {
   // Crossing from the first corner keeps the digits of a small face far from the origin.
-  const std::uint32_t begin = mesh.face_begin[face];
-  const Vec3& origin = mesh.positions[mesh.corner_vertex[begin]];
+  const Vec3& origin = at(0);
   Vec3 normal = Vec3::Zero();
-  Vec3 last = mesh.positions[mesh.corner_vertex[begin + 1]] - origin;
-  for (std::uint32_t c = begin + 2; c < mesh.face_begin[face + 1]; ++c) {
-    const Vec3 here = mesh.positions[mesh.corner_vertex[c]] - origin;
+  Vec3 last = at(1) - origin;
+  for (std::size_t i = 2; i < corners; ++i) {
+    const Vec3 here = at(i) - origin;
     normal += last.cross(here);
     last = here;
   }
   return normal;
+}
+
+}  // namespace
+
+Vec3 newell_normal(const Mesh& mesh, std::size_t face) {
+  const std::uint32_t* corners = &mesh.corner_vertex[mesh.face_begin[face]];
+  return newell_of(mesh.valence(face),
+                   [&](std::size_t i) -> const Vec3& { return mesh.positions[corners[i]]; });
+}
+
+Vec3 newell_normal(std::span<const Vec3> corners) {
+  return newell_of(corners.size(), [&](std::size_t i) -> const Vec3& { return corners[i]; });
 }
 
 namespace {

@@ -68,5 +68,6 @@ GLISS_EXPORT std::vector<Vec3> group_normals(const Mesh& mesh, std::span<const s
 
 // Normal of a polygon by Newell's method; length is twice the area of a planar polygon.
 GLISS_EXPORT Vec3 newell_normal(const Mesh& mesh, std::size_t face);
+Vec3 newell_normal(std::span<const Vec3> corners);
 
 }  // namespace gliss

@@ -84,7 +84,7 @@ OwnPass::OwnPass(std::uint16_t port) : port_(port) {
 }
 
 // Whole and locked before it has its name: a loop that looks meanwhile finds it so, or not at all.
-// What a killed server left gives way: the port is ours.
+// The file that a killed server left gives way: the port is ours.
 void OwnPass::put_down() {
   path_ = new_path(port_);
   const std::string made = path_ + ".new";

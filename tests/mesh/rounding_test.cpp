@@ -278,7 +278,7 @@ std::string refusal_of(const Mesh& shape, double radius) {
   return test::message_of<MeshError>([&] { with_rounding(shape, radius); });
 }
 
-// What is named does fit, where that takes several rings too.
+// The radius that is named fits, also where it spans several rings.
 TEST(Rounding, the_largest_radius_that_fits_spans_many_rings) {
   const Mesh fine = test::without_normals(gliss::cube(20, 20).mesh),
              wall = test::without_normals(cylinder(64, 40, 20, 40).mesh),

@@ -53,7 +53,7 @@ CheckedSurface build_surface(const SurfaceOptions& options, const Mesh& mesh) {
   return surface;
 }
 
-// What was found before the mesh was refused, if it was.
+// All that was found, before the mesh was refused if it was.
 struct Checked {
   std::vector<Finding> findings;
   Mesh mesh;
