@@ -15,19 +15,6 @@
 namespace gliss {
 namespace {
 
-// How far the centre is off the polygon, mesh frame, of a patch that holds a piece round one: so
-// much more than from its own triangle the patch may be from its polygon. Else 0.
-template <class Real>
-double centre_off(const Surface<Real>& s, std::uint32_t patch) {
-  double off = 0;
-  if (piece_of(s, patch) == nullptr) return off;
-  for_polygon_triangles(s, patch, [&](const BaseTriangle& t) {
-    const Vec3 normal = (t[1] - t[0]).cross(t[2] - t[0]).stableNormalized();
-    off = std::abs(normal.dot(start_of(s, s.side_begin[patch] + 2) - t[0]));
-  });
-  return off;
-}
-
 // Points of a patch, mesh frame, until the thread asks for others.
 template <class Real>
 std::span<const Vec3> points_of(const Surface<Real>& s, std::uint32_t patch,
@@ -73,26 +60,67 @@ double rim_departure(const Surface<Real>& s, std::uint32_t patch) {
   return most;
 }
 
+// Points of a patch: its centre, and rings round it out to its sides.
+template <class Real>
+std::span<const Vec3> spread_points(const Surface<Real>& s, std::uint32_t patch) {
+  const std::uint32_t n = s.valence(patch);
+  thread_local std::vector<DomainVec> at;
+  at.assign(1, DomainVec::Zero());
+  for (std::uint32_t k = 0; k < n; ++k) {
+    for (const double t : {0.0, 0.25, 0.5, 0.75}) {
+      for (const double share : {0.25, 0.5, 0.75, 1.0}) at.push_back(share * on_side(n, k, t));
+    }
+  }
+  return points_of(s, patch, at);
+}
+
 // How far a patch rises above its polygon, or sinks below it, along the polygon's normal, mesh
 // frame.
 template <class Real>
 double height_departure(const Surface<Real>& s, std::uint32_t patch) {
   const Real* m = &s.patch[patch * kPatchReals + kPatchNormal];
   const Vec3 normal(m[0], m[1], m[2]);
-  const std::uint32_t n = s.valence(patch), first = s.side_begin[patch];
-  double low = normal.dot(start_of(s, first)), high = low;
-  thread_local std::vector<DomainVec> at;
-  at.assign(1, DomainVec::Zero());
-  for (std::uint32_t k = 0; k < n; ++k) {
-    const double corner = normal.dot(start_of(s, first + k));
+  double low = normal.dot(start_of(s, s.side_begin[patch])), high = low;
+  for (std::uint32_t side = s.side_begin[patch]; side < s.side_begin[patch + 1]; ++side) {
+    const double corner = normal.dot(start_of(s, side));
     low = std::min(low, corner), high = std::max(high, corner);
-    for (const double t : {0.0, 0.5}) {
-      for (const double share : {1.0 / 3, 2.0 / 3, 1.0}) at.push_back(share * on_side(n, k, t));
-    }
   }
   double most = 0;
-  for (const Vec3& p : points_of(s, patch, at))
+  for (const Vec3& p : spread_points(s, patch))
     most = std::max({most, normal.dot(p) - high, low - normal.dot(p)});
+  return most;
+}
+
+double distance_to(const BaseTriangle& t, const Vec3& p) {
+  const Vec3 normal = (t[1] - t[0]).cross(t[2] - t[0]).stableNormalized();
+  double nearest = std::numeric_limits<double>::infinity();
+  bool is_over = !normal.isZero(0);
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 edge = t[(k + 1) % 3] - t[k], from = p - t[k];
+    const double square = edge.squaredNorm();
+    const double along = square > 0 ? std::clamp(edge.dot(from) / square, 0.0, 1.0) : 0;
+    nearest = std::min(nearest, (from - along * edge).norm());
+    is_over = is_over && normal.dot(edge.cross(from)) >= 0;
+  }
+  return is_over ? std::abs(normal.dot(p - t[0])) : nearest;
+}
+
+// How far the patches of a face that is cut round a centre leave its polygon, mesh frame: the
+// polygon's triangles are not theirs. They are those from `first` to `end`.
+template <class Real>
+double cut_departure(const Surface<Real>& s, std::uint32_t first, std::uint32_t end) {
+  thread_local std::vector<BaseTriangle> polygon;
+  polygon.clear();
+  for (std::uint32_t p = first; p < end; ++p)
+    for_polygon_triangles(s, p, [](const BaseTriangle& t) { polygon.push_back(t); });
+  double most = 0;
+  for (std::uint32_t p = first; p < end; ++p) {
+    for (const Vec3& point : spread_points(s, p)) {
+      double nearest = std::numeric_limits<double>::infinity();
+      for (const BaseTriangle& t : polygon) nearest = std::min(nearest, distance_to(t, point));
+      most = std::max(most, nearest);
+    }
+  }
   return most;
 }
 
@@ -106,9 +134,13 @@ template <class Real>
 FaceDeparture departure_of(const PatchCache& cache, const Surface<Real>& s, std::uint32_t face,
                            std::span<const double> sag) {
   FaceDeparture d{{.face = face}};
-  for (std::uint32_t p = cache.first_patch(face);
-       p < cache.patch_count() && cache.patch_face[p] == face; ++p) {
-    const double own = sag[p] + centre_off(s, p), rim = rim_departure(s, p);
+  const std::uint32_t first = cache.first_patch(face);
+  std::uint32_t end = first;
+  while (end < cache.patch_count() && cache.patch_face[end] == face) ++end;
+  const bool is_cut = first < end && piece_of(s, first) != nullptr;
+  const double cut = is_cut ? cut_departure(s, first, end) : 0;
+  for (std::uint32_t p = first; p < end; ++p) {
+    const double own = is_cut ? cut : sag[p], rim = rim_departure(s, p);
     // A patch that bows aside with its rim does not come nearer to the next face.
     const bool is_aside = 2 * rim > own;
     const double off = is_aside ? height_departure(s, p) : own;

@@ -176,6 +176,17 @@ TEST(CompleteMesh, long_sides_beside_fine_arcs_stay_straight) {
   }
 }
 
+// Its own triangles run round a centre, which is not on those of the polygon.
+TEST(CompleteMesh, the_departure_of_a_cut_face_is_measured_from_its_polygon) {
+  Mesh saddle = rod(12, 3, 8);
+  for (std::size_t k = 12; k < 24; ++k)
+    saddle.positions[k].z() += std::cos(std::numbers::pi / 3 * static_cast<double>(k));
+  mark_creases(saddle, build_topology(saddle), {.angle = 1});
+  const Built built(saddle);
+  ASSERT_GT(built.cache.patch_count(), built.cache.mesh_face_count);
+  EXPECT_NEAR(built.cache.departure.distance, built.departure(), 0.1 * built.departure());
+}
+
 // Nothing is limited where nothing bulges: normals and tangents are those of add_vertex_normals.
 TEST(CompleteMesh, smooth_shapes_are_left_alone) {
   test::Rng rng(7);
