@@ -5,6 +5,7 @@
 #include "gliss/base/export.h"
 #include "gliss/base/large_array.h"
 #include "gliss/base/parallel.h"
+#include "gliss/base/poll.h"
 #include "gliss/base/stopwatch.h"
 #include "gliss/base/strided.h"
 #include "gliss/base/units.h"

@@ -448,7 +448,7 @@ class CacheBuilder {
       free_sharp_sides(s, *tables_, backend_.parallel);
     }
     build_hierarchy(boxes, s.node, s.child, backend_.parallel);
-    find_parts(boxes, s, [&] { backend_.progress(faces_.size()); });
+    find_parts(boxes, s, backend_.poll);
   }
 
   // Resizes an array of the surface when all patches up to face `done` of faces_ are known. If it

@@ -54,7 +54,7 @@ class PairSet {
 template <class Real>
 class PartFinder {
  public:
-  PartFinder(const std::vector<Box>& boxes, Surface<Real>& s, const std::function<void()>& poll)
+  PartFinder(const std::vector<Box>& boxes, Surface<Real>& s, const Poll& poll)
       : boxes_(boxes), s_(s), poll_(poll) {}
 
   void run() {
@@ -318,7 +318,7 @@ class PartFinder {
 
   const std::vector<Box>& boxes_;
   Surface<Real>& s_;
-  Poll poll_;
+  ItemPoll poll_;
   std::uint32_t count_ = 0;
   std::vector<std::uint32_t> part_;     // [patch]
   std::vector<std::uint32_t> begin_;    // [part + 1], where its patches begin
@@ -335,12 +335,11 @@ class PartFinder {
 }  // namespace
 
 template <class Real>
-void find_parts(const std::vector<Box>& boxes, Surface<Real>& s,
-                const std::function<void()>& poll) {
+void find_parts(const std::vector<Box>& boxes, Surface<Real>& s, const Poll& poll) {
   PartFinder<Real>(boxes, s, poll).run();
 }
 
-template void find_parts(const std::vector<Box>&, Surface<float>&, const std::function<void()>&);
-template void find_parts(const std::vector<Box>&, Surface<double>&, const std::function<void()>&);
+template void find_parts(const std::vector<Box>&, Surface<float>&, const Poll&);
+template void find_parts(const std::vector<Box>&, Surface<double>&, const Poll&);
 
 }  // namespace gliss

@@ -11,6 +11,7 @@
 
 #include "gliss/base/export.h"
 #include "gliss/base/parallel.h"
+#include "gliss/base/poll.h"
 #include "gliss/build/tile_cuts.h"
 
 namespace gliss {
@@ -83,11 +84,9 @@ struct BuildBackend {
   // Faces in a batch at most: bounds what is held besides the cache. Batches that take long are
   // smaller, and the cache is the same.
   std::size_t chunk = 8192;
-  // Told now and then how many of the faces are examined, from the thread that builds; what it
-  // throws ends the build.
+  // Told now and then how many of the faces are examined, from the thread that builds.
   std::function<void(std::size_t faces)> progress = [](std::size_t) {};
-  // Asked many times a second, from any thread of the build; what it throws ends it.
-  std::function<void()> poll = [] {};
+  Poll poll = {};
 };
 
 }  // namespace gliss

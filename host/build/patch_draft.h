@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "gliss/base/poll.h"
 #include "gliss/build/patch_batch.h"
 #include "gliss/surface/instances.h"
 #include "gliss/surface/layout.h"
@@ -125,14 +126,13 @@ PatchDraft draft_paper(const FaceCorners& face, std::vector<std::uint32_t> face_
 // The tables that patches are sampled by, and a question that is asked between samples of patches
 // of many sides: what it throws ends the build.
 struct Sampler {
-  Sampler(const ValenceTables& with, const std::function<void()>* asked = nullptr)
-      : tables(with), poll(asked) {}
+  Sampler(const ValenceTables& with, const Poll* asked = nullptr) : tables(with), poll(asked) {}
   void ask(std::uint32_t n) const {
     if (n > 64 && poll != nullptr) (*poll)();
   }
 
   const ValenceTables& tables;
-  const std::function<void()>* poll;  // null: nobody asks
+  const Poll* poll;  // null: nobody asks
 };
 
 // Normals, of any length, at `at`: domain points.

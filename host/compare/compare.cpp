@@ -23,8 +23,8 @@ constexpr std::size_t kGrain = 256;      // points measured between two polls
 constexpr int kRides = 5;                // along each path, for the time of a tick
 
 // Items a second of work that does `items` at a time.
-template <class Poll, class Work>
-double rate_of(std::size_t items, Poll poll, Work work) {
+template <class Work>
+double rate_of(std::size_t items, const Poll& poll, Work work) {
   poll();
   work();  // memory touched, kernels compiled
   const Stopwatch clock;
@@ -117,7 +117,7 @@ std::vector<std::pair<Construction, SurfacePicture>> Comparison::pictures(
     std::size_t most_points) const {
   std::vector<std::pair<Construction, SurfacePicture>> made;
   for (const Exact& exact : exact_) {
-    poll();
+    options_.poll();
     made.emplace_back(exact.construction, picture_of(exact.cache, most_points));
   }
   return made;
@@ -128,14 +128,10 @@ std::size_t Comparison::row_count() const {
          options_.solvers.size();
 }
 
-void Comparison::poll() const {
-  if (options_.poll) options_.poll();
-}
-
 ParallelFor Comparison::polled(const Engine& engine) const {
   return [&](std::size_t count, std::size_t grain, const auto& body) {
     engine.for_each(count, grain, [&](std::size_t begin, std::size_t end) {
-      poll();
+      options_.poll();
       body(begin, end);
     });
   };
@@ -214,7 +210,7 @@ Comparison::Surface Comparison::build(const CompareCandidate& candidate, Precisi
 
 void Comparison::measure_shape(const Surface& surface, const Engine& engine,
                                CompareRow& row) const {
-  poll();
+  options_.poll();
   const PatchCache& cache = surface.cache;
   const Method method = surface.candidate.method;
   const Exact& exact = exact_of(surface.candidate);
@@ -324,14 +320,13 @@ void Comparison::take_walks(const FeltWalks& felt, CompareRow& row) const {
 
 double Comparison::evaluation_rate(const ResidentSurface& resident) const {
   std::vector<SurfacePoint> points(many_points_.size());
-  return rate_of(
-      points.size(), [&] { poll(); }, [&] { resident.evaluate(many_points_, points); });
+  return rate_of(points.size(), options_.poll, [&] { resident.evaluate(many_points_, points); });
 }
 
 double Comparison::tracking_rate(const ResidentSurface& resident, const QueryOptions& query) const {
   std::vector<Contact> contacts(hips_.size());
-  return rate_of(
-      hips_.size(), [&] { poll(); }, [&] { resident.track(hips_, points_, query, contacts); });
+  return rate_of(hips_.size(), options_.poll,
+                 [&] { resident.track(hips_, points_, query, contacts); });
 }
 
 DenseRow Comparison::match(Method method, const CompareRow& target, std::uint64_t limit) const {
@@ -339,7 +334,7 @@ DenseRow Comparison::match(Method method, const CompareRow& target, std::uint64_
   const auto engine = engine_of(options_.backends.front());
   BuildBackend backend;
   backend.parallel = polled(*engine);
-  backend.poll = [&] { poll(); };
+  backend.poll = options_.poll;
   DenseRow row;
   row.method = method;
   row.target = target.candidate.name();
@@ -348,11 +343,11 @@ DenseRow Comparison::match(Method method, const CompareRow& target, std::uint64_
   // Half as many again along a side each time.
   for (std::uint32_t cells = 1; tessellated_count(mesh_, exact.cache, cells) <= limit || cells == 1;
        cells = cells < 2 ? cells + 1 : cells + cells / 2) {
-    poll();
-    const Mesh dense = tessellate(mesh_, exact.cache, cells, backend.parallel, backend.poll);
-    poll();
+    options_.poll();
+    const Mesh dense = tessellate(mesh_, exact.cache, cells, backend.parallel, options_.poll);
+    options_.poll();
     const Topology topology = build_topology(dense);
-    poll();
+    options_.poll();
     const PatchCache cache = build_base(dense, topology, Precision::kDouble, backend);
     CompareRow felt{};
     measure_feel(cache, query_of({method, {}}, Solver::kNewton), exact, felt);

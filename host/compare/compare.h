@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "gliss/base/export.h"
+#include "gliss/base/poll.h"
 #include "gliss/engine/engine.h"
 #include "gliss/surface/names.h"
 #include "gliss/sweep/surface_picture.h"
@@ -50,8 +51,7 @@ struct CompareOptions {
   double settle = 0;           // s, as in QueryOptions; by default leaps show
   double stiffness = 500;      // N/m
   std::size_t most_jumps = 0;  // that a row tells the places of
-  // Asked many times a second, also from an engine's threads; what it throws ends the measuring.
-  std::function<void()> poll = nullptr;
+  Poll poll = {};
 };
 
 // How walks feel, by their speed and by `settle`.
@@ -155,7 +155,6 @@ class GLISS_EXPORT Comparison {
     std::vector<std::vector<Vec3>> pushes{};  // [path][tick], mesh's unit
   };
 
-  void poll() const;
   ParallelFor polled(const Engine& engine) const;  // that of the engine, with polls
   void add_exact(Construction construction);
   const Exact* find_exact(Construction construction) const;  // null: not added

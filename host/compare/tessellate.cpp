@@ -130,7 +130,7 @@ Eigen::Vector2d at_side(std::uint32_t n, std::uint32_t k, double t) {
 class Tessellation {
  public:
   Tessellation(const Mesh& mesh, const PatchCache& cache, const Topology& topology,
-               std::uint32_t cells, const std::function<void()>& poll)
+               std::uint32_t cells, const Poll& poll)
       : nodes_(mesh, topology, cells), cells_(cells), poll_(poll) {
     for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
       const std::vector<Triangle> pieces = pieces_of(cache, f);
@@ -193,7 +193,7 @@ class Tessellation {
 
   Nodes nodes_;
   const std::uint32_t cells_;
-  const std::function<void()>& poll_;
+  const Poll& poll_;
 };
 
 }  // namespace
@@ -208,7 +208,7 @@ std::uint64_t tessellated_count(const Mesh& mesh, const PatchCache& cache, std::
 }
 
 Mesh tessellate(const Mesh& mesh, const PatchCache& cache, std::uint32_t cells,
-                const ParallelFor& parallel, const std::function<void()>& poll) {
+                const ParallelFor& parallel, const Poll& poll) {
   const PlainArithmetic plain;
   constexpr std::size_t kGrain = 4096;
   Tessellation made(mesh, cache, build_topology(mesh), cells, poll);

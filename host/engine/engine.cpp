@@ -142,7 +142,7 @@ BuildBackend Engine::build_backend() const {
   backend.parallel = [this](std::size_t count, std::size_t grain, const auto& body) {
     for_each(count, grain, body);
   };
-  if (poll_) backend.poll = poll_;
+  backend.poll = poll_;
   return backend;
 }
 
@@ -154,7 +154,7 @@ std::unique_ptr<ResidentSurface> Engine::reside(const PatchCache& cache) const {
   return std::make_unique<HostSurface>(*this, cache);
 }
 
-std::unique_ptr<Engine> make_serial_engine(std::function<void()> poll) {
+std::unique_ptr<Engine> make_serial_engine(Poll poll) {
   return std::make_unique<SerialEngine>(std::move(poll));
 }
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "gliss/base/export.h"
+#include "gliss/base/poll.h"
 #include "gliss/build/build_cache.h"
 #include "gliss/query/query.h"
 
@@ -69,13 +70,9 @@ class GLISS_EXPORT ResidentSurface {
 
 class GLISS_EXPORT Engine {
  public:
-  // `poll` is asked many times a second while the host works, from any of its threads; what it
-  // throws ends the work, and is thrown again by whatever was asked for.
-  explicit Engine(std::function<void()> poll = nullptr) : poll_(std::move(poll)) {}
+  explicit Engine(Poll poll = {}) : poll_(std::move(poll)) {}
   virtual ~Engine() = default;
-  void poll() const {
-    if (poll_) poll_();
-  }
+  void poll() const { poll_(); }
   virtual const char* name() const = 0;  // "serial", "tbb", "opencl"
   virtual int threads() const = 0;       // of the host
   // HIPs or points that keep it busy at once.
@@ -98,12 +95,11 @@ class GLISS_EXPORT Engine {
   std::unique_ptr<ResidentSurface> reside(const PatchCache&&) const = delete;
 
  private:
-  std::function<void()> poll_;
+  Poll poll_;
 };
 
-GLISS_EXPORT std::unique_ptr<Engine> make_serial_engine(std::function<void()> poll = nullptr);
+GLISS_EXPORT std::unique_ptr<Engine> make_serial_engine(Poll poll = {});
 // threads = 0: as many as the machine has.
-GLISS_EXPORT std::unique_ptr<Engine> make_tbb_engine(int threads = 0,
-                                                     std::function<void()> poll = nullptr);
+GLISS_EXPORT std::unique_ptr<Engine> make_tbb_engine(int threads = 0, Poll poll = {});
 
 }  // namespace gliss

@@ -31,7 +31,7 @@ Handover work, results;  // of all loops: to find one of its own would be a read
 
 class TbbEngine final : public Engine {
  public:
-  TbbEngine(int threads, std::function<void()> poll)
+  TbbEngine(int threads, Poll poll)
       : Engine(std::move(poll)),
         threads_(threads > 0 ? threads : tbb::info::default_concurrency()),
         arena_(threads_ + kCallers - 1, kCallers) {
@@ -77,7 +77,7 @@ class TbbEngine final : public Engine {
 
 }  // namespace
 
-std::unique_ptr<Engine> make_tbb_engine(int threads, std::function<void()> poll) {
+std::unique_ptr<Engine> make_tbb_engine(int threads, Poll poll) {
   return std::make_unique<TbbEngine>(threads, std::move(poll));
 }
 

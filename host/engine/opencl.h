@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "gliss/base/export.h"
+#include "gliss/base/poll.h"
 #include "gliss/engine/engine.h"
 
 namespace gliss {
@@ -45,7 +46,7 @@ struct OpenClOptions {
   bool fall_back = false;
   // Lines for the user: that kernels are compiled, that the host takes over.
   std::function<void(const std::string&)> notice = nullptr;
-  std::function<void()> poll = nullptr;  // as of Engine
+  Poll poll = {};  // as of Engine
 };
 
 // Throws DeviceError where there is no such device; with options.fall_back the engine is oneTBB's

@@ -210,7 +210,7 @@ void Device::await_compiler(const std::future<void>& done) const {
        ++step) {
     if (step == kSteps && notice_ && !noticed_.exchange(true))
       notice_(fmt::format("opencl: {}: compiling kernels, once", info_.name));
-    if (poll_) poll_();
+    poll_();
   }
 }
 

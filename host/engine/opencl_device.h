@@ -13,6 +13,7 @@
 #include <string>
 #include <tuple>
 
+#include "gliss/base/poll.h"
 #include "gliss/engine/opencl.h"
 #include "gliss/surface/layout.h"
 
@@ -83,7 +84,7 @@ class Device {
   cl::Context context_;
   std::uint64_t memory_ = 0;
   std::function<void(const std::string&)> notice_;
-  std::function<void()> poll_;
+  Poll poll_;
   mutable std::atomic<bool> noticed_ = false;
   mutable std::mutex mutex_;
   mutable std::map<std::pair<const char*, ProgramVariant>, cl::Program> programs_;

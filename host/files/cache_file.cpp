@@ -68,7 +68,7 @@ Header header_of(const PatchCache& cache) {
 
 class Reader {
  public:
-  Reader(const std::string& path, const std::function<void()>& poll)
+  Reader(const std::string& path, const Poll& poll)
       : path_(path), poll_(poll), file_(path), file_bytes_(file_.size()) {
     file_.check();
   }
@@ -107,7 +107,7 @@ class Reader {
   }
 
   void read_bytes(void* to, std::size_t bytes, const char* section) {
-    if (poll_) poll_();
+    poll_();
     if (file_.read(to, bytes) < bytes) fail(section, "cut short");
     position_ += bytes;
   }
@@ -197,7 +197,7 @@ class Reader {
   }
 
   const std::string& path_;
-  const std::function<void()>& poll_;
+  const Poll& poll_;
   OpenFile file_;
   std::uint64_t file_bytes_, position_ = 0;
   Header header_{};
@@ -205,12 +205,9 @@ class Reader {
 
 }  // namespace
 
-void save_cache(const PatchCache& cache, const std::string& path,
-                const std::function<void()>& poll) {
+void save_cache(const PatchCache& cache, const std::string& path, const Poll& poll) {
   constexpr std::size_t kPiece = std::size_t{1} << 24;  // bytes
-  const auto ask = [&] {
-    if (poll) poll();
-  };
+  const auto ask = [&] { poll(); };
   require_patches(cache);
   if (cache.face_patch.empty()) {
     PatchCache listed = cache;
@@ -250,12 +247,11 @@ void save_cache(const PatchCache& cache, const std::string& path,
   file.commit();
 }
 
-PatchCache load_cache(const std::string& path, const std::function<void()>& poll) {
+PatchCache load_cache(const std::string& path, const Poll& poll) {
   return Reader(path, poll).read();
 }
 
-PatchCache load_cache_of(const std::string& path, const CacheWanted& wanted,
-                         const std::function<void()>& poll) {
+PatchCache load_cache_of(const std::string& path, const CacheWanted& wanted, const Poll& poll) {
   const auto& [precision, level, construction] = wanted;
   PatchCache cache = load_cache(path, poll);
   if (precision && *precision != cache.precision()) {

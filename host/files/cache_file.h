@@ -1,12 +1,12 @@
 // Patch caches as files.
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <stdexcept>
 #include <string>
 
 #include "gliss/base/export.h"
+#include "gliss/base/poll.h"
 #include "gliss/surface/patch_cache.h"
 
 namespace gliss {
@@ -20,12 +20,11 @@ struct GLISS_EXPORT CacheError : std::runtime_error {
 
 // Written to a temporary beside `path`, synced and renamed: a reader sees a whole cache or none.
 // Throws std::system_error. Reading checks every section's checksum, size, index and number; throws
-// CacheError, or NoFileError (host/files/open_file.h) of what is no regular file. `poll` is asked
-// many times a second, and what it throws ends the reading, and the writing without a file.
+// CacheError, or NoFileError (host/files/open_file.h) of what is no regular file. Writing that
+// is stopped leaves no file.
 GLISS_EXPORT void save_cache(const PatchCache& cache, const std::string& path,
-                             const std::function<void()>& poll = nullptr);
-GLISS_EXPORT PatchCache load_cache(const std::string& path,
-                                   const std::function<void()>& poll = nullptr);
+                             const Poll& poll = {});
+GLISS_EXPORT PatchCache load_cache(const std::string& path, const Poll& poll = {});
 // The properties that a cache has to have, each if it is given.
 struct CacheWanted {
   std::optional<Precision> precision{};
@@ -34,7 +33,7 @@ struct CacheWanted {
 };
 // The same of a cache that is stale where it is not as wanted.
 GLISS_EXPORT PatchCache load_cache_of(const std::string& path, const CacheWanted& wanted,
-                                      const std::function<void()>& poll = nullptr);
+                                      const Poll& poll = {});
 // True if it begins as caches do.
 GLISS_EXPORT bool is_cache_file(const std::string& path);
 // True if it does, or is named as a cache: load_cache says what it is instead.

@@ -14,7 +14,7 @@ constexpr std::size_t kBlockSize = 1 << 20;
 
 }  // namespace
 
-LineReader::LineReader(const std::string& path, std::function<void()> poll)
+LineReader::LineReader(const std::string& path, Poll poll)
     : path_(path), file_(path), poll_(std::move(poll)), block_(kBlockSize) {
   file_.check();
 }
@@ -49,7 +49,7 @@ bool LineReader::refill() {
     }
     block_.resize(2 * end_);
   }
-  if (poll_) poll_();
+  poll_();
   const std::size_t count = file_.read(block_.data() + end_, block_.size() - end_);
   end_ += count;
   return count > 0;

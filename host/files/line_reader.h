@@ -2,12 +2,12 @@
 #pragma once
 
 #include <cstddef>
-#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "gliss/base/export.h"
+#include "gliss/base/poll.h"
 #include "gliss/files/open_file.h"
 
 namespace gliss {
@@ -17,8 +17,7 @@ inline constexpr std::size_t kLongestLine = 1 << 24;  // bytes; what has longer 
 // Throws as OpenFile does where the file cannot be read, std::runtime_error on a line without end.
 class GLISS_EXPORT LineReader {
  public:
-  // `poll` is called for each block that is read, and what it throws ends the reading.
-  explicit LineReader(const std::string& path, std::function<void()> poll = nullptr);
+  explicit LineReader(const std::string& path, Poll poll = {});
 
   // The next line without its LF or CRLF, valid until the next call; false after the last.
   bool next(std::string_view& line);
@@ -32,7 +31,7 @@ class GLISS_EXPORT LineReader {
 
   std::string path_;
   OpenFile file_;
-  std::function<void()> poll_;
+  Poll poll_;
   std::vector<char> block_;
   std::size_t begin_ = 0, end_ = 0;  // of block_: what is not given yet
   std::size_t line_number_ = 0, bytes_read_ = 0;

@@ -48,11 +48,10 @@ const Format& format_of(const std::string& path, Report& report) {
 }
 
 // Asked block by block, so that a file without lines, such as a large hole, is not read to its end.
-LargeArray<char> read_file(OpenFile& file, const Format& format, const std::function<void()>& poll,
-                           Report& report) {
+LargeArray<char> read_file(OpenFile& file, const Format& format, const Poll& poll, Report& report) {
   std::size_t line = 0, searched = 0;  // where the last line begins; where the next block does
   const auto check_lines = [&](std::string_view text) {
-    if (poll) poll();
+    poll();
     const std::size_t end = text.substr(searched).find_last_of("\r\n");
     if (end != text.npos) line = searched + end + 1;
     searched = text.size();
@@ -152,9 +151,9 @@ std::vector<std::uint32_t> read_edges(const std::string& path, const Mesh& mesh,
 }
 
 void save_obj(const Mesh& mesh, const std::string& path, const std::string& comment,
-              const std::function<void()>& poll) {
+              const Poll& poll) {
   AtomicFile file(path);
-  Poll asks(poll);
+  ItemPoll asks(poll);
   fmt::memory_buffer line;
   const fmt::appender out(line);
   const auto end_line = [&] {

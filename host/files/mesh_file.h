@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gliss/base/export.h"
+#include "gliss/base/poll.h"
 #include "gliss/validate/validate.h"
 
 namespace gliss {
@@ -36,9 +37,8 @@ GLISS_EXPORT std::vector<std::uint32_t> read_edges(const std::string& path, cons
                                                    const Topology& topology);
 
 // Writes OBJ (positions, normals as v//vn, n-gons) with 17 digits, atomically. Throws
-// std::system_error; `poll` is asked now and then, and what it throws ends the writing.
+// std::system_error. Stopped, it leaves no file.
 GLISS_EXPORT void save_obj(const Mesh& mesh, const std::string& path,
-                           const std::string& comment = "",
-                           const std::function<void()>& poll = nullptr);
+                           const std::string& comment = "", const Poll& poll = {});
 
 }  // namespace gliss

@@ -29,8 +29,7 @@ LazyMesh::LazyMesh(Mesh mesh, const LazyOptions& options)
   reach_ = largest_face(mesh_);
 }
 
-LazyRegion LazyMesh::build(std::span<const std::uint32_t> faces,
-                           const std::function<void()>& poll) const {
+LazyRegion LazyMesh::build(std::span<const std::uint32_t> faces, const Poll& poll) const {
   const std::vector<std::uint32_t> used = faces_around(mesh_, topology_, faces, options_.rings);
   BuildOptions build;
   build.precision = options_.precision;

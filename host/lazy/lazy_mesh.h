@@ -2,11 +2,11 @@
 // does not change, so that any number of threads may build from it.
 #pragma once
 
-#include <functional>
 #include <span>
 #include <vector>
 
 #include "gliss/base/export.h"
+#include "gliss/base/poll.h"
 #include "gliss/mesh/topology.h"
 #include "gliss/surface/patch_cache.h"
 
@@ -43,10 +43,8 @@ class GLISS_EXPORT LazyMesh {
   // No patch is farther than this from its base polygon, mesh's unit; but for patches that swell
   // beyond the size of their face.
   double reach() const { return reach_; }
-  // Covers the faces within `rings` edges of these. `poll` is asked many times a second, and what
-  // it throws ends the build.
-  LazyRegion build(
-      std::span<const std::uint32_t> faces, const std::function<void()>& poll = [] {}) const;
+  // Covers the faces within `rings` edges of these.
+  LazyRegion build(std::span<const std::uint32_t> faces, const Poll& poll = {}) const;
   // True if the region covers the face and all those across its sides.
   bool is_inside(const LazyRegion& region, std::uint32_t face) const;
 

@@ -238,12 +238,12 @@ class Rounder {
 
 // Rounds as round_creases does, with the radius in the mesh's unit.
 Mesh rounded(const Mesh& mesh, const Topology& topology, const CreaseSteps& steps, double radius,
-             const std::function<void()>& poll) {
+             const Poll& poll) {
   const CreaseRoom room = room_of_creases(mesh, steps);
   if (radius <= kRoom * room.radius) return Rounder(mesh, topology, steps, radius).round();
   CreaseSpread spread(mesh, topology, steps, room);
   while (radius > spread.fits().radius) {
-    if (poll) poll();
+    poll();
     if (!spread.widen(radius)) refuse(mesh, radius, spread.best());
   }
   return Rounder(spread.mesh(), spread.topology(), spread.steps(), radius, &spread.walk()).round();
@@ -251,7 +251,7 @@ Mesh rounded(const Mesh& mesh, const Topology& topology, const CreaseSteps& step
 
 }  // namespace
 
-void round_creases(Mesh& mesh, double radius, const std::function<void()>& poll) {
+void round_creases(Mesh& mesh, double radius, const Poll& poll) {
   const PlainArithmetic plain;
   if (!(radius > 0 && radius < std::numeric_limits<double>::infinity()))
     throw MeshError(mesh.source + ": the radius of creases must be positive and finite");

@@ -2,9 +2,8 @@
 // of them on the way over its arc, where at a crease it steps.
 #pragma once
 
-#include <functional>
-
 #include "gliss/base/export.h"
+#include "gliss/base/poll.h"
 #include "gliss/mesh/mesh.h"
 
 namespace gliss {
@@ -28,11 +27,10 @@ namespace gliss {
 // Throws MeshError, and leaves the mesh as it is, where the radius does not fit all the same;
 // what() names the face with the least room, and the largest radius for which all faces have room.
 // Time: linear, and for a face with creases the square of its sides; where vertices slide, some
-// tens of times as much; `poll` is asked before each of these times, and what it throws ends it.
+// tens of times as much.
 //
 // The rounding of an edge by a ball is that of Rossignac and Requicha (1984, Constant-radius
 // blending in solid modeling).
-GLISS_EXPORT void round_creases(Mesh& mesh, double radius,
-                                const std::function<void()>& poll = nullptr);
+GLISS_EXPORT void round_creases(Mesh& mesh, double radius, const Poll& poll = {});
 
 }  // namespace gliss

@@ -68,7 +68,7 @@ std::vector<TraceStatistics> trace(const PatchCache& cache, std::span<const Vec3
       statistics[m].slipping += is_slipping(steps[m].contact.flags);
       meters[m].add(cache.unit * hips[tick], steps[m].force);
     }
-    if (sink && !sink(tick, steps)) break;
+    if (sink) sink(tick, steps);
   }
   for (std::size_t m = 0; m < meters.size(); ++m) {
     statistics[m].work = meters[m].work();

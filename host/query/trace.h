@@ -45,8 +45,8 @@ struct TraceStatistics : ForceStatistics {
 };
 
 // Takes steps in order, all methods of a tick together (steps[i] belongs to options.methods[i]).
-// False stops the trace.
-using TraceSink = std::function<bool(std::size_t tick, std::span<const TraceStep> steps)>;
+// What it throws ends the trace.
+using TraceSink = std::function<void(std::size_t tick, std::span<const TraceStep> steps)>;
 
 // HIPs in the mesh's unit. The force at one that is not finite is NaN, and nothing else comes of
 // it. Throws std::invalid_argument as ContactTracker does, for a stiffness or effects that are

@@ -51,10 +51,10 @@ bool write_whole(int descriptor, const char* from, std::size_t bytes) {
 // false where that cannot be read.
 template <class Visit>
 bool for_blocks(int descriptor, std::uint64_t bytes, std::size_t first, std::size_t step,
-                const std::function<void()>& poll, const Visit& visit) {
+                const Poll& poll, const Visit& visit) {
   std::vector<char> block(kBlock);
   for (std::uint64_t number = first; number * kBlock < bytes; number += step) {
-    if (poll) poll();
+    poll();
     const std::uint64_t at = number * kBlock;
     const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(kBlock, bytes - at));
     if (!read_whole(descriptor, block.data(), count, at)) return false;
@@ -77,7 +77,7 @@ std::uint64_t checksum_of(const std::vector<std::uint64_t>& hashes) {
 }
 
 std::optional<std::uint64_t> checksum_of_bytes(int descriptor, std::uint64_t bytes,
-                                               const std::function<void()>& poll = nullptr) {
+                                               const Poll& poll = {}) {
   XXH3_state_t hash;
   XXH3_64bits_reset(&hash);
   const bool read =
@@ -108,8 +108,7 @@ void append_seal(const std::string& path, const std::string& name) {
 }
 
 std::vector<std::uint64_t> block_hashes(const std::string& path, std::uint64_t bytes,
-                                        std::size_t first, std::size_t step,
-                                        const std::function<void()>& poll) {
+                                        std::size_t first, std::size_t step, const Poll& poll) {
   const OpenFile file(path);
   file.check();
   std::vector<std::uint64_t> hashes((bytes + kBlock - 1) / kBlock);
@@ -128,7 +127,7 @@ void append_seal(const std::string& path, const std::string& name,
   append(file, name, seal_of(kOfBlocks, file.size(), checksum_of(hashes)));
 }
 
-Seal check_seal(const std::string& path, const std::function<void()>& poll) {
+Seal check_seal(const std::string& path, const Poll& poll) {
   const OpenFile file(path);
   file.check();
   if (file.size() < kSealBytes) return Seal::kNone;

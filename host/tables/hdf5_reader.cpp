@@ -77,7 +77,7 @@ struct Hdf5Reader::Dataset {
   }
 };
 
-Hdf5Reader::Hdf5Reader(const std::string& path, const std::string& what, std::function<void()> poll)
+Hdf5Reader::Hdf5Reader(const std::string& path, const std::string& what, Poll poll)
     : action_(fmt::format("cannot read '{}' as {}", path, what)), poll_(std::move(poll)) {
   const OpenFile file(path);
   if (file.descriptor() < 0) throw std::runtime_error(action_ + ": " + file.why());
@@ -148,9 +148,7 @@ std::uint64_t Hdf5Reader::most_bytes() const {
   return std::max(kSmallColumn, kMostBytesPerByte * file_bytes_);
 }
 
-void Hdf5Reader::poll() const {
-  if (poll_) poll_();
-}
+void Hdf5Reader::poll() const { poll_(); }
 
 std::size_t Hdf5Reader::rows(const std::string& column) const {
   hdf5::Quiet quiet;

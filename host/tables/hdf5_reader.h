@@ -2,13 +2,13 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "gliss/base/large_array.h"
+#include "gliss/base/poll.h"
 
 namespace gliss {
 
@@ -21,10 +21,8 @@ class Handle;
 // columns that unpack to far more than the file has.
 class Hdf5Reader {
  public:
-  // `what` is what the file is taken for, for messages: "a recording". `poll` is asked many times a
-  // second by what reads, and what it throws ends that.
-  Hdf5Reader(const std::string& path, const std::string& what,
-             std::function<void()> poll = nullptr);
+  // `what` is what the file is taken for, for messages: "a recording".
+  Hdf5Reader(const std::string& path, const std::string& what, Poll poll = {});
 
   bool has(const std::string& name) const;  // "ticks/x"
   std::size_t rows(const std::string& column) const;
@@ -53,7 +51,7 @@ class Hdf5Reader {
   void poll() const;
 
   std::string action_;
-  std::function<void()> poll_;
+  Poll poll_;
   std::uint64_t file_bytes_ = 0;
   std::shared_ptr<const hdf5::Handle> file_;  // shared: what it is remains in one source file
 };

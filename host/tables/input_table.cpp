@@ -154,7 +154,7 @@ class Hdf5Table final : public TableReader {
   }
 
   Hdf5Reader file_;
-  Poll poll_;
+  ItemPoll poll_;
   InputTable head_;                              // all but the values
   std::vector<std::vector<std::string>> texts_;  // whole
   bool has_rows_ = false;

@@ -12,6 +12,7 @@
 
 #include "gliss/base/export.h"
 #include "gliss/base/large_array.h"
+#include "gliss/base/poll.h"
 
 namespace gliss {
 
@@ -26,8 +27,7 @@ struct TableRequest {
   std::vector<std::vector<std::string>> alternatives;
   std::vector<std::string> optional = {};  // read as well where the file has them
   std::vector<std::string> texts = {};     // likewise, as they stand there
-  // Asked many times a second, on the thread that reads; what it throws ends the reading.
-  std::function<void()> poll = nullptr;
+  Poll poll = {};
 
   // The alternative whose columns are all there; end() where none is.
   std::vector<std::vector<std::string>>::const_iterator choose(

@@ -306,7 +306,7 @@ class NpyTable final : public TableReader {
   }
 
   const std::string path_;
-  Poll poll_;
+  ItemPoll poll_;
   OpenFile file_;
   std::size_t begin_ = 0;  // of the data
   std::vector<Field> fields_;

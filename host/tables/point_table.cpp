@@ -18,7 +18,7 @@ const std::vector<std::vector<std::string>> kNames = {{"x", "y", "z"}, {"x_mm", 
 
 // Vectors of three columns that `numbers` gives, each as long as the first.
 template <class Numbers>
-std::vector<Vec3> vectors_of(const Numbers& x, const Numbers& y, const Numbers& z, Poll& poll) {
+std::vector<Vec3> vectors_of(const Numbers& x, const Numbers& y, const Numbers& z, ItemPoll& poll) {
   std::vector<Vec3> vectors;
   vectors.reserve(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) {
@@ -29,7 +29,7 @@ std::vector<Vec3> vectors_of(const Numbers& x, const Numbers& y, const Numbers& 
 }
 
 template <class Numbers>
-std::vector<std::chrono::nanoseconds> times_of(const Numbers& seconds, Poll& poll) {
+std::vector<std::chrono::nanoseconds> times_of(const Numbers& seconds, ItemPoll& poll) {
   constexpr double kMost = 9e9;  // s, of 64 bits of nanoseconds
   std::vector<std::chrono::nanoseconds> times;
   times.reserve(seconds.size());
@@ -42,7 +42,7 @@ std::vector<std::chrono::nanoseconds> times_of(const Numbers& seconds, Poll& pol
 
 // ticks/x, ticks/y and ticks/z, or of other names.
 std::vector<Vec3> read_vectors(const Hdf5Reader& file, const std::string& prefix,
-                               const std::string& action, Poll& poll) {
+                               const std::string& action, ItemPoll& poll) {
   const auto x = file.numbers(prefix + "x"), y = file.numbers(prefix + "y"),
              z = file.numbers(prefix + "z");
   if (y.size() != x.size() || z.size() != x.size())
@@ -56,7 +56,7 @@ std::vector<Vec3> read_vectors(const Hdf5Reader& file, const std::string& prefix
 }
 
 std::vector<Turn> read_recorded_turns(const Hdf5Reader& file, std::size_t ticks,
-                                      const std::string& action, Poll& poll) {
+                                      const std::string& action, ItemPoll& poll) {
   std::vector<Turn> turns;
   if (!file.has("ticks/qw")) return turns;
   const auto w = file.numbers("ticks/qw"), x = file.numbers("ticks/qx"),
@@ -71,7 +71,7 @@ std::vector<Turn> read_recorded_turns(const Hdf5Reader& file, std::size_t ticks,
   return turns;
 }
 
-PointTable read_recording(const Hdf5Reader& file, const std::string& action, Poll& poll) {
+PointTable read_recording(const Hdf5Reader& file, const std::string& action, ItemPoll& poll) {
   PointTable ticks;
   ticks.points = read_vectors(file, "ticks/", action, poll);
   ticks.turns = read_recorded_turns(file, ticks.points.size(), action, poll);
@@ -85,7 +85,7 @@ PointTable read_recording(const Hdf5Reader& file, const std::string& action, Pol
 }
 
 // Sets what the table has of kMotionColumns.
-void read_motion(const InputTable& table, PointTable& to, Poll& poll) {
+void read_motion(const InputTable& table, PointTable& to, ItemPoll& poll) {
   const LargeArray<double>* found[4];
   for (std::size_t i = 0; i < 4; ++i) found[i] = table.find(kMotionColumns[i]);
   if (found[0] != nullptr) to.times = times_of(*found[0], poll);
@@ -98,13 +98,13 @@ bool is_turn(const Turn& turn) { return std::abs(turn.norm() - 1) < 1e-3; }
 
 }  // namespace
 
-std::vector<Turn> turns_of(const InputTable& table, const std::function<void()>& ask) {
+std::vector<Turn> turns_of(const InputTable& table, const Poll& ask) {
   const LargeArray<double>* q[4];
   std::size_t there = 0;
   for (std::size_t i = 0; i < 4; ++i) there += (q[i] = table.find(kTurnColumns[i])) != nullptr;
   if (there == 0 || table.rows == 0) return {};
   if (there < 4) throw std::runtime_error(table.place(0) + ": a rotation has qw, qx, qy and qz");
-  Poll poll(ask);
+  ItemPoll poll(ask);
   std::vector<Turn> turns;
   turns.reserve(table.rows);
   for (std::size_t i = 0; i < table.rows; ++i) {
@@ -120,15 +120,14 @@ std::vector<Turn> turns_of(const InputTable& table, const std::function<void()>&
 }
 
 PointReader::PointReader(const std::string& path, double unit,
-                         const std::vector<std::string>& optional,
-                         const std::function<void()>& poll)
+                         const std::vector<std::string>& optional, const Poll& poll)
     : path_(path), unit_(unit), poll_(poll) {
   if (is_hdf5(path)) {
     try {
       const Hdf5Reader file(path, "a recording", poll);
       if (!file.has("x") && !file.has("x_mm")) {
         const std::string action = fmt::format("cannot read '{}' as a recording", path);
-        Poll poll_rows(poll);
+        ItemPoll poll_rows(poll);
         recording_ = read_recording(file, action, poll_rows);
         return;
       }
@@ -141,7 +140,7 @@ PointReader::PointReader(const std::string& path, double unit,
 
 PointTable PointReader::read(std::size_t begin, std::size_t end) {
   PointTable result;
-  Poll poll(poll_);
+  ItemPoll poll(poll_);
   if (!reader_) {
     const auto add_rows = [&](const auto& from, auto& to) {
       if (from.empty()) return;
@@ -184,8 +183,7 @@ PointTable PointReader::read(std::size_t begin, std::size_t end) {
 }
 
 PointTable read_points(const std::string& path, double unit,
-                       const std::vector<std::string>& optional,
-                       const std::function<void()>& poll) {
+                       const std::vector<std::string>& optional, const Poll& poll) {
   PointReader reader(path, unit, optional, poll);
   return reader.read(0, reader.rows());
 }

@@ -2,12 +2,12 @@
 #pragma once
 
 #include <chrono>
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "gliss/base/export.h"
+#include "gliss/base/poll.h"
 #include "gliss/base/vector.h"
 #include "gliss/base/wrench.h"
 #include "gliss/tables/csv_reader.h"
@@ -33,7 +33,7 @@ class GLISS_EXPORT PointReader {
  public:
   // Takes and throws what read_points() does.
   PointReader(const std::string& path, double unit, const std::vector<std::string>& optional = {},
-              const std::function<void()>& poll = nullptr);
+              const Poll& poll = {});
   std::size_t rows() const { return reader_ ? reader_->rows() : recording_.points.size(); }
   // The rows [begin, end), which the file must have.
   PointTable read(std::size_t begin, std::size_t end);
@@ -41,7 +41,7 @@ class GLISS_EXPORT PointReader {
  private:
   std::string path_;
   double unit_;
-  std::function<void()> poll_;
+  Poll poll_;
   PointTable recording_;
   std::unique_ptr<TableReader> reader_;  // null: a recording
 };
@@ -52,16 +52,14 @@ inline const std::vector<std::string> kTurnColumns = {"qw", "qx", "qy", "qz"};
 inline const std::vector<std::string> kMotionColumns = {"time", "vx", "vy", "vz"};
 // The rotations of a table that was asked for these columns; none where it lacks them all. Throws
 // std::runtime_error, which names the file or the row, where some are missing or the length is not
-// 1 to a thousandth. `poll` as in read_points().
-GLISS_EXPORT std::vector<Turn> turns_of(const InputTable& table,
-                                        const std::function<void()>& poll = nullptr);
+// 1 to a thousandth.
+GLISS_EXPORT std::vector<Turn> turns_of(const InputTable& table, const Poll& poll = {});
 
 // Throws CsvError or RecordingError; NoFileError or std::system_error (host/files/open_file.h)
-// where a CSV file cannot be read. `poll` is asked many times a second, and what it throws ends the
-// reading.
+// where a CSV file cannot be read.
 GLISS_EXPORT PointTable read_points(const std::string& path, double unit,
                                     const std::vector<std::string>& optional = {},
-                                    const std::function<void()>& poll = nullptr);
+                                    const Poll& poll = {});
 // In m. By value, so that a table that is not needed is not copied.
 GLISS_EXPORT std::vector<Vec3> points_in_metres(PointTable table);
 

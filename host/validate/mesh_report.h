@@ -5,7 +5,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <string>
 #include <string_view>
@@ -27,8 +26,7 @@ class Report {
 
   // Mesh and findings must outlive the report; findings may be null, `poll` empty. `strict`: as of
   // LoadOptions.
-  Report(const Mesh& mesh, std::vector<Finding>* findings, std::function<void()> poll,
-         bool strict = false)
+  Report(const Mesh& mesh, std::vector<Finding>* findings, Poll poll, bool strict = false)
       : mended(strict ? Severity::kError : Severity::kRepaired),
         mesh_(mesh),
         findings_(findings ? *findings : own_),
@@ -80,7 +78,7 @@ class Report {
   std::vector<Finding> own_;
   std::vector<Finding>& findings_;
   std::size_t first_;  // findings before it are the caller's
-  Poll poll_;
+  ItemPoll poll_;
 };
 
 }  // namespace gliss

@@ -3,11 +3,11 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <string>
 #include <vector>
 
 #include "gliss/base/export.h"
+#include "gliss/base/poll.h"
 #include "gliss/mesh/creases.h"
 #include "gliss/mesh/mesh.h"
 #include "gliss/surface/names.h"
@@ -59,8 +59,7 @@ struct LoadOptions {
   Orient orient = Orient::kOutward;
   bool flip = false;      // turns open parts over
   CreaseRules creases{};  // which edges are creases; a list of edges is for files/mesh_file.h
-  // Asked many times a second, on the thread that reads and checks; what it throws ends that.
-  std::function<void()> poll = nullptr;
+  Poll poll = {};
 };
 
 // The checks behind every reader, for meshes made in memory: repairs in place, marks creases,

@@ -195,8 +195,7 @@ Distances normal_gaps(const Mesh& mesh, const Topology& topology, const PatchCac
 }
 
 FeltPath feel_path(const PatchCache& cache, const QueryOptions& options, std::span<const Vec3> path,
-                   double depth, std::span<const Vec3> reference,
-                   const std::function<void()>& poll) {
+                   double depth, std::span<const Vec3> reference, const Poll& poll) {
   using Clock = std::chrono::steady_clock;
   FeltPath result;
   result.force = ForceStatistics(depth);

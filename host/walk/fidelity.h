@@ -2,11 +2,11 @@
 // across edges, and how it feels along a path. Lengths in the mesh's unit.
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <span>
 
 #include "gliss/base/export.h"
+#include "gliss/base/poll.h"
 #include "gliss/mesh/creases.h"
 #include "gliss/mesh/topology.h"
 #include "gliss/query/force_statistics.h"
@@ -55,7 +55,6 @@ struct FeltPath {
 // ticks, and may end it by throwing.
 GLISS_EXPORT FeltPath feel_path(const PatchCache& cache, const QueryOptions& options,
                                 std::span<const Vec3> path, double depth,
-                                std::span<const Vec3> reference,
-                                const std::function<void()>& poll = nullptr);
+                                std::span<const Vec3> reference, const Poll& poll = {});
 
 }  // namespace gliss

@@ -172,11 +172,11 @@ std::vector<std::vector<Vec3>> loop_paths(const Mesh& mesh, const Topology& topo
 }
 
 LoopGain loop_gain(const PatchCache& cache, const QueryOptions& options,
-                   std::span<const std::vector<Vec3>> loops, const std::function<void()>& poll) {
+                   std::span<const std::vector<Vec3>> loops, const Poll& poll) {
   const PathLoop second{kRound, 2 * kRound};
   LoopGain largest;
   for (const std::vector<Vec3>& loop : loops) {
-    if (poll) poll();
+    poll();
     LoopMeter meter({&second, 1}, 1);
     ContactTracker tracker(cache, options);
     bool in_contact = true;

@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <functional>
 #include <span>
 #include <vector>
 
 #include "gliss/base/export.h"
 #include "gliss/base/parallel.h"
+#include "gliss/base/poll.h"
 #include "gliss/mesh/topology.h"
 #include "gliss/query/force_statistics.h"
 #include "gliss/query/query.h"
@@ -102,7 +102,6 @@ GLISS_EXPORT std::vector<std::vector<Vec3>> loop_paths(const Mesh& mesh, const T
 // contact, where it exceeds its error by most; NaN: there is none. `poll` is called before each
 // loop, and may end it by throwing.
 GLISS_EXPORT LoopGain loop_gain(const PatchCache& cache, const QueryOptions& options,
-                                std::span<const std::vector<Vec3>> loops,
-                                const std::function<void()>& poll = nullptr);
+                                std::span<const std::vector<Vec3>> loops, const Poll& poll = {});
 
 }  // namespace gliss

@@ -101,7 +101,6 @@ py::tuple trace(const OpenSurface& surface, const Reals& path, const std::option
                         [&](std::size_t tick, std::span<const TraceStep> steps) {
                           ticks.set(tick, steps[0]);
                           poll();
-                          return true;
                         })
         .front();
   });

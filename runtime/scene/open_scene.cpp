@@ -31,7 +31,7 @@ PatchCache build_surface(const Mesh& mesh, const ObjectDescription& described,
   options.level = chosen_level(described.level, described.construction);
   if (opening.build) return opening.build(mesh, options);
   BuildBackend backend;
-  if (opening.poll) backend.poll = opening.poll;
+  backend.poll = opening.poll;
   return build_cache(mesh, options, nullptr, backend);
 }
 

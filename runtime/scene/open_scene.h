@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "gliss/base/export.h"
+#include "gliss/base/poll.h"
 #include "gliss/build/build_cache.h"
 #include "gliss/contact/tracker.h"
 #include "gliss/scene/scene.h"
@@ -17,8 +18,7 @@ struct SceneOpening {
   std::function<Mesh(const ObjectDescription& described)> read_mesh = nullptr;
   // Null: build_cache on one thread.
   std::function<PatchCache(const Mesh& mesh, const BuildOptions& options)> build = nullptr;
-  // Asked many times a second while files are read; what it throws ends that.
-  std::function<void()> poll = nullptr;
+  Poll poll = {};
 };
 
 // Opens the objects of a scene, in its order, for a Tracker. Caches are loaded, and other patches

@@ -17,7 +17,7 @@ struct Poses {
   std::vector<Pose> poses;
 };
 
-Poses read_table_of_poses(const std::string& path, const std::function<void()>& poll) {
+Poses read_table_of_poses(const std::string& path, const Poll& poll) {
   const std::vector<std::vector<std::string>> names = {{"t", "x", "y", "z"},
                                                        {"t", "x_mm", "y_mm", "z_mm"}};
   const InputTable table =
@@ -27,7 +27,7 @@ Poses read_table_of_poses(const std::string& path, const std::function<void()>& 
   };
   const UnitChange to_metres(table.alternative == 0 ? 1 : 1e-3, 1);
   const std::vector<Turn> turns = turns_of(table, poll);
-  Poll poll_rows(poll);
+  ItemPoll poll_rows(poll);
   Poses all;
   for (std::size_t i = 0; i < table.rows; ++i) {
     poll_rows();
@@ -82,7 +82,7 @@ Eigen::Matrix3d read_rotation(TomlTable table) {
 }
 
 std::shared_ptr<const Motion> read_motion(TomlTable table, std::vector<std::string>& files,
-                                          const std::function<void()>& poll) {
+                                          const Poll& poll) {
   std::string path;
   table.get("path", path);
   bool repeats = false;

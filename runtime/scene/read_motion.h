@@ -1,11 +1,11 @@
 // The motion of an object of a scene.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "gliss/base/poll.h"
 #include "gliss/contact/motion.h"
 #include "gliss/scene/toml_table.h"
 
@@ -25,6 +25,6 @@ Eigen::Matrix3d read_rotation(TomlTable table);
 // Throws SceneError, and what reading a table throws. Adds the table to `files`, whose first is the
 // scene's own.
 std::shared_ptr<const Motion> read_motion(TomlTable table, std::vector<std::string>& files,
-                                          const std::function<void()>& poll);
+                                          const Poll& poll);
 
 }  // namespace gliss

@@ -111,7 +111,7 @@ bool get_parsed(TomlTable& table, const std::string& key, Value& value,
 
 // Adds the files that it names to `files`, whose first is the scene's own.
 ObjectDescription read_object(TomlTable table, std::size_t number, std::vector<std::string>& files,
-                              const std::function<void()>& poll) {
+                              const Poll& poll) {
   const std::string scene = files.front();
   ObjectDescription object;
   object.name = fmt::format("{}", number);
@@ -246,8 +246,7 @@ void read_loop(TomlTable table, Scene& scene) {
   table.done();
 }
 
-HandPath read_hand_path(TomlTable& table, const std::function<void()>& poll,
-                        std::vector<std::string>& files) {
+HandPath read_hand_path(TomlTable& table, const Poll& poll, std::vector<std::string>& files) {
   std::string path;
   table.get("path", path);
   std::vector<Vec3> waypoints;
@@ -279,7 +278,7 @@ Vec3 read_turning(TomlTable table) {
   return turn.angle * turn.axis;
 }
 
-void read_sim(TomlTable table, const std::function<void()>& poll, Scene& scene) {
+void read_sim(TomlTable table, const Poll& poll, Scene& scene) {
   table.checked([&] { scene.sim_path = read_hand_path(table, poll, scene.files); });
   SimOptions& sim = scene.sim.emplace();
   table.get_positive("mass", sim.mass);
@@ -301,7 +300,7 @@ void read_sim(TomlTable table, const std::function<void()>& poll, Scene& scene) 
 
 }  // namespace
 
-Scene read_scene(const std::string& path, const std::function<void()>& poll) {
+Scene read_scene(const std::string& path, const Poll& poll) {
   toml::table storage;
   TomlTable root = TomlTable::read(path, storage);
   Scene scene;

@@ -2,7 +2,6 @@
 // Objects and features that a scene does not list cost nothing.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "gliss/base/export.h"
+#include "gliss/base/poll.h"
 #include "gliss/contact/motion.h"
 #include "gliss/device/device.h"
 #include "gliss/device/sim_device.h"
@@ -82,8 +82,7 @@ struct Scene {
                                    // path
 };
 
-// Throws SceneError, CsvError for the table of a path. `poll` is asked many times a second while
-// that is read, and what it throws ends the reading.
-GLISS_EXPORT Scene read_scene(const std::string& path, const std::function<void()>& poll = nullptr);
+// Throws SceneError, CsvError for the table of a path.
+GLISS_EXPORT Scene read_scene(const std::string& path, const Poll& poll = {});
 
 }  // namespace gliss

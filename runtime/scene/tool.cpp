@@ -45,8 +45,7 @@ double area_of(std::span<const Vec3> triangles) {
 
 }  // namespace
 
-std::vector<Vec3> spread_points(const Mesh& mesh, std::size_t count,
-                                const std::function<void()>& poll) {
+std::vector<Vec3> spread_points(const Mesh& mesh, std::size_t count, const Poll& poll) {
   const PlainArithmetic plain;
   std::vector<Vec3> points;
   if (mesh.positions.empty()) return points;
@@ -59,7 +58,7 @@ std::vector<Vec3> spread_points(const Mesh& mesh, std::size_t count,
   std::vector<double> away(places.size(), std::numeric_limits<double>::infinity());
   Vec3 last = box.center();
   while (points.size() < count) {
-    if (poll) poll();
+    poll();
     const bool is_first = points.empty();
     std::size_t farthest = 0;
     for (std::size_t i = 0; i < away.size(); ++i) {

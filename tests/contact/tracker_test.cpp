@@ -214,7 +214,6 @@ TEST(Tracker, has_the_effects_of_a_trace_and_allocates_nothing) {
     EXPECT_EQ(got, steps[0].force) << tick;
     pulls += !steps[0].contact.touching && !got.isZero(0);
     pushes += steps[0].contact.touching;
-    return true;
   });
   EXPECT_EQ(allocations, 0u);
   EXPECT_GT(pulls, 100u);

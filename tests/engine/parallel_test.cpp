@@ -88,7 +88,6 @@ TEST_F(Parallel, threads_ask_one_cache_at_once) {
     trace(cache_, std::span(hips_).first(60), {},
           [&](std::size_t, std::span<const TraceStep> steps) {
             for (const TraceStep& step : steps) test::append(bytes, step.force.data(), 3);
-            return true;
           });
     std::vector<Contact> found(hips_.size());
     surface->project(hips_, {}, found);

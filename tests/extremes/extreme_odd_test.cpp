@@ -131,7 +131,6 @@ TEST(ExtremeOdd, hips_in_a_trace_and_a_scene_give_no_force_that_is_not_finite) {
     trace(e.cache, hips, {}, [&](std::size_t i, std::span<const TraceStep> steps) {
       for (const TraceStep& step : steps)
         not_finite += is_place(hips[i]) && !step.force.allFinite();
-      return true;
     });
     const SceneObject object{.cache = std::make_shared<PatchCache>(e.narrow)};
     Tracker tracker({&object, 1});

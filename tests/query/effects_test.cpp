@@ -300,7 +300,6 @@ TEST(Effects, that_are_off_leave_the_bytes) {
   const auto keep = [](std::vector<Vec3>& all) {
     return [&all](std::size_t, std::span<const TraceStep> steps) {
       for (const TraceStep& step : steps) all.push_back(step.force);
-      return true;
     };
   };
   trace(cache, ways[0].hips, options, keep(plain));

@@ -108,7 +108,6 @@ void expect_smooth_slide(const std::string& name, const Mesh& mesh, const Slide&
   options.settle = 0;
   const auto found = trace(cache, slide.hips, options, [&](std::size_t i, auto steps) {
     off.add((steps[0].force - slide.forces[i]).norm() / slide.forces[i].norm());
-    return true;
   });
   ASSERT_EQ(found.size(), 3u);
   for (const TraceStatistics& s : found) EXPECT_EQ(s.touching, slide.hips.size());

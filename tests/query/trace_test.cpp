@@ -27,7 +27,6 @@ TEST(Trace, follows_the_nearest_point) {
     EXPECT_EQ(steps.size(), 3u);
     error.add((steps[0].contact.scp - nearest(cache, hips[i]).scp).norm());
     EXPECT_LE((steps[0].force - contact_force(cache, steps[0].contact, 500)).norm(), 0);
-    return true;
   });
   EXPECT_LE(error.value, 1e-6);
   for (const TraceStatistics& s : found) {
@@ -47,7 +46,6 @@ TEST(Trace, ends_with_the_force_it_began_with_on_a_closed_path) {
     for (const TraceStep& step : steps) {
       if (kept) kept->push_back(step.force);
     }
-    return true;
   });
   ASSERT_EQ(first.size(), last.size());
   for (std::size_t i = 0; i < first.size(); ++i) EXPECT_LE((first[i] - last[i]).norm(), 1e-9);
@@ -72,11 +70,17 @@ TEST(Trace, counts_entries_and_ticks_in_contact) {
   EXPECT_EQ(found[0].jumps(), 5u);  // in, deeper, out, in, out
 }
 
-TEST(Trace, stops_when_its_sink_says_so) {
+TEST(Trace, ends_with_what_its_sink_throws) {
+  struct Stop {};
   const PatchCache cache = test::cache_of(torus().mesh);
-  const auto found = trace(cache, ring(100, 1), {},
-                           [](std::size_t i, std::span<const TraceStep>) { return i < 9; });
-  EXPECT_EQ(found[0].ticks, 10u);
+  std::size_t ticks = 0;
+  EXPECT_THROW(trace(cache, ring(100, 1), {},
+                     [&](std::size_t i, std::span<const TraceStep>) {
+                       ticks = i + 1;
+                       if (ticks == 10) throw Stop();
+                     }),
+               Stop);
+  EXPECT_EQ(ticks, 10u);
 }
 
 }  // namespace

@@ -209,7 +209,6 @@ void run(TracingOptions options) {
           rows.clear();
         }
         watch.reach(tick + 1);
-        return true;
       });
   write(rows, options, outward, path.table, table);
   file->close();
