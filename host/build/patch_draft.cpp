@@ -255,6 +255,14 @@ std::vector<Vec3> normals_of(const PatchDraft& d, const Sampler& sampler,
   return normals;
 }
 
+double least_turn(const PatchDraft& d, const Sampler& sampler,
+                  std::span<const Eigen::Vector2d> at) {
+  double turn = 1;
+  for (const Vec3& normal : normals_of(d, sampler, at))
+    turn = std::min(turn, normal.normalized().dot(d.frame.normal));
+  return turn;
+}
+
 PatchShape examine(const PatchDraft& d, const Sampler& sampler, PatchSamples* samples) {
   PatchShape shape =
       examine(d.frame, d.corner.data(), d.triangle.data(), d.control_data(), sampler, samples);
@@ -299,10 +307,7 @@ double closer_turn(const PatchDraft& d, const Sampler& sampler) {
       for (double i = 0; i < ring; ++i) at.emplace_back((ring * start + i * along) / levels);
     }
   }
-  double turn = 1;
-  for (const Vec3& normal : normals_of(d, sampler, at))
-    turn = std::min(turn, normal.normalized().dot(d.frame.normal));
-  return turn;
+  return least_turn(d, sampler, at);
 }
 
 }  // namespace gliss

@@ -138,6 +138,9 @@ struct Sampler {
 // Normals, of any length, at `at`: domain points.
 std::vector<Vec3> normals_of(const PatchDraft& draft, const Sampler& sampler,
                              std::span<const Eigen::Vector2d> at);
+// PatchShape::turn of these points alone.
+double least_turn(const PatchDraft& draft, const Sampler& sampler,
+                  std::span<const Eigen::Vector2d> at);
 // `samples`: null, or what becomes of the probes for tiles to be cut from (patch_tiles.h).
 PatchShape examine(const PatchDraft& draft, const Sampler& sampler,
                    PatchSamples* samples = nullptr);

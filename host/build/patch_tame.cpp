@@ -33,10 +33,7 @@ double turn_at_rim(const PatchDraft& d, const Sampler& sampler) {
     const std::uint32_t place = kernels<double>().probe_place(n, levels, i);
     at.emplace_back(xi[place], eta[place]);
   }
-  double turn = 1;
-  for (const Vec3& normal : normals_of(d, sampler, at))
-    turn = std::min(turn, normal.normalized().dot(d.frame.normal));
-  return turn + kRounding;
+  return least_turn(d, sampler, at) + kRounding;
 }
 
 // True if the patch lies on the outer side of n_c all along its boundary, which is that of `exact`:

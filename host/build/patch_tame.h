@@ -1,4 +1,20 @@
 // Patches that stand in for one that folds or degenerates.
+//
+// What tells a fold. A patch folds where its normal is at right angles to its base polygon's, or
+// beyond; the cosine between both is its turn. Each test, what it costs beside building, and what
+// it is for:
+// - soundness: the weakest ribbon has cross tangents. Nothing; every patch.
+// - PatchDraft::turned: cross tangents point into the face. Nothing; fair patches.
+// - keeps_direction: the turn at the coarse probes. A sample at each; patches of other levels.
+// - is_gentle (kernels/examine.h): the same, and curvature there allows no fold between. Nothing
+//   beside examine(), which it ends; every patch.
+// - PatchShape::turn: the least at all probes, n r (r + 1) / 2 of probe_levels r. These samples;
+//   patches that are not gentle.
+// - may_fold_unseen: that curvature allows a fold between probes. Nothing; the same.
+// - closer_turn: the least at nine times as many points. These; what may fold unseen, faces of many
+//   sides, and substitutes.
+// - turn_at_rim: the least at the n r outermost probes. These; substitutes, before examine().
+// - keeps_normals: the outside is out all along the boundary. 8 samples a side; substitutes.
 #pragma once
 
 #include <vector>
