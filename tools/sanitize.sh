@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Runs the tests that sanitizers are for (tests/sanitized.cmake): under ASan and UBSan with the corpora of the fuzz
-# targets, and under TSan. CI runs both. Installs packages (as root or with sudo).
+# targets, and under TSan. Both are for a night, and for whoever changes what reads, writes or is shared by threads.
+# Installs packages (as root or with sudo).
 #
 #   tools/sanitize.sh          both
 #   tools/sanitize.sh tsan     one of asan, tsan
