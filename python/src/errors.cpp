@@ -13,7 +13,6 @@
 #include "gliss/scene/scene.h"
 #include "gliss/thread/realtime.h"
 #include "json.h"
-#include "tools/cli/command_line.h"
 #include "tools/cli/finding_json.h"
 
 namespace gliss::python {
@@ -41,12 +40,6 @@ void raise_os(int number, const std::string& what) {
   PyErr_SetObject(PyExc_OSError, py::make_tuple(number, what).ptr());
 }
 
-// The options of the program have the names of ours, behind two hyphens.
-std::string without_hyphens(const char* what) {
-  const std::string text = what;
-  return text.starts_with("--") ? text.substr(2) : text;
-}
-
 void translate(std::exception_ptr thrown) {
   try {
     if (thrown) std::rethrow_exception(thrown);
@@ -64,8 +57,6 @@ void translate(std::exception_ptr thrown) {
     PyErr_SetString(device_error.ptr(), error.what());
   } catch (const UnitError& error) {
     PyErr_SetString(PyExc_ValueError, error.what());
-  } catch (const tools::InputError& error) {
-    PyErr_SetString(PyExc_ValueError, without_hyphens(error.what()).c_str());
   } catch (const NoFileError& error) {
     raise_os(EINVAL, error.what());
   } catch (const std::system_error& error) {

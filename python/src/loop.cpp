@@ -9,6 +9,7 @@
 #include "calls.h"
 #include "errors.h"
 #include "gliss/engine/engine.h"
+#include "gliss/haply/haply_device.h"
 #include "gliss/scene/open_scene.h"
 #include "gliss/scene/session.h"
 #include "options.h"
@@ -79,7 +80,11 @@ class Loop {
       };
       opening.poll = poll;
       const std::vector<SceneObject> objects = open_objects(scene, opening);
-      device_ = tools::open_device(device, scene, poll, realtime);
+      device_ = open_device(device, scene,
+                            {.poll = poll,
+                             .realtime = realtime,
+                             .open_other = open_haply,
+                             .other_words = kHaplyWords});
       if (!wait && device_->info().real_time)
         throw py::value_error(fmt::format("wait: {} lives in real time", device_->info().name));
       LoopOptions rules = loop_options(scene, device_->info());

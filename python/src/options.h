@@ -10,7 +10,7 @@
 
 #include "gliss/query/effects.h"
 #include "gliss/query/query.h"
-#include "tools/cli/engine_choice.h"
+#include "gliss/surface/names.h"
 
 namespace gliss::python {
 
@@ -39,7 +39,8 @@ std::int64_t whole_number(const py::dict& options, const char* name);
 
 template <class Value, std::size_t count>
 Value choice(const char* name, const std::string& wanted, const Named<Value> (&names)[count]) {
-  return tools::parse_name(name, wanted, names);
+  if (const auto value = find_named(names, wanted)) return *value;
+  throw py::value_error(std::string(name) + ": '" + wanted + "' is not one of " + listed(names));
 }
 
 // The options of Surface.trace and Surface.hand.

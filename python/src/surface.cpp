@@ -17,6 +17,7 @@
 #include "gliss/mesh/rounding.h"
 #include "gliss/mesh/topology.h"
 #include "options.h"
+#include "tools/cli/engine_choice.h"
 #include "tools/cli/lengths.h"
 
 namespace gliss::python {

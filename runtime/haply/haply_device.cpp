@@ -1,8 +1,10 @@
 #include "gliss/haply/haply_device.h"
 
 #include <stdexcept>
+#include <string_view>
 
 #include "gliss/device/guard.h"
+#include "gliss/device/port.h"
 #include "gliss/haply/haply_link.h"
 
 namespace gliss {
@@ -49,6 +51,19 @@ std::uint64_t HaplyDevice::malformed() const noexcept {
 std::vector<std::string> HaplyDevice::refusals() const {
   if (link_->refused().empty()) return {};
   return {"haply's thread: " + link_->refused()};
+}
+
+std::unique_ptr<HapticDevice> open_haply(const std::string& words, int priority) {
+  constexpr std::string_view kBegin = "haply:";
+  HaplyOptions options;
+  options.priority = priority;
+  if (words == "haply") return std::make_unique<HaplyDevice>(options);
+  if (!words.starts_with(kBegin) || words == kBegin) return nullptr;
+  const std::string where = words.substr(kBegin.size());
+  const auto colon = where.rfind(':');
+  options.host = where.substr(0, colon);
+  if (colon != where.npos) options.port = detail::parse_port("haply", where.substr(colon + 1));
+  return std::make_unique<HaplyDevice>(options);
 }
 
 }  // namespace gliss

@@ -77,4 +77,11 @@ class GLISS_EXPORT HaplyDevice final : public HapticDevice {
   std::unique_ptr<HaplyLink> link_;
 };
 
+// The words that open_haply() knows; the port is that of HaplyOptions unless it is named.
+inline constexpr char kHaplyWords[] = "haply, haply:HOST or haply:HOST:PORT";
+
+// Opens the device that these words name, with HaplyOptions::priority; null where they name none.
+// Throws as HaplyDevice does.
+GLISS_EXPORT std::unique_ptr<HapticDevice> open_haply(const std::string& words, int priority);
+
 }  // namespace gliss

@@ -12,8 +12,8 @@
 #include "tools/cli/curvature.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/outputs.h"
-#include "tools/cli/run_devices.h"
 #include "tools/cli/run_progress.h"
+#include "tools/cli/scene_device.h"
 #include "tools/cli/slips.h"
 #include "tools/cli/surface_input.h"
 #include "tools/cli/terminal.h"
@@ -34,8 +34,7 @@ struct RunOptions : ReportOptions {
 
 void describe(Command& command, RunOptions& options) {
   add_scene_option(command, options.scene, "scene file (.toml)");
-  command.option({"--device", "DEVICE", std::string(kDeviceWords) + "; default sim"},
-                 options.device);
+  add_device_option(command, options.device);
   command.flag("--no-wait", options.no_wait,
                "run ticks as fast as possible, in simulated time; for sim and replay");
   command.option({"--seconds", "SECONDS", "end after this time; default: when the device ends"},
@@ -384,7 +383,7 @@ void run(const RunOptions& options) {
   check_outputs({options.recording, options.summary}, inputs);
   const std::vector<SceneObject> objects = open_objects(scene, options);
   tell_odd_objects(options, scene, objects);
-  const auto device = open_device(options.device, scene, stop_if_interrupted);
+  const auto device = open_scene_device(options.device, scene);
   LoopOptions rules = loop_options(scene, device->info());
   tell_swinging_hand(options, scene, rules);
   if (options.no_wait && device->info().real_time)

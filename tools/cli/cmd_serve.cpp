@@ -7,7 +7,7 @@
 #include "gliss/thread/realtime.h"
 #include "tools/cli/command.h"
 #include "tools/cli/interrupt.h"
-#include "tools/cli/run_devices.h"
+#include "tools/cli/scene_device.h"
 #include "tools/cli/terminal.h"
 #include "tools/cli/watch.h"
 
@@ -23,8 +23,7 @@ struct ServeOptions : ReportOptions {
 
 void describe(Command& command, ServeOptions& options) {
   add_scene_option(command, options.scene, "scene file (.toml): its [sim] and [device]");
-  command.option({"--device", "DEVICE", std::string(kDeviceWords) + "; default sim"},
-                 options.device);
+  add_device_option(command, options.device);
   command.option({"--port", "PORT", "UDP port on 127.0.0.1; 0: any free one; default 10002"},
                  options.port, 0, 65535);
   command.option({"--seconds", "SECONDS", "end after this time; default: when interrupted"},
@@ -36,7 +35,7 @@ void describe(Command& command, ServeOptions& options) {
 
 void run(const ServeOptions& options) {
   const Scene scene = read_scene(options.scene, stop_if_interrupted);
-  const auto device = open_device(options.device, scene, stop_if_interrupted);
+  const auto device = open_scene_device(options.device, scene);
   UdpServerOptions limits;
   limits.guard = scene.loop.guard;
   limits.guard->max_force = std::min(limits.guard->max_force, scene.max_force);

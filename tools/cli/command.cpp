@@ -318,6 +318,8 @@ Level parse_level(const std::string& option, const std::string& name) {
 std::unique_ptr<Engine> make_engine(const CommonOptions& options) {
   if (options.has_old_device && !options.quiet)
     tell("gliss: --device: the OpenCL device is --opencl-device now; the old name will go\n");
+  if (options.names_device_in_vain())
+    throw InputError("--opencl-device and --device-memory ask for --backend opencl or auto");
   return make_engine(options, stop_if_interrupted, [&options](const std::string& line) {
     if (!options.quiet) tell(fmt::format("gliss: {}\n", line));
   });

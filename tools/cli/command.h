@@ -91,6 +91,14 @@ void add_solver_options(Command& command, SolverOptions& options);
 void add_step_options(Command& command, SolverOptions& options);
 void add_methods_option(Command& command, std::vector<Method>& methods);
 
+// Throws InputError that lists the names where `wanted` is none of them.
+template <class Value, std::size_t count>
+Value parse_name(const std::string& option, const std::string& wanted,
+                 const Named<Value> (&names)[count]) {
+  if (const auto value = find_named(names, wanted)) return *value;
+  throw InputError(option + ": '" + wanted + "' is not one of " + listed(names));
+}
+
 // Words between commas, each once.
 template <class Parse>
 auto parse_list(const std::string& option, const std::string& text, Parse parse) {

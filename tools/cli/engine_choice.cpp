@@ -1,14 +1,19 @@
 #include "tools/cli/engine_choice.h"
 
+#include <stdexcept>
+
 #include "gliss/engine/opencl.h"
 
 namespace gliss::tools {
 
+bool EngineChoice::names_device_in_vain() const {
+  return backend != "opencl" && backend != "auto" && (!device.empty() || device_memory > 0);
+}
+
 std::unique_ptr<Engine> make_engine(const EngineChoice& choice, const std::function<void()>& poll,
                                     const std::function<void(const std::string&)>& notice) {
-  const bool device = choice.backend == "opencl" || choice.backend == "auto";
-  if (!device && (!choice.device.empty() || choice.device_memory > 0))
-    throw InputError("--opencl-device and --device-memory ask for --backend opencl or auto");
+  if (choice.names_device_in_vain())
+    throw std::invalid_argument("an OpenCL device is for the backends opencl and auto");
   if (choice.backend == "serial") return make_serial_engine(poll);
   if (choice.backend == "tbb") return make_tbb_engine(choice.threads, poll);
   OpenClOptions opencl;

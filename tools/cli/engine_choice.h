@@ -7,7 +7,6 @@
 
 #include "gliss/engine/engine.h"
 #include "gliss/surface/names.h"
-#include "tools/cli/command_line.h"
 
 namespace gliss::tools {
 
@@ -19,19 +18,14 @@ struct EngineChoice {
   std::string backend = "tbb";  // of kBackendNames
   std::string device;           // of opencl and auto
   int device_memory = 0;        // MiB; 0: as OpenClOptions has it
+
+  // True if a device is asked for, of which the backend has none.
+  bool names_device_in_vain() const;
 };
 
-// `poll` as Engine has it, `notice` as OpenClOptions has it. Throws InputError for a device that no
-// backend asks for, DeviceError where there is none.
+// `poll` as Engine has it, `notice` as OpenClOptions has it. Throws std::invalid_argument for
+// a device that is named in vain, DeviceError where there is none.
 std::unique_ptr<Engine> make_engine(const EngineChoice& choice, const std::function<void()>& poll,
                                     const std::function<void(const std::string&)>& notice);
-
-// Throws InputError that lists the names where `wanted` is none of them.
-template <class Value, std::size_t count>
-Value parse_name(const std::string& option, const std::string& wanted,
-                 const Named<Value> (&names)[count]) {
-  if (const auto value = find_named(names, wanted)) return *value;
-  throw InputError(option + ": '" + wanted + "' is not one of " + listed(names));
-}
 
 }  // namespace gliss::tools

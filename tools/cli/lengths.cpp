@@ -2,8 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <stdexcept>
+
 #include "gliss/base/units.h"
-#include "tools/cli/command_line.h"
 
 namespace gliss::tools {
 
@@ -27,7 +28,7 @@ void check_depths(const std::string& option, std::span<const double> depths,
   const double across = diagonal_of(cache.bounds()) * cache.unit;
   for (const double depth : depths) {
     if (depth <= across) continue;
-    throw InputError(
+    throw std::invalid_argument(
         fmt::format("{}: a depth of {} is more than the {} that the surface is across; a bare "
                     "number is metres, and '2mm' is two millimetres",
                     option, length_text(depth), length_text(across)));

@@ -3,19 +3,21 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <stdexcept>
+#include <string_view>
 
+#include "gliss/device/port.h"
 #include "gliss/device/replay_device.h"
 #include "gliss/device/udp_device.h"
-#include "gliss/haply/haply_device.h"
 #include "gliss/tables/point_table.h"
-#include "tools/cli/command_line.h"
 
-namespace gliss::tools {
+namespace gliss {
 namespace {
 
-std::unique_ptr<HapticDevice> open_sim(const Scene& scene) {
+std::unique_ptr<HapticDevice> open_sim(const Scene& scene, const DeviceOpening& opening) {
   if (!scene.sim)
-    throw InputError("--device sim: the scene has no [sim] with waypoints, the way of the hand");
+    throw std::invalid_argument(fmt::format(
+        "{} sim: the scene has no [sim] with waypoints, the way of the hand", opening.name));
   return std::make_unique<SimDevice>(scene.sim_path, *scene.sim);
 }
 
@@ -30,18 +32,19 @@ std::unique_ptr<HapticDevice> open_replay(const std::string& file,
     return std::make_unique<ReplayDevice>(points_in_metres(std::move(path)), "replay:" + file,
                                           std::move(turns), std::move(velocities));
   } catch (const std::runtime_error& error) {  // also where there is no such file
-    throw InputError(error.what());
+    throw std::invalid_argument(error.what());
   }
 }
 
-std::unique_ptr<HapticDevice> open_haply(const std::string& where, int priority) {
-  HaplyOptions options;
-  options.priority = priority;
-  const auto colon = where.rfind(':');
-  if (!where.empty()) options.host = where.substr(0, colon);
-  if (colon != std::string::npos)
-    options.port = parse_number<std::uint16_t>("--device haply", where.substr(colon + 1));
-  return std::make_unique<HaplyDevice>(options);
+// Null where there is no such device.
+std::unique_ptr<HapticDevice> open_other(const std::string& words, const Scene& scene,
+                                         const DeviceOpening& opening) {
+  if (!opening.open_other) return nullptr;
+  try {
+    return opening.open_other(words, opening.realtime ? std::min(scene.priority + 1, 99) : 0);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(fmt::format("{} {}", opening.name, error.what()));
+  }
 }
 
 }  // namespace
@@ -52,17 +55,17 @@ std::string replayed_file(const std::string& words) {
 }
 
 std::unique_ptr<HapticDevice> open_device(const std::string& words, const Scene& scene,
-                                          const std::function<void()>& poll, bool realtime) {
-  const auto colon = words.find(':');
-  const std::string kind = words.substr(0, colon);
-  const std::string rest = colon == std::string::npos ? "" : words.substr(colon + 1);
-  if (words == "sim") return open_sim(scene);
-  if (!replayed_file(words).empty()) return open_replay(rest, poll);
-  if (kind == "udp" && !rest.empty())
-    return std::make_unique<UdpDevice>(parse_number<std::uint16_t>("--device udp", rest));
-  if (kind == "haply" && (words == kind || !rest.empty()))
-    return open_haply(rest, realtime ? std::min(scene.priority + 1, 99) : 0);
-  throw InputError(fmt::format("--device: '{}' is not one of {}", words, kDeviceWords));
+                                          const DeviceOpening& opening) {
+  constexpr std::string_view kUdp = "udp:";
+  if (words == "sim") return open_sim(scene, opening);
+  if (const auto file = replayed_file(words); !file.empty()) return open_replay(file, opening.poll);
+  if (words.starts_with(kUdp) && words != kUdp)
+    return std::make_unique<UdpDevice>(
+        detail::parse_port(opening.name + " udp", words.substr(kUdp.size())));
+  if (auto device = open_other(words, scene, opening)) return device;
+  throw std::invalid_argument(fmt::format("{}: '{}' is not one of {}{}{}", opening.name, words,
+                                          kDeviceWords, opening.other_words.empty() ? "" : ", ",
+                                          opening.other_words));
 }
 
-}  // namespace gliss::tools
+}  // namespace gliss
