@@ -58,6 +58,7 @@
 #include "gliss/query/tick_time.h"
 #include "gliss/query/trace.h"
 #include "gliss/query/work.h"
+#include "gliss/scene/open_device.h"
 #include "gliss/scene/open_scene.h"
 #include "gliss/scene/recorder.h"
 #include "gliss/scene/scene.h"

@@ -21,7 +21,7 @@ with tempfile.TemporaryDirectory() as folder:
     with tarfile.open(packed) as archive:
         archive.extractall(folder)
     source = pathlib.Path(folder, packed.name.removesuffix(".tar.gz"))
-    needed = [file.relative_to(root) for part in ("kernels", "host", "runtime", "tools/cli", "python/src", "python/gliss")
+    needed = [file.relative_to(root) for part in ("kernels", "host", "runtime", "python/src", "python/gliss")
               for file in (root / part).rglob("*") if file.is_file() and "__pycache__" not in file.parts]
     absent = [str(file) for file in needed if not (source / file).is_file()]
     assert len(needed) > 300 and not absent, absent

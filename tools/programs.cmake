@@ -17,18 +17,23 @@ else()
   target_link_libraries(gliss_whole INTERFACE gliss_study gliss_scene gliss_haply)
 endif()
 
+# What the program and the Python package have in common.
+add_library(gliss_results STATIC $<TARGET_OBJECTS:room_results>)
+set_target_properties(gliss_results PROPERTIES LINKER_LANGUAGE CXX)
+target_link_libraries(gliss_results PUBLIC gliss_whole nlohmann_json::nlohmann_json fmt::fmt)
+
 # The commands, which the programs have in common.
 file(GLOB tool_sources CONFIGURE_DEPENDS tools/cli/*.cpp tools/report/*.cpp)
 list(FILTER tool_sources EXCLUDE REGEX "/gliss.cpp$")
 add_library(gliss_commands OBJECT ${tool_sources})
 target_compile_definitions(gliss_commands PRIVATE GLISS_VERSION="${PROJECT_VERSION}")
 target_include_directories(gliss_commands PUBLIC ${CMAKE_CURRENT_SOURCE_DIR})
-target_link_libraries(gliss_commands PUBLIC gliss_whole gliss_options fmt::fmt
-  PRIVATE CLI11::CLI11 nlohmann_json::nlohmann_json)
+target_link_libraries(gliss_commands PUBLIC gliss_results gliss_options
+  PRIVATE CLI11::CLI11)
 target_precompile_headers(gliss_commands PRIVATE ${common_headers} <fmt/format.h> <nlohmann/json.hpp>)
 add_executable(gliss tools/cli/gliss.cpp)
 install(TARGETS gliss OPTIONAL)  # some builds are of the libraries alone
-target_link_libraries(gliss PRIVATE gliss_commands nlohmann_json::nlohmann_json)
+target_link_libraries(gliss PRIVATE gliss_commands)
 
 # gliss-mpi, the same on the ranks of an MPI job. gliss itself never needs MPI.
 if(NOT GLISS_SANITIZE AND NOT GLISS_FUZZ)
@@ -58,7 +63,7 @@ elseif(GLISS_MPI)
   else()
     message(STATUS "No HDF5 with MPI (libhdf5-openmpi-dev, pkg-config): rank 0 of gliss-mpi writes results alone")
   endif()
-  target_link_libraries(gliss_mpi PRIVATE gliss_commands nlohmann_json::nlohmann_json MPI::MPI_CXX)
+  target_link_libraries(gliss_mpi PRIVATE gliss_commands MPI::MPI_CXX)
   install(TARGETS gliss_mpi OPTIONAL)
 elseif(NOT MPI_FOUND)
   message(STATUS "No MPI: gliss-mpi is left out")

@@ -9,10 +9,10 @@
 #include "gliss/build/cache_mesh.h"
 #include "gliss/compare/compare_mesh.h"
 #include "gliss/compare/recommend.h"
+#include "gliss/results/compare_json.h"
 #include "json.h"
 #include "options.h"
 #include "surface.h"
-#include "tools/cli/compare_json.h"
 
 namespace gliss::python {
 namespace {
@@ -69,7 +69,7 @@ py::object compare(const OpenSurface& opened, const py::dict& options) {
   const CompareBudget budget{budget_of(options, "max_force_error"), budget_of(options, "max_tick"),
                              budget_of(options, "max_memory")};
   const Progress progress(options["progress"]);
-  const tools::Json json = released([&] {
+  const Json json = released([&] {
     const ComparedMesh compared(opened.mesh ? *opened.mesh : mesh_of(*opened.cache));
     const PatchCache surface = opened.engine->build(compared.mesh, {});
     MeshComparisonOptions how = how_asked;
@@ -80,7 +80,7 @@ py::object compare(const OpenSurface& opened, const py::dict& options) {
     const auto step = [&] { progress.reach(++done, total); };
     const std::vector<CompareRow> rows = comparison.measure(step);
     const auto dense = match_dense(comparison, rows, dense_limit, step);
-    return tools::json_of(how, comparison, rows, dense, recommend(rows, budget));
+    return json_of(how, comparison, rows, dense, recommend(rows, budget));
   });
   return python_of(json);
 }

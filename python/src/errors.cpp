@@ -10,10 +10,10 @@
 #include "gliss/engine/opencl.h"
 #include "gliss/files/cache_file.h"
 #include "gliss/files/open_file.h"
+#include "gliss/results/finding_json.h"
 #include "gliss/scene/scene.h"
 #include "gliss/thread/realtime.h"
 #include "json.h"
-#include "tools/cli/finding_json.h"
 
 namespace gliss::python {
 namespace {
@@ -67,8 +67,8 @@ void translate(std::exception_ptr thrown) {
 }  // namespace
 
 py::list list_of(const std::vector<Finding>& findings) {
-  tools::Json list = tools::Json::array();
-  for (const Finding& finding : findings) list.push_back(tools::json_of(finding));
+  Json list = Json::array();
+  for (const Finding& finding : findings) list.push_back(json_of(finding));
   return python_of(list);
 }
 

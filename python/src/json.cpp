@@ -2,8 +2,8 @@
 
 namespace gliss::python {
 
-pybind11::object python_of(const tools::Json& json) {
-  const auto text = json.dump(-1, ' ', false, tools::Json::error_handler_t::replace);
+pybind11::object python_of(const Json& json) {
+  const auto text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
   return pybind11::module_::import("json").attr("loads")(text);
 }
 

@@ -3,10 +3,10 @@
 
 #include <pybind11/pybind11.h>
 
-#include "tools/cli/json.h"
+#include "gliss/results/json.h"
 
 namespace gliss::python {
 
-pybind11::object python_of(const tools::Json& json);
+pybind11::object python_of(const Json& json);
 
 }  // namespace gliss::python

@@ -10,11 +10,11 @@
 #include "errors.h"
 #include "gliss/engine/engine.h"
 #include "gliss/haply/haply_device.h"
+#include "gliss/scene/open_device.h"
 #include "gliss/scene/open_scene.h"
 #include "gliss/scene/session.h"
 #include "options.h"
 #include "surface.h"
-#include "tools/cli/run_devices.h"
 
 namespace gliss::python {
 namespace {

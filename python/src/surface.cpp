@@ -11,14 +11,14 @@
 #include "errors.h"
 #include "gliss/base/units.h"
 #include "gliss/build/cache_mesh.h"
+#include "gliss/engine/engine_choice.h"
 #include "gliss/files/cache_file.h"
 #include "gliss/files/mesh_file.h"
 #include "gliss/mesh/creases.h"
 #include "gliss/mesh/rounding.h"
 #include "gliss/mesh/topology.h"
+#include "gliss/results/lengths.h"
 #include "options.h"
-#include "tools/cli/engine_choice.h"
-#include "tools/cli/lengths.h"
 
 namespace gliss::python {
 namespace {
@@ -33,7 +33,7 @@ struct Opening {
   std::optional<Precision> precision;
   std::optional<Level> level;
   std::optional<Construction> construction;
-  tools::EngineChoice engine;
+  EngineChoice engine;
 };
 
 double unit_of(py::handle value) {
@@ -85,14 +85,16 @@ Opening opening_of(const py::dict& options) {
   if (threads < 0 || threads > 4096)
     throw py::value_error(fmt::format("threads: {} is not from 0 to 4096", threads));
   opening.engine.threads = static_cast<int>(threads);
-  opening.engine.backend = choice("backend", text(options, "backend"), tools::kBackendNames);
+  opening.engine.backend = choice("backend", text(options, "backend"), kBackendNames);
   opening.engine.device = text(options, "opencl_device");
+  if (opening.engine.names_device_in_vain())
+    throw py::value_error("opencl_device: only the backends opencl and auto have one");
   return opening;
 }
 
 std::shared_ptr<OpenSurface> begin(const Opening& opening) {
   const auto surface = std::make_shared<OpenSurface>();
-  surface->engine = tools::make_engine(opening.engine, poll, nullptr);
+  surface->engine = make_engine(opening.engine, poll, nullptr);
   surface->crease_radius = opening.crease_radius;
   return surface;
 }
@@ -132,8 +134,8 @@ void read(OpenSurface& surface, const Opening& opening) {
       load_cache_of(surface.path, {opening.precision, opening.level, opening.construction}, poll));
   if (opening.has_unit && surface.cache->unit != opening.load.unit)
     throw py::value_error(fmt::format("{}: the unit of this cache is {}, not {}", surface.path,
-                                      tools::unit_name(surface.cache->unit),
-                                      tools::unit_name(opening.load.unit)));
+                                      unit_name(surface.cache->unit),
+                                      unit_name(opening.load.unit)));
 }
 
 std::shared_ptr<OpenSurface> load(const std::string& path, const py::dict& options) {

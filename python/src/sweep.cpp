@@ -7,13 +7,13 @@
 
 #include "arrays.h"
 #include "calls.h"
+#include "gliss/results/lengths.h"
+#include "gliss/results/sweep_files.h"
+#include "gliss/results/sweep_json.h"
 #include "gliss/sweep/sweep_parts.h"
 #include "json.h"
 #include "options.h"
 #include "surface.h"
-#include "tools/cli/lengths.h"
-#include "tools/cli/sweep_files.h"
-#include "tools/cli/sweep_statistics.h"
 
 namespace gliss::python {
 namespace {
@@ -21,7 +21,7 @@ namespace {
 SweepOptions grid_of(const OpenSurface& surface, py::handle depth, const py::dict& options) {
   SweepOptions grid;
   grid.depths = depths(depth);
-  tools::check_depths("depth", grid.depths, *surface.cache);
+  check_depths("depth", grid.depths, *surface.cache);
   grid.methods.clear();
   for (const py::handle name : options["methods"])
     grid.methods.push_back(choice("methods", py::str(name).cast<std::string>(), kMethodNames));
@@ -42,7 +42,7 @@ SweepOptions grid_of(const OpenSurface& surface, py::handle depth, const py::dic
 
 py::dict histograms_of(const SweepStatistics& statistics) {
   py::dict out;
-  for (const auto& [name, unit, histogram] : tools::kHistograms) {
+  for (const auto& [name, unit, histogram] : kHistograms) {
     const auto& bins = (statistics.*histogram).bins();
     out[name] = py::array_t<std::uint64_t>(static_cast<py::ssize_t>(bins.size()), bins.data());
   }
@@ -52,11 +52,11 @@ py::dict histograms_of(const SweepStatistics& statistics) {
 py::dict sweep(const OpenSurface& surface, py::handle depth, const py::dict& options) {
   const SweepOptions grid = grid_of(surface, depth, options);
   const auto output = text(options, "output"), folder = text(options, "parts");
-  const tools::Provenance provenance{text(options, "command_line"), surface.path,
-                                     surface.cache->unit, surface.crease_radius};
+  const Provenance provenance{text(options, "command_line"), surface.path, surface.cache->unit,
+                              surface.crease_radius};
   const Progress progress(options["progress"]);
   const SweepResult result = released([&] {
-    std::optional<tools::SampleFile> file;
+    std::optional<SampleFile> file;
     if (!output.empty()) file.emplace(output, *surface.cache, grid, provenance);
     std::optional<SweepParts> parts;
     if (!folder.empty()) parts.emplace(folder, *surface.cache, grid, file.has_value());
@@ -75,7 +75,7 @@ py::dict sweep(const OpenSurface& surface, py::handle depth, const py::dict& opt
   });
   py::list statistics, histograms;
   for (const SweepStatistics& s : result.statistics) {
-    statistics.append(python_of(tools::json_of(s)));
+    statistics.append(python_of(json_of(s)));
     histograms.append(histograms_of(s));
   }
   NewArray<double> edges(Histogram::kBins);
@@ -93,10 +93,10 @@ py::dict sweep(const OpenSurface& surface, py::handle depth, const py::dict& opt
 
 void bind_sweep(py::module_& module) {
   module.def("sweep", sweep);
-  module.def("unit_name", tools::unit_name);
+  module.def("unit_name", unit_name);
   module.def("depth_names", [](py::handle list) {
     std::vector<std::string> names;
-    for (const double depth : depths(list)) names.push_back(tools::depth_name(depth));
+    for (const double depth : depths(list)) names.push_back(depth_name(depth));
     return names;
   });
 }

@@ -12,11 +12,11 @@
 #include "calls.h"
 #include "gliss/query/contact_tracker.h"
 #include "gliss/query/trace.h"
+#include "gliss/results/trace_json.h"
 #include "gliss/tables/point_table.h"
 #include "json.h"
 #include "options.h"
 #include "surface.h"
-#include "tools/cli/trace_json.h"
 
 namespace gliss::python {
 namespace {
@@ -49,7 +49,7 @@ class TickArrays {
 };
 
 py::object figures_of(const TraceStatistics& statistics) {
-  tools::Json json = tools::json_of(statistics);
+  Json json = json_of(statistics);
   json["slipping"] = statistics.slipping;
   return python_of(json);
 }

@@ -72,7 +72,7 @@ SLIPS = [  # the call, the error, and words of its text
     (lambda s: gliss.Surface(CUBE, QUADS, crease="none", crease_radius="1mm"), ValueError, "add which edges it rounds"),
     (lambda s: gliss.Surface(CUBE, QUADS, crease="sharp"), ValueError, "sharp"),
     (lambda s: gliss.Surface(CUBE, QUADS, backend="opencl", opencl_device="no such"), gliss.DeviceError, "no such"),
-    (lambda s: gliss.Surface(CUBE, QUADS, opencl_device="some"), ValueError, "opencl-device"),
+    (lambda s: gliss.Surface(CUBE, QUADS, opencl_device="some"), ValueError, "opencl_device: only the backends"),
     (lambda s: gliss.load("/nowhere.obj"), FileNotFoundError, "there is no file '/nowhere.obj'"),
     (lambda s: gliss.load("/dev"), IsADirectoryError, "'/dev' is a folder"),
     (lambda s: gliss.load(3), TypeError, ""),

@@ -8,10 +8,10 @@
 
 #include "gliss/build/build_cache.h"
 #include "gliss/files/mesh_file.h"
+#include "gliss/results/finding_json.h"
 #include "gliss/surface/names.h"
 #include "gliss/walk/fidelity.h"
 #include "tools/cli/curvature.h"
-#include "tools/cli/finding_json.h"
 #include "tools/cli/slips.h"
 #include "tools/cli/surface_input.h"
 #include "tools/cli/watch.h"

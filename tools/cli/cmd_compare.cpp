@@ -8,7 +8,7 @@
 #include "gliss/build/build_cache.h"
 #include "gliss/compare/compare_mesh.h"
 #include "gliss/generate/generate.h"
-#include "tools/cli/compare_json.h"
+#include "gliss/results/compare_json.h"
 #include "tools/cli/compare_picture.h"
 #include "tools/cli/compare_report.h"
 #include "tools/cli/curvature.h"

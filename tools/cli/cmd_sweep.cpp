@@ -8,6 +8,8 @@
 
 #include "gliss/base/units.h"
 #include "gliss/files/atomic_file.h"
+#include "gliss/results/sweep_files.h"
+#include "gliss/results/sweep_json.h"
 #include "gliss/sweep/sweep_parts.h"
 #include "gliss/tables/file_seal.h"
 #include "gliss/tables/input_table.h"
@@ -15,9 +17,7 @@
 #include "tools/cli/parted_work.h"
 #include "tools/cli/slips.h"
 #include "tools/cli/surface_input.h"
-#include "tools/cli/sweep_files.h"
 #include "tools/cli/sweep_report.h"
-#include "tools/cli/sweep_statistics.h"
 #include "tools/cli/terminal.h"
 #include "tools/cli/watch.h"
 

@@ -5,12 +5,12 @@
 #include <cmath>
 
 #include "gliss/query/trace.h"
+#include "gliss/results/trace_json.h"
 #include "gliss/tables/result_table.h"
 #include "tools/cli/curvature.h"
 #include "tools/cli/outputs.h"
 #include "tools/cli/slips.h"
 #include "tools/cli/surface_input.h"
-#include "tools/cli/trace_json.h"
 #include "tools/cli/watch.h"
 
 namespace gliss::tools {

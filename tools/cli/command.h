@@ -10,15 +10,15 @@
 #include <vector>
 
 #include "gliss/base/stopwatch.h"
+#include "gliss/engine/engine_choice.h"
 #include "gliss/engine/opencl.h"
 #include "gliss/mesh/creases.h"
 #include "gliss/query/effects.h"
+#include "gliss/results/json.h"
 #include "gliss/surface/names.h"
 #include "gliss/sweep/sweep.h"
 #include "gliss/validate/validate.h"
 #include "tools/cli/command_line.h"
-#include "tools/cli/engine_choice.h"
-#include "tools/cli/json.h"
 
 namespace gliss::tools {
 

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "gliss/results/compare_json.h"
 #include "gliss/surface/names.h"
 #include "tools/cli/command.h"
-#include "tools/cli/compare_json.h"
 
 namespace gliss::tools {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "tools/cli/lengths.h"
+#include "gliss/results/lengths.h"
 #include "tools/cli/terminal.h"
 
 namespace gliss::tools {

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "gliss/results/json.h"
 #include "gliss/sweep/part_folder.h"
 #include "tools/cli/command.h"
-#include "tools/cli/json.h"
 #include "tools/cli/shard.h"
 #include "tools/cli/team.h"
 #include "tools/cli/team_member.h"

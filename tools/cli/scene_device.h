@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 
+#include "gliss/scene/open_device.h"
 #include "tools/cli/command.h"
-#include "tools/cli/run_devices.h"
 
 namespace gliss::tools {
 

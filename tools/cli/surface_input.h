@@ -6,12 +6,12 @@
 
 #include "gliss/base/units.h"
 #include "gliss/build/build_cache.h"
+#include "gliss/results/described_file.h"
+#include "gliss/results/lengths.h"
 #include "gliss/tables/point_table.h"
 #include "gliss/tables/result_table.h"
 #include "gliss/validate/validate.h"
 #include "tools/cli/command.h"
-#include "tools/cli/described_file.h"
-#include "tools/cli/lengths.h"
 
 namespace gliss::tools {
 

@@ -4,8 +4,8 @@
 
 #include <optional>
 
+#include "gliss/results/sweep_json.h"
 #include "tools/cli/command.h"
-#include "tools/cli/sweep_statistics.h"
 
 namespace gliss::tools {
 

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <functional>
 
+#include "gliss/results/json.h"
 #include "gliss/sweep/part_folder.h"
-#include "tools/cli/json.h"
 #include "tools/cli/team.h"
 
 namespace gliss::tools {

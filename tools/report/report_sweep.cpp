@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "tools/cli/sweep_statistics.h"
+#include "gliss/results/sweep_json.h"
 #include "tools/report/report_data.h"
 #include "tools/report/report_source.h"
 

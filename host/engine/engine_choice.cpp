@@ -1,10 +1,10 @@
-#include "tools/cli/engine_choice.h"
+#include "gliss/engine/engine_choice.h"
 
 #include <stdexcept>
 
 #include "gliss/engine/opencl.h"
 
-namespace gliss::tools {
+namespace gliss {
 
 bool EngineChoice::names_device_in_vain() const {
   return backend != "opencl" && backend != "auto" && (!device.empty() || device_memory > 0);
@@ -26,4 +26,4 @@ std::unique_ptr<Engine> make_engine(const EngineChoice& choice, const std::funct
   return make_opencl_engine(opencl);
 }
 
-}  // namespace gliss::tools
+}  // namespace gliss

@@ -2,11 +2,11 @@
 #pragma once
 
 #include "gliss/query/trace.h"
-#include "tools/cli/json.h"
+#include "gliss/results/json.h"
 
-namespace gliss::tools {
+namespace gliss {
 
 // Without `slipping`, which means something with friction.
 Json json_of(const TraceStatistics& statistics);
 
-}  // namespace gliss::tools
+}  // namespace gliss

@@ -6,10 +6,10 @@
 
 #include "gliss/compare/compare_mesh.h"
 #include "gliss/compare/recommend.h"
+#include "gliss/results/json.h"
 #include "gliss/tables/result_file.h"
-#include "tools/cli/json.h"
 
-namespace gliss::tools {
+namespace gliss {
 
 inline constexpr double kMillimetresASecond = 1e6;  // in metres a tick of 1 ms
 
@@ -21,4 +21,4 @@ Json json_of(const MeshComparisonOptions& how, const Comparison& comparison,
 // Writes the rows as a table of that name.
 void write_rows(ResultFile& file, const std::string& name, const std::vector<CompareRow>& rows);
 
-}  // namespace gliss::tools
+}  // namespace gliss

@@ -3,10 +3,10 @@
 
 #include <string>
 
+#include "gliss/results/json.h"
 #include "gliss/sweep/sweep.h"
-#include "tools/cli/json.h"
 
-namespace gliss::tools {
+namespace gliss {
 
 // The distributions of a depth and method, by the names that files and tables give them.
 struct NamedHistogram {
@@ -23,4 +23,4 @@ std::string depth_name(double depth);  // "2mm"
 
 Json json_of(const SweepStatistics& statistics);
 
-}  // namespace gliss::tools
+}  // namespace gliss

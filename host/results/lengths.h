@@ -6,7 +6,7 @@
 
 #include "gliss/surface/patch_cache.h"
 
-namespace gliss::tools {
+namespace gliss {
 
 std::string unit_name(double unit);      // "mm"; "0.5 m" where it has no name
 std::string length_text(double metres);  // "1.23 mm"
@@ -17,4 +17,4 @@ double diagonal_of(const Box& box);
 void check_depths(const std::string& option, std::span<const double> depths,
                   const PatchCache& cache);
 
-}  // namespace gliss::tools
+}  // namespace gliss

@@ -8,7 +8,7 @@
 #include "gliss/engine/engine.h"
 #include "gliss/surface/names.h"
 
-namespace gliss::tools {
+namespace gliss {
 
 inline constexpr Named<const char*> kBackendNames[] = {
     {"tbb", "tbb"}, {"serial", "serial"}, {"opencl", "opencl"}, {"auto", "auto"}};
@@ -28,4 +28,4 @@ struct EngineChoice {
 std::unique_ptr<Engine> make_engine(const EngineChoice& choice, const std::function<void()>& poll,
                                     const std::function<void(const std::string&)>& notice);
 
-}  // namespace gliss::tools
+}  // namespace gliss

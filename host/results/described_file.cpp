@@ -1,11 +1,11 @@
-#include "tools/cli/described_file.h"
+#include "gliss/results/described_file.h"
 
 #include <fmt/format.h>
 
+#include "gliss/results/lengths.h"
 #include "gliss/surface/names.h"
-#include "tools/cli/lengths.h"
 
-namespace gliss::tools {
+namespace gliss {
 
 std::string hash_name(std::uint64_t hash) { return fmt::format("{:016x}", hash); }
 
@@ -31,4 +31,4 @@ std::unique_ptr<ResultFile> create_described_file(const std::string& path, const
   return file;
 }
 
-}  // namespace gliss::tools
+}  // namespace gliss

@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "gliss/base/units.h"
+#include "gliss/results/described_file.h"
 #include "gliss/sweep/sweep.h"
 #include "gliss/tables/plain_file.h"
 #include "gliss/tables/result_table.h"
-#include "tools/cli/described_file.h"
 
-namespace gliss::tools {
+namespace gliss {
 
 // HDF5: a group /depth_<d>mm/<method> for each depth and method; CSV: one table with the columns
 // depth and method in front. Coordinates are float64 where the cache is in double, forces and
@@ -81,4 +81,4 @@ class SweepPicture {
   std::vector<std::uint64_t> seen_;         // [method]
 };
 
-}  // namespace gliss::tools
+}  // namespace gliss

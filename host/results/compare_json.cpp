@@ -1,4 +1,4 @@
-#include "tools/cli/compare_json.h"
+#include "gliss/results/compare_json.h"
 
 #include <cmath>
 #include <limits>
@@ -7,7 +7,7 @@
 #include "gliss/surface/names.h"
 #include "gliss/tables/result_table.h"
 
-namespace gliss::tools {
+namespace gliss {
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi, kMicroseconds = 1e6;
@@ -174,4 +174,4 @@ void write_rows(ResultFile& file, const std::string& name, const std::vector<Com
   table.write();
 }
 
-}  // namespace gliss::tools
+}  // namespace gliss

@@ -1,10 +1,10 @@
-#include "tools/cli/sweep_statistics.h"
+#include "gliss/results/sweep_json.h"
 
 #include <fmt/format.h>
 
 #include "gliss/surface/names.h"
 
-namespace gliss::tools {
+namespace gliss {
 
 std::string depth_name(double depth) { return fmt::format("{:.9g}mm", depth * 1e3); }
 
@@ -31,4 +31,4 @@ Json json_of(const SweepStatistics& s) {
   return json;
 }
 
-}  // namespace gliss::tools
+}  // namespace gliss

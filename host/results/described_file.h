@@ -8,7 +8,7 @@
 #include "gliss/surface/patch_cache.h"
 #include "gliss/tables/result_file.h"
 
-namespace gliss::tools {
+namespace gliss {
 
 struct Provenance {
   std::string command_line;  // that makes the file
@@ -24,4 +24,4 @@ void describe_file(ResultFile& file, const PatchCache& cache, const Provenance& 
 std::unique_ptr<ResultFile> create_described_file(const std::string& path, const PatchCache& cache,
                                                   const Provenance& from);
 
-}  // namespace gliss::tools
+}  // namespace gliss

@@ -1,4 +1,4 @@
-#include "tools/cli/run_devices.h"
+#include "gliss/scene/open_device.h"
 
 #include <fmt/format.h>
 

@@ -1,6 +1,6 @@
-#include "tools/cli/finding_json.h"
+#include "gliss/results/finding_json.h"
 
-namespace gliss::tools {
+namespace gliss {
 
 const char* severity_name(Severity severity) {
   return severity == Severity::kError      ? "error"
@@ -19,4 +19,4 @@ Json json_of(const Finding& finding) {
           {"count", finding.count}};
 }
 
-}  // namespace gliss::tools
+}  // namespace gliss

@@ -1,8 +1,8 @@
-#include "tools/cli/trace_json.h"
+#include "gliss/results/trace_json.h"
 
 #include "gliss/surface/names.h"
 
-namespace gliss::tools {
+namespace gliss {
 
 Json json_of(const TraceStatistics& s) {
   return {{"method", method_name(s.method)},
@@ -22,4 +22,4 @@ Json json_of(const TraceStatistics& s) {
           {"loop_gain_error", number(s.loop_gain.error)}};
 }
 
-}  // namespace gliss::tools
+}  // namespace gliss

@@ -1,4 +1,4 @@
-#include "tools/cli/lengths.h"
+#include "gliss/results/lengths.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 
 #include "gliss/base/units.h"
 
-namespace gliss::tools {
+namespace gliss {
 
 std::string unit_name(double unit) {
   for (const char* name : {"m", "cm", "mm", "um", "nm", "in"}) {
@@ -35,4 +35,4 @@ void check_depths(const std::string& option, std::span<const double> depths,
   }
 }
 
-}  // namespace gliss::tools
+}  // namespace gliss

@@ -1,12 +1,12 @@
-#include "tools/cli/sweep_files.h"
+#include "gliss/results/sweep_files.h"
 
 #include <fmt/format.h>
 
+#include "gliss/results/lengths.h"
+#include "gliss/results/sweep_json.h"
 #include "gliss/surface/names.h"
-#include "tools/cli/lengths.h"
-#include "tools/cli/sweep_statistics.h"
 
-namespace gliss::tools {
+namespace gliss {
 namespace {
 
 // Opening and closing the columns of a table costs as much as writing some thousand rows.
@@ -203,4 +203,4 @@ void SampleFile::add_statistics(const SweepResult& result) {
     write_bins(*file_, group_name(sweep_, kind) + "/histogram", all[kind]);
 }
 
-}  // namespace gliss::tools
+}  // namespace gliss

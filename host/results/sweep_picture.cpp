@@ -6,11 +6,11 @@
 
 #include "gliss/files/atomic_file.h"
 #include "gliss/query/query.h"
+#include "gliss/results/sweep_files.h"
 #include "gliss/surface/names.h"
 #include "gliss/tables/vtp_file.h"
-#include "tools/cli/sweep_files.h"
 
-namespace gliss::tools {
+namespace gliss {
 
 SweepPicture::SweepPicture(const PatchCache& cache, const SweepOptions& sweep, double unit)
     : cache_(cache),
@@ -77,4 +77,4 @@ void SweepPicture::write_mesh(const std::string& path) const {
   write_vtp(path, data);
 }
 
-}  // namespace gliss::tools
+}  // namespace gliss
