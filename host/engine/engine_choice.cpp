@@ -10,7 +10,7 @@ bool EngineChoice::names_device_in_vain() const {
   return backend != "opencl" && backend != "auto" && (!device.empty() || device_memory > 0);
 }
 
-std::unique_ptr<Engine> make_engine(const EngineChoice& choice, const std::function<void()>& poll,
+std::unique_ptr<Engine> make_engine(const EngineChoice& choice, const Poll& poll,
                                     const std::function<void(const std::string&)>& notice) {
   if (choice.names_device_in_vain())
     throw std::invalid_argument("an OpenCL device is for the backends opencl and auto");

@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "gliss/base/poll.h"
 #include "gliss/engine/engine.h"
 #include "gliss/surface/names.h"
 
@@ -25,7 +26,7 @@ struct EngineChoice {
 
 // `poll` as Engine has it, `notice` as OpenClOptions has it. Throws std::invalid_argument for
 // a device that is named in vain, DeviceError where there is none.
-std::unique_ptr<Engine> make_engine(const EngineChoice& choice, const std::function<void()>& poll,
+std::unique_ptr<Engine> make_engine(const EngineChoice& choice, const Poll& poll,
                                     const std::function<void(const std::string&)>& notice);
 
 }  // namespace gliss

@@ -21,8 +21,7 @@ std::unique_ptr<HapticDevice> open_sim(const Scene& scene, const DeviceOpening& 
   return std::make_unique<SimDevice>(scene.sim_path, *scene.sim);
 }
 
-std::unique_ptr<HapticDevice> open_replay(const std::string& file,
-                                          const std::function<void()>& poll) {
+std::unique_ptr<HapticDevice> open_replay(const std::string& file, const Poll& poll) {
   try {
     std::vector<std::string> columns = kTurnColumns;
     columns.insert(columns.end(), kMotionColumns.begin(), kMotionColumns.end());

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "gliss/base/export.h"
+#include "gliss/base/poll.h"
 #include "gliss/device/device.h"
 #include "gliss/scene/scene.h"
 
@@ -14,8 +15,7 @@ namespace gliss {
 // Ways to open what words name.
 struct DeviceOpening {
   std::string name = "device";  // that the texts of errors give the words
-  // Asked many times a second while a file is read; what it throws ends that.
-  std::function<void()> poll = nullptr;
+  Poll poll = nullptr;          // while a file is read
   bool realtime = true;  // a thread of the device's own is scheduled above the scene's priority
   // Opens a device of another library, as open_haply() (gliss/haply/haply_device.h), whose thread
   // has this priority; null where the words name none.
