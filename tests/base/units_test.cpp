@@ -11,6 +11,8 @@ namespace gliss {
 namespace {
 
 using ::testing::HasSubstr;
+using tools::count_text, tools::duration_text, tools::finished_text, tools::LinePace,
+    tools::progress_bar, tools::progress_text;
 
 TEST(Units, LengthsAreTheNearestDouble) {
   EXPECT_EQ(parse_length("2mm"), 0.002);

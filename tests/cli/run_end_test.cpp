@@ -14,6 +14,7 @@ namespace {
 using test::Outcome, test::TextTable;
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
+using tools::count_text;
 
 class RunEnd : public test::RunTest {
  protected:

@@ -7,6 +7,7 @@
 #include "gliss/files/cache_file.h"
 #include "gliss/files/mesh_file.h"
 #include "gliss/mesh/regions.h"
+#include "tools/cli/commands.h"
 #include "tools/cli/curvature.h"
 #include "tools/cli/outputs.h"
 #include "tools/cli/slips.h"

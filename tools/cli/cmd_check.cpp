@@ -11,6 +11,7 @@
 #include "gliss/results/finding_json.h"
 #include "gliss/surface/names.h"
 #include "gliss/walk/fidelity.h"
+#include "tools/cli/commands.h"
 #include "tools/cli/curvature.h"
 #include "tools/cli/slips.h"
 #include "tools/cli/surface_input.h"

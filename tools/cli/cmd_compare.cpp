@@ -9,6 +9,7 @@
 #include "gliss/compare/compare_mesh.h"
 #include "gliss/generate/generate.h"
 #include "gliss/results/compare_json.h"
+#include "tools/cli/commands.h"
 #include "tools/cli/compare_picture.h"
 #include "tools/cli/compare_report.h"
 #include "tools/cli/curvature.h"

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "tools/cli/command.h"
+#include "tools/cli/commands.h"
 
 namespace gliss::tools {
 namespace {

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "gliss/tables/result_table.h"
+#include "tools/cli/commands.h"
 #include "tools/cli/outputs.h"
 #include "tools/cli/surface_input.h"
 #include "tools/cli/watch.h"

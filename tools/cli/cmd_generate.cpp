@@ -8,6 +8,7 @@
 #include "gliss/files/mesh_file.h"
 #include "gliss/generate/generate.h"
 #include "tools/cli/command.h"
+#include "tools/cli/commands.h"
 #include "tools/cli/watch.h"
 
 namespace gliss::tools {

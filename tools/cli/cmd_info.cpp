@@ -6,6 +6,7 @@
 
 #include "gliss/mesh/mesh_edges.h"
 #include "gliss/surface/layout.h"
+#include "tools/cli/commands.h"
 #include "tools/cli/curvature.h"
 #include "tools/cli/surface_input.h"
 

@@ -7,10 +7,13 @@
 #include <future>
 #include <memory>
 
+#include "gliss/engine/engine.h"
 #include "gliss/generate/generate.h"
 #include "gliss/loop/verdict.h"
 #include "gliss/query/contact_tracker.h"
 #include "gliss/thread/realtime.h"
+#include "tools/cli/command.h"
+#include "tools/cli/commands.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/terminal.h"
 #include "tools/cli/timing_text.h"

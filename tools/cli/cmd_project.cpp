@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "gliss/files/cache_format.h"
+#include "tools/cli/commands.h"
 #include "tools/cli/parted_work.h"
 #include "tools/cli/projection.h"
 #include "tools/cli/slips.h"

@@ -7,6 +7,8 @@
 #include <string_view>
 
 #include "gliss/files/atomic_file.h"
+#include "tools/cli/command.h"
+#include "tools/cli/commands.h"
 #include "tools/cli/outputs.h"
 #include "tools/report/report_page.h"
 #include "tools/report/report_source.h"

@@ -9,6 +9,7 @@
 #include "gliss/scene/open_scene.h"
 #include "gliss/scene/recorder.h"
 #include "gliss/scene/session.h"
+#include "tools/cli/commands.h"
 #include "tools/cli/curvature.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/outputs.h"

@@ -6,6 +6,7 @@
 #include "gliss/device/udp_server.h"
 #include "gliss/thread/realtime.h"
 #include "tools/cli/command.h"
+#include "tools/cli/commands.h"
 #include "tools/cli/interrupt.h"
 #include "tools/cli/scene_device.h"
 #include "tools/cli/terminal.h"

@@ -13,6 +13,7 @@
 #include "gliss/sweep/sweep_parts.h"
 #include "gliss/tables/file_seal.h"
 #include "gliss/tables/input_table.h"
+#include "tools/cli/commands.h"
 #include "tools/cli/curvature.h"
 #include "tools/cli/parted_work.h"
 #include "tools/cli/slips.h"

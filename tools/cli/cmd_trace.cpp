@@ -7,6 +7,7 @@
 #include "gliss/query/trace.h"
 #include "gliss/results/trace_json.h"
 #include "gliss/tables/result_table.h"
+#include "tools/cli/commands.h"
 #include "tools/cli/curvature.h"
 #include "tools/cli/outputs.h"
 #include "tools/cli/slips.h"

@@ -22,9 +22,6 @@
 namespace gliss::tools {
 namespace {
 
-// Patches without curvature have the largest double as radius, in the unit of their mesh.
-constexpr double kFlat = 1e290;
-
 double parse_weld(const std::string& text) {
   if (text == "none") return -1;
   const double length = parse_length(text);
@@ -347,41 +344,8 @@ std::string command_line_without(const std::string& option) {
   return fmt::format("{}", fmt::join(words, " "));
 }
 
-void report(const ReportOptions& options, const std::string& text, const Json& json,
-            bool table_on_stdout) {
-  if (options.quiet && !options.json) return;
-  const std::string said = options.json ? printed(json) : for_terminal(text);
-  if (table_on_stdout) return tell(said);
-  fmt::print("{}", said);
-}
-
-std::string printed(const Json& json) {
-  return json_for_terminal(json.dump(2, ' ', false, Json::error_handler_t::replace)) + "\n";
-}
-
 std::string unsound_text(std::uint64_t count, const std::string& what) {
   return count == 0 ? "" : fmt::format("{} {} are not finite\n", count, what);
 }
-
-std::string creases_text(std::size_t count) {
-  return count == 0 ? "" : fmt::format("; {} edges are creases", count);
-}
-
-std::string rounded_text(const Mesh& mesh) {
-  const std::size_t strips = mesh.strips.size(), corners = mesh.rounded_corners.size(),
-                    first = mesh.face_count() - strips - corners;
-  if (strips == 0) return "";
-  std::string text = fmt::format("; {} creases are rounded: faces {} to {} are their strips",
-                                 strips / 2, first, first + strips - 1);
-  if (corners > 0)
-    text += fmt::format(", {} to {} their corners", first + strips, mesh.face_count() - 1);
-  return text;
-}
-
-std::string radius_text(double radius) {
-  return radius < kFlat ? fmt::format("{:.4g}", radius) : "none";
-}
-
-Json radius_json(double radius) { return radius < kFlat ? Json(radius) : Json(); }
 
 }  // namespace gliss::tools

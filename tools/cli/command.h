@@ -14,24 +14,16 @@
 #include "gliss/engine/opencl.h"
 #include "gliss/mesh/creases.h"
 #include "gliss/query/effects.h"
-#include "gliss/results/json.h"
 #include "gliss/surface/names.h"
 #include "gliss/sweep/sweep.h"
 #include "gliss/validate/validate.h"
+#include "tools/cli/answer.h"
 #include "tools/cli/command_line.h"
 
 namespace gliss::tools {
 
-struct Interrupted {   // exit code 130
-  std::string hint{};  // what is left of the work
-};
-
 struct Unavailable : std::runtime_error {  // exit code 4
   using std::runtime_error::runtime_error;
-};
-
-struct ReportOptions {
-  bool json = false, quiet = false;
 };
 
 // Options of commands that use an engine.
@@ -160,40 +152,7 @@ void keep_command_line(int count, const char* const* words);
 std::string command_line();
 std::string command_line_without(const std::string& option);  // and without its value
 
-// To standard output, or to stderr where a table goes to standard output: JSON with --json, else
-// text, nothing with --quiet.
-void report(const ReportOptions& options, const std::string& text, const Json& json,
-            bool table_on_stdout = false);
-
-// Prints with a line end, by json_for_terminal; text that is no UTF-8 is made some.
-std::string printed(const Json& json);
-
 // A line that counts what is not finite, such as "steps"; "" where nothing is.
 std::string unsound_text(std::uint64_t count, const std::string& what);
-
-std::string creases_text(std::size_t count);  // "; 12 edges are creases", or "" where none is
-// "; 12 creases are rounded: faces 6 to 29 are their strips", or "" where none is.
-std::string rounded_text(const Mesh& mesh);
-std::string radius_text(double radius);  // "4.67", or "none" where all is flat
-Json radius_json(double radius);
-
-void add_bake(Command& program);
-void add_compare(Command& program);
-void add_info(Command& program);
-void add_check(Command& program);
-void add_eval(Command& program);
-void add_project(Command& program);
-void add_sweep(Command& program);
-class Team;
-// The same by the members of a team.
-void add_shared_project(Command& program, const Team& team);
-void add_shared_sweep(Command& program, const Team& team);
-void add_trace(Command& program);
-void add_generate(Command& program);
-void add_devices(Command& program);
-void add_judge(Command& program);
-void add_run(Command& program);
-void add_serve(Command& program);
-void add_report(Command& program);
 
 }  // namespace gliss::tools

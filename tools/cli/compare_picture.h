@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "gliss/compare/compare.h"
-#include "tools/cli/command.h"
+#include "gliss/results/json.h"
 
 namespace gliss::tools {
 

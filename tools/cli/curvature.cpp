@@ -10,6 +10,9 @@
 namespace gliss::tools {
 namespace {
 
+// Patches without curvature have the largest double as radius, in the unit of their mesh.
+constexpr double kFlat = 1e290;
+
 // The share of the faces that have patches.
 double share_of_tight_faces(const PatchCache& cache, double depth) {
   std::size_t faces = 0, tight = 0;
@@ -74,5 +77,26 @@ void tell_departure(const ReportOptions& options, const PatchCache& cache) {
       "shape than the file's there; '--crease' keeps edges sharp, finer faces follow the shape\n",
       d.face, length_text(d.distance * cache.unit), length_text(d.room * cache.unit)));
 }
+
+std::string creases_text(std::size_t count) {
+  return count == 0 ? "" : fmt::format("; {} edges are creases", count);
+}
+
+std::string rounded_text(const Mesh& mesh) {
+  const std::size_t strips = mesh.strips.size(), corners = mesh.rounded_corners.size(),
+                    first = mesh.face_count() - strips - corners;
+  if (strips == 0) return "";
+  std::string text = fmt::format("; {} creases are rounded: faces {} to {} are their strips",
+                                 strips / 2, first, first + strips - 1);
+  if (corners > 0)
+    text += fmt::format(", {} to {} their corners", first + strips, mesh.face_count() - 1);
+  return text;
+}
+
+std::string radius_text(double radius) {
+  return radius < kFlat ? fmt::format("{:.4g}", radius) : "none";
+}
+
+Json radius_json(double radius) { return radius < kFlat ? Json(radius) : Json(); }
 
 }  // namespace gliss::tools

@@ -4,8 +4,9 @@
 
 #include <string>
 
+#include "gliss/mesh/mesh.h"
 #include "gliss/surface/patch_cache.h"
-#include "tools/cli/command.h"
+#include "tools/cli/answer.h"
 
 namespace gliss::tools {
 
@@ -28,5 +29,11 @@ std::string departure_text(const PatchCache& cache);
 Json departure_json(const Departure& departure, double unit);
 // Warns on stderr where a patch leaves its polygon by more than a third of the room there.
 void tell_departure(const ReportOptions& options, const PatchCache& cache);
+
+std::string creases_text(std::size_t count);  // "; 12 edges are creases", or "" where none is
+// "; 12 creases are rounded: faces 6 to 29 are their strips", or "" where none is.
+std::string rounded_text(const Mesh& mesh);
+std::string radius_text(double radius);  // "4.67", or "none" where all is flat
+Json radius_json(double radius);
 
 }  // namespace gliss::tools

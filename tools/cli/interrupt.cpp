@@ -5,7 +5,7 @@
 
 #include <atomic>
 
-namespace gliss {
+namespace gliss::tools {
 namespace {
 
 std::atomic<int> count{0};
@@ -41,4 +41,4 @@ void catch_interrupts() {
 
 bool interrupted() noexcept { return count.load(std::memory_order_relaxed) > 0; }
 
-}  // namespace gliss
+}  // namespace gliss::tools

@@ -1,7 +1,13 @@
 // Ctrl-C as a question asked between chunks, so that files are closed and a sweep can be resumed.
 #pragma once
 
-namespace gliss {
+#include <string>
+
+namespace gliss::tools {
+
+struct Interrupted {   // exit code 130
+  std::string hint{};  // what is left of the work
+};
 
 inline constexpr int kExitInterrupted = 130;
 
@@ -14,4 +20,4 @@ void catch_interrupts();
 // True if one of these has come.
 bool interrupted() noexcept;
 
-}  // namespace gliss
+}  // namespace gliss::tools

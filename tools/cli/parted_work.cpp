@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "gliss/files/atomic_file.h"
+#include "tools/cli/interrupt.h"
 #include "tools/cli/outputs.h"
 #include "tools/cli/terminal.h"
 #include "tools/cli/watch.h"

@@ -97,7 +97,7 @@ End run_program(int count, char** words, const ProgramText& text,
 void tell(const std::string& who, End end) {
   if (end.message.empty()) return;
   std::replace(end.message.begin(), end.message.end(), '\n', ' ');
-  gliss::tell(fmt::format("{}: {}\n", who, end.message));
+  tell(fmt::format("{}: {}\n", who, end.message));
 }
 
 int leave(int code) {

@@ -4,7 +4,7 @@
 
 #include <utility>
 
-namespace gliss {
+namespace gliss::tools {
 namespace {
 
 constexpr double kRedraw = 0.1, kWorthALine = 0.5;  // seconds
@@ -38,4 +38,4 @@ void Progress::finish() {
   line_.finish(fmt::format("{}: {}", label_, finished_text(state_, noun_)));
 }
 
-}  // namespace gliss
+}  // namespace gliss::tools

@@ -9,7 +9,7 @@
 #include "tools/cli/progress_text.h"
 #include "tools/cli/status_line.h"
 
-namespace gliss {
+namespace gliss::tools {
 
 enum class ProgressStyle { kAutomatic, kSilent };
 
@@ -33,4 +33,4 @@ class Progress {
   Stopwatch clock_;
 };
 
-}  // namespace gliss
+}  // namespace gliss::tools

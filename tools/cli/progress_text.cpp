@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace gliss {
+namespace gliss::tools {
 namespace {
 
 double fraction(const ProgressState& state) {
@@ -79,4 +79,4 @@ bool LinePace::due(const ProgressState& state) {
   return true;
 }
 
-}  // namespace gliss
+}  // namespace gliss::tools

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-namespace gliss {
+namespace gliss::tools {
 
 struct ProgressState {
   std::uint64_t done = 0;
@@ -33,4 +33,4 @@ class LinePace {
   double last_fraction_ = 0;
 };
 
-}  // namespace gliss
+}  // namespace gliss::tools

@@ -7,7 +7,7 @@
 
 #include "gliss/loop/loop.h"
 #include "gliss/query/force_statistics.h"
-#include "tools/cli/command.h"
+#include "gliss/results/json.h"
 
 namespace gliss::tools {
 

@@ -9,7 +9,7 @@
 #include "gliss/base/utf8.h"
 #include "tools/cli/terminal.h"
 
-namespace gliss {
+namespace gliss::tools {
 namespace {
 
 std::size_t terminal_width() {
@@ -46,4 +46,4 @@ void StatusLine::finish(const std::string& text) {
   place_ = Place::kNowhere;
 }
 
-}  // namespace gliss
+}  // namespace gliss::tools

@@ -3,7 +3,7 @@
 
 #include <string>
 
-namespace gliss {
+namespace gliss::tools {
 
 class StatusLine {
  public:
@@ -23,4 +23,4 @@ class StatusLine {
   bool open_ = false;  // the text stands on the terminal's last line
 };
 
-}  // namespace gliss
+}  // namespace gliss::tools

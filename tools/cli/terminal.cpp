@@ -7,7 +7,7 @@
 
 #include "gliss/base/utf8.h"
 
-namespace gliss {
+namespace gliss::tools {
 namespace {
 
 // The bytes of the character that the text begins with; 0: it is no UTF-8. Not strict about
@@ -66,4 +66,4 @@ std::string json_for_terminal(std::string_view json) {
 
 void tell(std::string_view text) { std::fputs(for_terminal(text).c_str(), stderr); }
 
-}  // namespace gliss
+}  // namespace gliss::tools

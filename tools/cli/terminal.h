@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace gliss {
+namespace gliss::tools {
 
 // The text with \x1b and the like in place of control characters, line ends aside, and of bytes
 // that are no UTF-8: what a file, a name or a device says must not command the terminal.
@@ -17,4 +17,4 @@ std::string json_for_terminal(std::string_view json);
 // of: failures are ignored.
 void tell(std::string_view text);
 
-}  // namespace gliss
+}  // namespace gliss::tools

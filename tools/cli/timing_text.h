@@ -3,8 +3,8 @@
 
 #include <string>
 
+#include "gliss/results/json.h"
 #include "gliss/thread/timing.h"
-#include "tools/cli/command.h"
 
 namespace gliss::tools {
 

@@ -6,7 +6,7 @@
 #include <exception>
 #include <string>
 
-#include "tools/cli/command.h"
+#include "tools/cli/answer.h"
 #include "tools/cli/progress.h"
 
 namespace gliss::tools {

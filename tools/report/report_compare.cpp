@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "tools/cli/command_line.h"
 #include "tools/report/report_data.h"
 #include "tools/report/report_rows.h"
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/cli/command.h"
+#include "gliss/results/json.h"
 
 namespace gliss::tools {
 

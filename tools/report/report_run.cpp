@@ -7,6 +7,7 @@
 
 #include "gliss/loop/loop.h"
 #include "gliss/query/force_statistics.h"
+#include "tools/cli/command_line.h"
 #include "tools/cli/timing_text.h"
 #include "tools/report/report_data.h"
 #include "tools/report/report_rows.h"

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "gliss/base/large_array.h"
+#include "gliss/base/vector.h"
 #include "tools/report/report_source.h"
 
 namespace gliss::tools {
