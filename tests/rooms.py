@@ -32,22 +32,25 @@ commands, root = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]).resolve()
 if not commands.exists():
     skip_unless_required("this generator writes no compile_commands.json")
 faults, refused = [], 0
-for source in (*root.glob("host/*/*"), *root.glob("runtime/*/*")):
+rooms = [folder for top in ("host", "runtime", "tools/cli") for folder in (root / top).iterdir() if folder.is_dir()]
+rooms.append(root / "tools" / "report")
+for source in (file for room in rooms for file in room.iterdir() if file.is_file()):
     for header in re.findall(r'^\s*#\s*include\s*"([^"]*)"', source.read_text(encoding="utf-8"), re.MULTILINE):
         # A name relative to the file itself would need no -I.
         if not header.startswith("gliss/") and header != "kernels/layout.h" and not (
-                header.startswith("kernels/") and "instances_" in source.name):
-            faults.append(f"{source}: includes {header}, not gliss/<room>/<header>")
+                header.startswith("kernels/") and "instances_" in source.name) and not (
+                header.startswith("tools/") and "tools" in source.relative_to(root).parts):
+            faults.append(f"{source}: includes {header}, which is no name of a header in its room")
 
-headers = {room.name: f"gliss/{room.name}/{sorted(room.glob('*.h'))[0].name}"
-           for top in ("host", "runtime") for room in (root / top).iterdir() if room.is_dir()}
+# Those of the tools go by their paths.
+headers = {room.name: f"{room.relative_to(root) if 'tools' in room.relative_to(root).parts else f'gliss/{room.name}'}/"
+                      f"{sorted(room.glob('*.h'))[0].name}" for room in rooms}
 compiled = {}
 for entry in json.loads(commands.read_text(encoding="utf-8")):
     source = (pathlib.Path(entry["directory"]) / entry["file"]).resolve()
     if source.is_relative_to(root) and source.name != "instances_isa.cpp":  # that one sees the kernels, too
-        parts = source.relative_to(root).parts
-        if parts[0] in ("host", "runtime"):
-            compiled[parts[1]] = searches_of(entry)
+        if source.parent in rooms:
+            compiled[source.parent.name] = searches_of(entry)
 if compiled.keys() != headers.keys():
     sys.exit(f"not compiled as rooms: {', '.join(compiled.keys() ^ headers.keys())}")
 
@@ -60,7 +63,7 @@ for room, command in compiled.items():
         faults.append(f"{room}: its own header is not found: {said}")
     faults += [f"{room} and {other} see each other" for other in seen[room] if other > room and room in seen[other]]
     unseen = [header for other, header in headers.items() if other not in seen[room]]
-    for header in unseen + ["host/base/vector.h", "kernels/real.h", "tools/cli/command.h"]:
+    for header in unseen + ["host/base/vector.h", "kernels/real.h", "tools/cli/program.h"]:
         if "No such file or directory" not in failure(*command, header):
             faults.append(f"{room}: an include of {header} compiles")
         refused += 1

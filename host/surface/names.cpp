@@ -2,6 +2,8 @@
 
 #include <charconv>
 
+#include "gliss/surface/layout.h"
+
 namespace gliss {
 
 std::optional<Level> find_level(std::string_view name) {
@@ -37,6 +39,12 @@ std::string no_surface(const std::string& name) {
   return "'" + name +
          "' is not one of fair, paper, shaded, flat, fair-LEVEL and paper-LEVEL, where LEVEL is "
          "ribbon, bezier, table or table:N";
+}
+
+const char* form_name(std::uint32_t form) {
+  if (form == kFormSextic) return "sextic";
+  if (form == kFormCurved) return "curved";
+  return name_of(kLevelNames, static_cast<Level::Kind>(form & kFormMask));
 }
 
 }  // namespace gliss

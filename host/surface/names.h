@@ -1,6 +1,7 @@
 // The words for choices, on command lines and in files.
 #pragma once
 
+#include <cstdint>
 #include <iterator>
 #include <optional>
 #include <string>
@@ -98,6 +99,9 @@ GLISS_EXPORT std::optional<Level> find_level(std::string_view name);
 // Why there is none of that name.
 GLISS_EXPORT std::string no_level(const std::string& name);
 GLISS_EXPORT std::string no_surface(const std::string& name);
+
+// "bezier", "sextic", "curved": the form that a patch is kept in, as Surface has it.
+GLISS_EXPORT const char* form_name(std::uint32_t form);
 
 inline const char* method_name(Method method) { return name_of(kMethodNames, method); }
 inline const char* precision_name(Precision precision) {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/scratch_folder.h"
-#include "tools/cli/progress_text.h"
+#include "tools/cli/terminal/progress_text.h"
 
 namespace gliss {
 namespace {

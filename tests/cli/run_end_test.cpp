@@ -6,7 +6,7 @@
 
 #include "tests/support/run_files.h"
 #include "tests/support/unprivileged.h"
-#include "tools/cli/progress_text.h"
+#include "tools/cli/terminal/progress_text.h"
 
 namespace gliss {
 namespace {

@@ -1,5 +1,5 @@
 // gliss <command>
-#include "tools/cli/commands.h"
+#include "tools/cli/commands/commands.h"
 #include "tools/cli/program.h"
 
 int main(int count, char** words) {

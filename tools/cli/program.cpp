@@ -15,9 +15,9 @@
 #include "gliss/tables/csv_reader.h"
 #include "gliss/tables/point_table.h"
 #include "gliss/thread/realtime.h"
-#include "tools/cli/command.h"
-#include "tools/cli/interrupt.h"
-#include "tools/cli/terminal.h"
+#include "tools/cli/terminal/interrupt.h"
+#include "tools/cli/terminal/terminal.h"
+#include "tools/cli/words/command.h"
 
 namespace gliss::tools {
 namespace {

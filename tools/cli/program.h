@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/cli/command_line.h"
+#include "tools/cli/words/command_line.h"
 
 namespace gliss::tools {
 

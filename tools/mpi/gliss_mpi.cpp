@@ -1,5 +1,5 @@
 // gliss-mpi <command>: gliss on the ranks of an MPI job.
-#include "tools/cli/commands.h"
+#include "tools/cli/commands/commands.h"
 #include "tools/mpi/mpi_team.h"
 
 namespace gliss::tools {

@@ -13,7 +13,7 @@
 #include <thread>
 
 #include "gliss/base/stopwatch.h"
-#include "tools/cli/watch.h"
+#include "tools/cli/terminal/watch.h"
 
 namespace gliss::tools {
 namespace {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "tools/cli/parts/team.h"
 #include "tools/cli/program.h"
-#include "tools/cli/team.h"
 
 namespace gliss::tools {
 

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "tools/cli/command_line.h"
+#include "tools/cli/words/command_line.h"
 #include "tools/report/report_data.h"
 #include "tools/report/report_rows.h"
 

@@ -1,7 +1,7 @@
 // Reads what bench/growth.py measured: time and memory over the size of sweeps and of meshes.
 #include <fmt/format.h>
 
-#include "tools/cli/command_line.h"
+#include "tools/cli/words/command_line.h"
 #include "tools/report/report_rows.h"
 
 namespace gliss::tools {

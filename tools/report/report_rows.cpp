@@ -1,5 +1,5 @@
 #include "tools/report/report_rows.h"
-#include "tools/cli/command_line.h"
+#include "tools/cli/words/command_line.h"
 
 #include <fmt/format.h>
 

@@ -7,8 +7,8 @@
 
 #include "gliss/loop/loop.h"
 #include "gliss/query/force_statistics.h"
-#include "tools/cli/command_line.h"
-#include "tools/cli/timing_text.h"
+#include "tools/cli/words/command_line.h"
+#include "tools/cli/words/timing_text.h"
 #include "tools/report/report_data.h"
 #include "tools/report/report_rows.h"
 #include "tools/report/report_table.h"

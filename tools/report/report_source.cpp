@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "gliss/files/open_file.h"
-#include "tools/cli/command_line.h"
+#include "tools/cli/words/command_line.h"
 #include "tools/report/report_table.h"
 
 namespace gliss::tools {

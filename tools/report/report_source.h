@@ -5,7 +5,7 @@
 #include <string>
 
 #include "gliss/tables/hdf5_reader.h"
-#include "tools/cli/watch.h"
+#include "tools/cli/terminal/watch.h"
 
 namespace gliss::tools {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "gliss/results/sweep_json.h"
-#include "tools/cli/command_line.h"
+#include "tools/cli/words/command_line.h"
 #include "tools/report/report_data.h"
 #include "tools/report/report_source.h"
 

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "gliss/tables/csv_reader.h"
-#include "tools/cli/command_line.h"
+#include "tools/cli/words/command_line.h"
 
 namespace gliss::tools {
 namespace {

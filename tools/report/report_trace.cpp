@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "gliss/query/force_statistics.h"
-#include "tools/cli/command_line.h"
+#include "tools/cli/words/command_line.h"
 #include "tools/report/report_data.h"
 #include "tools/report/report_table.h"
 

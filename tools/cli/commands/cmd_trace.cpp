@@ -1,0 +1,232 @@
+// gliss trace: a recorded path of HIPs, tick by tick. Its columns are a contract.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "gliss/query/trace.h"
+#include "gliss/results/trace_json.h"
+#include "gliss/tables/result_table.h"
+#include "tools/cli/commands/commands.h"
+#include "tools/cli/terminal/watch.h"
+#include "tools/cli/words/outputs.h"
+#include "tools/cli/words/shape_text.h"
+#include "tools/cli/words/slips.h"
+#include "tools/cli/words/surface_input.h"
+
+namespace gliss::tools {
+namespace {
+
+constexpr std::size_t kBlockRows = 16384;
+
+struct TracingOptions : TableOptions {
+  std::string path;
+  double depth = 0;  // of a path of its own, m; 0: none
+  std::vector<std::string> keep;
+  TraceOptions trace;
+};
+
+void describe(Command& command, TracingOptions& options) {
+  add_surface_options(command, options, "MESH_OR_CACHE");
+  add_input_option(command, "--path", options.path,
+                   "HIPs, one a tick: columns x,y,z in the unit of --unit, or x_mm,y_mm,z_mm; "
+                   "perhaps step, time (s), and vx,vy,vz (m/s), the device's velocity",
+                   false);
+  command.option({"--depth", "DEPTH",
+                  "instead of --path: a path of its own so deep beneath the surface, 4000 ticks a "
+                  "thousandth of the mesh's diagonal apart"},
+                 [&](const std::string& text) {
+                   const std::vector<double> depths = parse_depths(text);
+                   if (depths.size() != 1) throw InputError("--depth: a path has one");
+                   options.depth = depths.front();
+                 });
+  command.exclude("--depth", "--path");
+  add_output_option(command, options.output, "table to write; CSV on standard output without it");
+  add_keep_option(command, options.keep);
+  command.exclude("--keep", "--depth");
+  add_stiffness_option(command, options.trace.stiffness);
+  add_methods_option(command, options.trace.methods);
+  add_solver_options(command, options.trace);
+  add_settle_option(command, options.trace.settle);
+  add_friction_options(command, options.trace.friction);
+  add_effect_options(command, options.trace.effects);
+}
+
+// Whole steps are written as such: 100000, where the shortest double would be 1e+05.
+ColumnType step_type(const LargeArray<double>* steps) {
+  const auto whole = [](double s) { return s >= 0 && s < 4294967296.0 && s == std::floor(s); };
+  return steps == nullptr || std::all_of(steps->begin(), steps->end(), whole)
+             ? ColumnType::kUint32
+             : ColumnType::kFloat64;
+}
+
+// A tick with one method.
+struct Row {
+  std::size_t tick;
+  double step;
+  Vec3 hip;  // in the unit of --unit
+  Method method;
+  TraceStep felt;
+};
+
+const char* grip_name(const Contact& contact) {
+  if (!contact.touching) return "free";
+  return is_slipping(contact.flags) ? "slip" : "stick";
+}
+
+void write(const std::vector<Row>& rows, const TracingOptions& options, const UnitChange& length,
+           const InputTable& path, ResultTable& table) {
+  const std::size_t count = rows.size();
+  table.fill(count, [&](std::size_t i) { return rows[i].step; });
+  table.fill(count, [&](std::size_t i) { return method_name(rows[i].method); });
+  table.fill_vectors(count, [&](std::size_t i) { return rows[i].hip; });
+  table.fill_vectors(count, [&](std::size_t i) { return length(rows[i].felt.contact.scp); });
+  table.fill_vectors(count, [&](std::size_t i) { return rows[i].felt.force; });
+  table.fill(count, [&](std::size_t i) { return rows[i].felt.contact.at.face; });
+  table.fill(count,
+             [&](std::size_t i) { return rows[i].felt.contact.touching ? "contact" : "free"; });
+  if (options.trace.friction.any()) {
+    table.fill(count, [&](std::size_t i) { return rows[i].felt.cone_share; });
+    table.fill(count, [&](std::size_t i) { return grip_name(rows[i].felt.contact); });
+  }
+  for (const std::string& name : options.keep) {
+    const LargeArray<double>& values = *path.find(name);
+    table.fill(count, [&](std::size_t i) { return values[rows[i].tick]; });
+  }
+  table.write();
+}
+
+// Nothing where the gain lies within its error.
+std::string gain_text(const LoopGain& loops) {
+  if (!loops.is_certain()) return "";
+  const std::string share = fmt::format("{:.3g} (± {:.1g}) % of force x way",
+                                        100 * std::abs(loops.gain), 100 * loops.error);
+  return loops.gain < 0 ? "; closed loops take at least " + share  // friction
+                        : "; closed loops give the hand up to " + share;
+}
+
+void report_statistics(const TracingOptions& options, const std::vector<TraceStatistics>& found) {
+  std::string text =
+      fmt::format("{:<8} {:>14} {:>10} {:>10} {:>14} {:>14} {:>10} {:>10} {:>8} {:>10}\n", "method",
+                  "max step, N", "jumps/100k", "lost/100k", "mean step, N", "max force, N", "ticks",
+                  "in contact", "entries", "settling");
+  std::string slips, work;
+  Json json;
+  json["stiffness_N_per_m"] = options.trace.stiffness;
+  for (const TraceStatistics& s : found) {
+    text += fmt::format(
+        "{:<8} {:>14.6g} {:>10.1f} {:>10.1f} {:>14.6g} {:>14.6g} {:>10} {:>10} {:>8} {:>10}\n",
+        method_name(s.method), s.largest_step, s.jumps_per_100k(), s.lost_per_100k(), s.mean_step,
+        s.largest_force, s.ticks, s.touching, s.entries, s.settling);
+    text += unsound_text(s.unsound, "steps");
+    if (options.trace.friction.any())
+      slips += fmt::format("{:<8} slips in {:.1f} % of the ticks in contact\n",
+                           method_name(s.method), 100 * s.slipping_share());
+    work += fmt::format("{:<8} net work {:>12.6g} J of {:.6g} J{}\n", method_name(s.method),
+                        s.work.net, s.work.gross, gain_text(s.loop_gain));
+    json["methods"].push_back(json_of(s));
+    if (options.trace.friction.any()) json["methods"].back()["slipping"] = s.slipping;
+  }
+  report(options, text + slips + work, json, options.output == "-");
+}
+
+PointTable path_of(const TracingOptions& options, const PatchCache& cache) {
+  if (options.depth > 0) {
+    constexpr int kTicks = 4000;
+    const Mesh mesh = mesh_of(options, cache, "name a --path");
+    PointTable own;
+    own.unit = cache.unit;
+    own.points = own_path(mesh, build_topology(mesh), cache, options.depth, kTicks);
+    return own;
+  }
+  std::vector<std::string> further = options.keep;
+  const auto add = [&](const std::string& name) {
+    if (std::find(further.begin(), further.end(), name) == further.end()) further.push_back(name);
+  };
+  add("step");
+  std::for_each(kMotionColumns.begin(), kMotionColumns.end(), add);
+  return read_hips(options, options.path, further);
+}
+
+Columns columns_of(const TracingOptions& options, const LargeArray<double>* steps) {
+  Columns columns;
+  columns.add({"step"}, step_type(steps))
+      .add({"method"}, ColumnType::kText)
+      .add({"x", "y", "z", "scp_x", "scp_y", "scp_z"}, ColumnType::kFloat64,
+           unit_name(options.unit))
+      .add({"fx", "fy", "fz"}, ColumnType::kFloat64, "N")
+      .add({"face"}, ColumnType::kUint32)
+      .was("patch")
+      .add({"state"}, ColumnType::kText);
+  if (options.trace.friction.any())
+    columns.add({"cone_share"}, ColumnType::kFloat64).add({"grip"}, ColumnType::kText);
+  return add_kept(columns, options.keep);
+}
+
+void tell_untouched(const TracingOptions& options, const PatchCache& cache,
+                    const PointTable& path) {
+  const Box box = cache.bounds();
+  const Box in_metres[] = {{box.low * cache.unit, box.high * cache.unit}};
+  tell_untouched(options, options.depth > 0 ? "--depth" : options.path, points_in_metres(path),
+                 in_metres, "say so by --unit, or by columns x_mm,y_mm,z_mm");
+}
+
+void run(TracingOptions options) {
+  if (options.trace.friction.settle > 0 && !options.trace.friction.any())
+    throw InputError("--friction-settle goes with --friction");
+  if (options.path.empty() && !(options.depth > 0))
+    throw InputError("--path is required, or --depth for a path of its own");
+  check_outputs({options.output}, {options.surface, options.path});
+  const auto engine = make_engine(options);
+  const PatchCache cache = open_surface(options, *engine);
+  const PointTable path = path_of(options, cache);
+  check_kept(options.keep, path.table, options.path);
+  options.trace.times = path.times;
+  options.trace.velocities = path.velocities;
+  const LargeArray<double>* steps = path.table.find("step");
+  const UnitChange across(path.unit, options.unit);
+  tell_soft_spring(options, options.trace.stiffness, "--stiffness");
+  // As the loop has it: by way of metres, so that the forces have the same bytes.
+  std::vector<Vec3> hips = points_in_metres(path);
+  for (Vec3& hip : hips) hip /= cache.unit;
+
+  const auto file = create_described_file(options.output, cache, options);
+  file->set_attribute({"stiffness_N_per_m", options.trace.stiffness});
+  ResultTable table(*file, "", columns_of(options, steps));
+  const UnitChange outward(cache.unit, options.unit);
+  std::vector<Row> rows;
+  double deepest = 0;  // of the patches' contacts, m
+  Watch watch(options, "trace", hips.size(), "ticks");
+  const auto statistics =
+      trace(cache, hips, options.trace, [&](std::size_t tick, std::span<const TraceStep> felt) {
+        for (std::size_t m = 0; m < felt.size(); ++m) {
+          if (options.trace.methods[m] == Method::kGregory && felt[m].contact.touching)
+            deepest = std::max(deepest, -felt[m].contact.distance * cache.unit);
+          rows.push_back({tick, steps ? (*steps)[tick] : static_cast<double>(tick),
+                          across(path.points[tick]), options.trace.methods[m], felt[m]});
+        }
+        if (rows.size() >= kBlockRows) {
+          write(rows, options, outward, path.table, table);
+          rows.clear();
+        }
+        watch.reach(tick + 1);
+      });
+  write(rows, options, outward, path.table, table);
+  file->close();
+  tell_tight_curvature(options, cache, deepest, "the deepest contact");
+  if (std::all_of(statistics.begin(), statistics.end(),
+                  [](const TraceStatistics& s) { return s.touching == 0; }))
+    tell_untouched(options, cache, path);
+  report_statistics(options, statistics);
+}
+
+}  // namespace
+
+void add_trace(Command& program) {
+  add_command<TracingOptions>(
+      program, "trace", "Track a recorded path of HIPs and compare the methods' forces.",
+      "gliss trace knot.obj --path path.csv --unit mm --stiffness 0.5N/mm -o forces.csv", describe,
+      run);
+}
+
+}  // namespace gliss::tools

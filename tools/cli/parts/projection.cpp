@@ -1,0 +1,190 @@
+#include "tools/cli/parts/projection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <future>
+#include <random>
+
+#include "gliss/base/units.h"
+#include "tools/cli/words/surface_input.h"
+
+namespace gliss::tools {
+namespace {
+
+constexpr int kSpotChecks = 4;  // of a part that is read
+// Of a distance, and of the surface's size: other engines round otherwise.
+constexpr double kAgreement = 1e-3, kRounding = 1e-6;
+constexpr std::size_t kDistanceColumn = 9;
+
+// The body of a part: this, and the columns.
+struct PartCounts {
+  std::uint64_t inside, unconverged;
+};
+
+}  // namespace
+
+Columns projection_columns(const ProjectionOptions& options) {
+  const std::string unit = unit_name(options.unit);
+  Columns columns;
+  columns.add({"face"}, ColumnType::kUint32)
+      .was("patch")
+      .add({"xi", "eta"})
+      .add({"x", "y", "z"}, ColumnType::kFloat64, unit)
+      .add({"nx", "ny", "nz"})
+      .add({"distance"}, ColumnType::kFloat64, unit)
+      .add({"iterations", "flags"}, ColumnType::kUint32);
+  if (options.stiffness) columns.add({"fx", "fy", "fz"}, ColumnType::kFloat64, "N");
+  return add_kept(columns, options.keep);
+}
+
+Projection::Projection(const ProjectionOptions& options, const PatchCache& cache,
+                       const Engine& engine, PointReader& hips)
+    : options_(options),
+      cache_(cache),
+      engine_(engine),
+      hips_(hips),
+      columns_(projection_columns(options)),
+      surface_(engine.reside(cache)) {}
+
+void Projection::for_each_part(const std::function<void(const PointTable&)>& each) {
+  for (std::size_t begin = 0; begin < hips_.rows(); begin += kPartRows)
+    each(hips_.read(begin, std::min(hips_.rows(), begin + kPartRows)));
+}
+
+std::uint64_t Projection::run(const PartSource& source, PartFolder* folder, bool keeps_last,
+                              const PartProgress& progress, const Sink& sink) {
+  const auto policy = engine_.threads() > 1 ? std::launch::async : std::launch::deferred;
+  std::uint64_t computed = 0;
+  std::future<void> keeping;  // the part before
+  const auto finish = [&] {
+    if (keeping.valid()) keeping.get();
+  };
+  for (auto part = fetch(source, folder); part;) {
+    const std::size_t missing = part->hips.points.size();
+    if (!compute(*part, folder, progress)) break;
+    computed += missing;
+    finish();
+    auto next = fetch(source, folder);
+    const bool saves =
+        folder != nullptr && missing > 0 && (keeps_last || part->number + 1 < part_count());
+    keeping = std::async(policy, [=, this, &sink, part = std::move(part)] {
+      if (saves) save(*part, *folder);
+      if (sink) sink(*part);
+    });
+    if (policy == std::launch::deferred) keeping.wait();
+    part = std::move(next);
+  }
+  finish();
+  return computed;
+}
+
+std::unique_ptr<Projection::Part> Projection::fetch(const PartSource& source, PartFolder* folder) {
+  const std::size_t number = source();
+  if (number >= part_count()) return nullptr;
+  auto part = std::make_unique<Part>(columns_);
+  part->number = number;
+  part->begin = number * kPartRows;
+  part->end = std::min(hips_.rows(), part->begin + kPartRows);
+  const auto file = folder == nullptr ? std::nullopt : folder->load(number);
+  if (file && !load(*part, *file)) {
+    folder->discard(number);
+    part->rows.clear();
+    part->inside = part->unconverged = 0;
+  }
+  part->hips = hips_.read(part->begin + part->rows.rows(), part->end);
+  return part;
+}
+
+bool Projection::load(ProjectedPart& part, const PartFile& file) {
+  const std::size_t size = part.end - part.begin;
+  PartCounts counts{};
+  if (file.done > size || file.begun != size - file.done || file.body().size() < sizeof counts)
+    return false;
+  std::memcpy(&counts, file.body().data(), sizeof counts);
+  part.inside = counts.inside;
+  part.unconverged = counts.unconverged;
+  return std::max(part.inside, part.unconverged) <= file.done &&
+         part.rows.take(file.body().substr(sizeof counts), file.done) && holds(part);
+}
+
+// True if some contacts, done again, are as far away.
+bool Projection::holds(const ProjectedPart& part) {
+  if (part.rows.rows() == 0) return false;
+  const auto columns = part.rows.block(0, part.rows.rows());
+  const auto distances = std::get<std::span<const double>>(columns[kDistanceColumn]);
+  const UnitChange inward(options_.unit, cache_.unit);
+  std::minstd_rand dice(std::random_device{}());
+  for (int i = 0; i < kSpotChecks; ++i) {
+    const std::size_t row = dice() % part.rows.rows();
+    PointTable hip = hips_.read(part.begin + row, part.begin + row + 1);
+    place(hip);
+    Contact contact;
+    surface_->project(hip.points, options_.query, {&contact, 1});
+    const double found = contact.distance, kept = inward(distances[row]);
+    const double most = kAgreement * std::abs(found) + kRounding * diagonal_of(cache_.bounds());
+    if (std::isfinite(found) ? !(std::abs(found - kept) <= most) : std::isfinite(kept))
+      return false;
+  }
+  return true;
+}
+
+void Projection::save(const ProjectedPart& part, PartFolder& folder) const {
+  const PartCounts counts{part.inside, part.unconverged};
+  PartFile file;
+  file.done = part.rows.rows();
+  file.begun = part.end - part.begin - file.done;
+  file.bytes.append(reinterpret_cast<const char*>(&counts), sizeof counts);
+  part.rows.put(file.bytes);
+  folder.save(part.number, file);
+}
+
+// Takes HIPs to the mesh's unit.
+void Projection::place(PointTable& hips) const {
+  const UnitChange inward(hips.unit, cache_.unit);
+  for (Vec3& hip : hips.points) hip = inward(hip);
+}
+
+// Finds the contacts that are missing; false where it was stopped.
+bool Projection::compute(Part& part, PartFolder* folder, const PartProgress& progress) {
+  place(part.hips);
+  const std::vector<Vec3>& hips = part.hips.points;
+  std::vector<Contact> found;
+  bool goes_on = true;
+  pace_.for_pieces(hips.size(), [&](std::size_t begin, std::size_t end) {
+    if (!goes_on) return;
+    found.resize(end - begin);
+    surface_->project(std::span(hips).subspan(begin, end - begin), options_.query, found);
+    add(part.hips, begin, found, part);
+    if (folder != nullptr && end < hips.size() && folder->is_due()) save(part, *folder);
+    goes_on = progress(part.begin + part.rows.rows(), hips_.rows());
+  });
+  return goes_on && (!hips.empty() || progress(part.end, hips_.rows()));
+}
+
+// Adds the contacts of HIPs from `begin` on.
+void Projection::add(const PointTable& hips, std::size_t begin, const std::vector<Contact>& found,
+                     ProjectedPart& part) const {
+  const std::size_t rows = found.size();
+  const UnitChange outward(cache_.unit, options_.unit);
+  TableRows& table = part.rows;
+  table.fill(rows, [&](std::size_t i) { return found[i].at.face; });
+  table.fill(rows, [&](std::size_t i) { return found[i].at.xi; });
+  table.fill(rows, [&](std::size_t i) { return found[i].at.eta; });
+  table.fill_vectors(rows, [&](std::size_t i) { return outward(found[i].scp); });
+  table.fill_vectors(rows, [&](std::size_t i) { return found[i].normal; });
+  table.fill(rows, [&](std::size_t i) { return outward(found[i].distance); });
+  table.fill(rows, [&](std::size_t i) { return found[i].iterations; });
+  table.fill(rows, [&](std::size_t i) { return found[i].flags; });
+  if (options_.stiffness) {
+    table.fill_vectors(
+        rows, [&](std::size_t i) { return contact_force(cache_, found[i], *options_.stiffness); });
+  }
+  fill_kept(table, options_.keep, hips.table, begin, begin + rows);
+  for (const Contact& contact : found) {
+    part.inside += contact.touching;
+    part.unconverged += (contact.flags & kConverged) == 0;
+  }
+}
+
+}  // namespace gliss::tools

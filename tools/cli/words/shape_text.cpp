@@ -1,0 +1,102 @@
+#include "tools/cli/words/shape_text.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "gliss/results/lengths.h"
+#include "tools/cli/terminal/terminal.h"
+
+namespace gliss::tools {
+namespace {
+
+// Patches without curvature have the largest double as radius, in the unit of their mesh.
+constexpr double kFlat = 1e290;
+
+// The share of the faces that have patches.
+double share_of_tight_faces(const PatchCache& cache, double depth) {
+  std::size_t faces = 0, tight = 0;
+  for (std::size_t patch = 0; patch < cache.patch_face.size();) {
+    const std::uint32_t face = cache.patch_face[patch];
+    bool is_tight = false;
+    for (; patch < cache.patch_face.size() && cache.patch_face[patch] == face; ++patch)
+      is_tight = is_tight || cache.rho_min[patch] * cache.unit < depth;
+    ++faces;
+    tight += is_tight;
+  }
+  return faces == 0 ? 0 : static_cast<double>(tight) / static_cast<double>(faces);
+}
+
+}  // namespace
+
+double usual_depth(const PatchCache& cache) {
+  const Box box = cache.bounds();
+  return 0.005 * (box.high - box.low).norm() * cache.unit;
+}
+
+std::string tight_curvature_text(const PatchCache& cache, double depth,
+                                 const std::string& meaning) {
+  const double percent = 100 * share_of_tight_faces(cache, depth);
+  if (percent == 0) return "";
+  const std::string share =
+      percent < 10 ? fmt::format("{:.2g}", percent) : fmt::format("{:.0f}", percent);
+  const std::string in_brackets = meaning.empty() ? "" : fmt::format(" ({})", meaning);
+  return fmt::format(
+      "{} % of the faces have a radius of curvature below {:.3g} mm{}: expect jumps there", share,
+      depth * 1e3, in_brackets);
+}
+
+void tell_tight_curvature(const ReportOptions& options, const PatchCache& cache, double depth,
+                          const std::string& meaning, const std::string& name) {
+  if (options.quiet) return;
+  const std::string text = tight_curvature_text(cache, depth, meaning);
+  if (!text.empty()) tell(fmt::format("gliss: {}{}{}\n", name, name.empty() ? "" : ": ", text));
+}
+
+std::string departure_text(const PatchCache& cache) {
+  const Departure& d = cache.departure;
+  const std::string of_room = std::isfinite(d.room)
+                                  ? fmt::format(", {:.3g} % of the {} to the next face there",
+                                                100 * d.share(), length_text(d.room * cache.unit))
+                                  : "";
+  return fmt::format("patches leave their polygons by up to {} ({:.2g} % of the size{}: face {})",
+                     length_text(d.distance * cache.unit),
+                     100 * d.distance / diagonal_of(cache.bounds()), of_room, d.face);
+}
+
+Json departure_json(const Departure& d, double unit) {
+  return {
+      {"mm", d.distance * unit * 1e3}, {"room_mm", number(d.room * unit * 1e3)}, {"face", d.face}};
+}
+
+void tell_departure(const ReportOptions& options, const PatchCache& cache) {
+  const Departure& d = cache.tightest;
+  if (options.quiet || !(d.share() > kFaithful)) return;
+  tell(fmt::format(
+      "gliss: the surface leaves face {} by {}, and the next face is {} away: a hand feels another "
+      "shape than the file's there; '--crease' keeps edges sharp, finer faces follow the shape\n",
+      d.face, length_text(d.distance * cache.unit), length_text(d.room * cache.unit)));
+}
+
+std::string creases_text(std::size_t count) {
+  return count == 0 ? "" : fmt::format("; {} edges are creases", count);
+}
+
+std::string rounded_text(const Mesh& mesh) {
+  const std::size_t strips = mesh.strips.size(), corners = mesh.rounded_corners.size(),
+                    first = mesh.face_count() - strips - corners;
+  if (strips == 0) return "";
+  std::string text = fmt::format("; {} creases are rounded: faces {} to {} are their strips",
+                                 strips / 2, first, first + strips - 1);
+  if (corners > 0)
+    text += fmt::format(", {} to {} their corners", first + strips, mesh.face_count() - 1);
+  return text;
+}
+
+std::string radius_text(double radius) {
+  return radius < kFlat ? fmt::format("{:.4g}", radius) : "none";
+}
+
+Json radius_json(double radius) { return radius < kFlat ? Json(radius) : Json(); }
+
+}  // namespace gliss::tools
