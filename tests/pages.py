@@ -1,7 +1,8 @@
 """Holds that the pages of the documentation are right where a program can tell: links, anchors and headers that they
-name are there, and whole programs in C++ and C that they show compile.
+name are there, whole programs in C++ and C that they show compile, and pictures are what the sources say.
 
-Usage: pages.py ROOT ROOMS EIGEN COMPILER: ROOMS holds a folder of headers for each room, EIGEN those of Eigen.
+Usage: pages.py ROOT ROOMS EIGEN COMPILER COMPILE_COMMANDS: ROOMS holds a folder of headers for each room, EIGEN those
+of Eigen.
 """
 import pathlib
 import re
@@ -9,7 +10,11 @@ import subprocess
 import sys
 
 root, rooms, eigen = map(pathlib.Path, sys.argv[1:4])
-compiler = sys.argv[4]
+compiler, commands = sys.argv[4], pathlib.Path(sys.argv[5])
+sys.dont_write_bytecode = True  # in the sources
+sys.path.insert(0, str(root / "tools" / "pictures"))
+from draw import pictures  # noqa: E402: found there
+
 pages = sorted(path for folder in (".", "docs", "bench", "tests") for path in (root / folder).glob("*.md"))
 folders = [folder for folder in rooms.iterdir() if (folder / "gliss").is_dir()]
 
@@ -54,7 +59,19 @@ def wrong_programs(page):
             yield "a program does not compile:\n" + told.stderr
 
 
+def wrong_pictures():
+    """Those of docs/pictures that tools/pictures/draw.py would draw in another way, or not at all."""
+    if not commands.exists():  # this generator writes none
+        return
+    drawn = {name: text.encode() for name, text in pictures(commands, root.resolve()).items()}
+    kept = {path.name: path.read_bytes() for path in (root / "docs" / "pictures").iterdir()}
+    for name in sorted(drawn.keys() | kept.keys()):
+        if drawn.get(name) != kept.get(name):
+            yield f"docs/pictures/{name}: not as drawn; tools/pictures/draw.py draws all"
+
+
 faults = [f"{page.relative_to(root)}: {fault}" for page in pages
           for find in (wrong_links, wrong_headers, wrong_programs) for fault in find(page)]
+faults += wrong_pictures()
 print("\n".join(faults) or f"{len(pages)} pages")
 sys.exit(1 if faults or len(pages) < 5 else 0)

@@ -1,24 +1,11 @@
 """Checks that no two rooms see each other, and that an include of a room that is not seen does not compile. It asks
 the compiler with the very -I of the build. usage: rooms.py COMPILE_COMMANDS SOURCE_DIR"""
-import json
 import pathlib
 import re
-import shlex
 import subprocess
 import sys
 
 from support.skip import skip_unless_required
-
-
-def searches_of(entry):
-    """The compiler of a command, and where that looks for headers."""
-    words = entry.get("arguments") or shlex.split(entry["command"])
-    compiler = words[1] if words[0].endswith("ccache") else words[0]
-    searches = [word for word in words if word.startswith("-I")]
-    for option, folder in zip(words, words[1:]):
-        if option == "-isystem":
-            searches += [option, folder]
-    return compiler, searches
 
 
 def failure(compiler, searches, header):
@@ -31,10 +18,13 @@ def failure(compiler, searches, header):
 commands, root = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2]).resolve()
 if not commands.exists():
     skip_unless_required("this generator writes no compile_commands.json")
+sys.dont_write_bytecode = True  # in the sources
+sys.path.insert(0, str(root / "tools" / "pictures"))
+from seen_rooms import Rooms, library_rooms, program_rooms  # noqa: E402: found there
+
 faults, refused = [], 0
-rooms = [folder for top in ("host", "runtime", "tools/cli") for folder in (root / top).iterdir() if folder.is_dir()]
-rooms.append(root / "tools" / "report")
-for source in (file for room in rooms for file in room.iterdir() if file.is_file()):
+folders = library_rooms(root) + program_rooms(root)
+for source in (file for room in folders for file in room.iterdir() if file.is_file()):
     for header in re.findall(r'^\s*#\s*include\s*"([^"]*)"', source.read_text(encoding="utf-8"), re.MULTILINE):
         # A name relative to the file itself would need no -I.
         if not header.startswith("gliss/") and header != "kernels/layout.h" and not (
@@ -42,22 +32,11 @@ for source in (file for room in rooms for file in room.iterdir() if file.is_file
                 header.startswith("tools/") and "tools" in source.relative_to(root).parts):
             faults.append(f"{source}: includes {header}, which is no name of a header in its room")
 
-# Those of the tools go by their paths.
-headers = {room.name: f"{room.relative_to(root) if 'tools' in room.relative_to(root).parts else f'gliss/{room.name}'}/"
-                      f"{sorted(room.glob('*.h'))[0].name}" for room in rooms}
-compiled = {}
-for entry in json.loads(commands.read_text(encoding="utf-8")):
-    source = (pathlib.Path(entry["directory"]) / entry["file"]).resolve()
-    if source.is_relative_to(root) and source.name != "instances_isa.cpp":  # that one sees the kernels, too
-        if source.parent in rooms:
-            compiled[source.parent.name] = searches_of(entry)
-if compiled.keys() != headers.keys():
-    sys.exit(f"not compiled as rooms: {', '.join(compiled.keys() ^ headers.keys())}")
-
-seen = {room: {other for other, header in headers.items()
-               if any((pathlib.Path(word[2:]) / header).exists() for word in compiled[room][1] if word.startswith("-I"))}
-        for room in headers}
-for room, command in compiled.items():
+rooms = Rooms(commands, root, folders)
+headers, seen = rooms.headers, rooms.seen
+if rooms.not_compiled():
+    sys.exit(f"not compiled as rooms: {', '.join(rooms.not_compiled())}")
+for room, command in rooms.compiled.items():
     said = failure(*command, headers[room])
     if said:
         faults.append(f"{room}: its own header is not found: {said}")
