@@ -145,7 +145,8 @@ FN contact contact_of_foot(surface_view view, foot f, effort* spent) {
   c.warm = 1;
   c.bend = f.d.bend;
   c.drift = make_vector(K(0), K(0));
-  // Inside where the way out goes along the normal.
+  // Inside where the way out goes along the normal. Where folds make that wrong the host corrects
+  // it (correct_state of host/query/frames.h).
   c.state = dot3(f.d.r, c.normal) > K(0) ? CONTACT_TOUCHING : CONTACT_FREE;
   return f.flags & FOOT_BORDER ? past_border(c, c.normal) : c;
 }

@@ -226,9 +226,10 @@ typedef struct {
                 // the patch doubles back along the side
 } fair_tangent;
 
-// `start` and `end`: T(0) and T(1). `flat`: a unit normal that T shall lie across, for patches that
-// give up their neighbours' normals: T goes straight from one end to the other, `length` times as
-// long. Else null.
+// The cross tangent T = k C' + h m of a side, m = n x e: k and h are linear between the values that
+// `start` and `end`, T(0) and T(1), ask for (step 5 of docs/method.md). `flat`: a unit normal that
+// T shall lie across, for patches that give up their neighbours' normals: T goes straight from one
+// end to the other, `length` times as long. Else null.
 FN fair_tangent fair_tangent_of(control_data side, real3 start, real3 end, GLOBAL scalar* flat,
                                 scalar length) {
   fair_tangent r;

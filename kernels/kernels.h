@@ -1,5 +1,10 @@
 // All of the mathematics, in order. Included once for each instance: OpenCL C, and in C++ inside a
-// namespace.
+// namespace. The host includes what it alone builds with where it needs that: bezier_side.h,
+// fair.h, to_form.h, second_table.h, cut.h (host/surface/instances_*.inc).
+//
+// The bytes of caches depend on those, and here on all up to forms.h, build.h, triangle.h,
+// second.h, examine.h and the words of reach.h. The others only read caches: box.h, descent.h,
+// view.h, polygon.h, track.h, hierarchy.h, tile.h, search.h, contact.h, union.h.
 // clang-format off
 #include "kernels/layout.h"
 #include "kernels/real.h"
