@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""The work of tools/mutate.sh. usage: mutants.py apply|run|table FOLDER [NAME ...]
+"""The work of tools/mutate.sh. usage: mutants.py apply|run|table FOLDER [NAME ...], mutants.py tests FILE ...
 
 apply  puts all mutants of tests/mutants.txt into the copy of the tree in FOLDER/tree, each behind its number
 run    runs the tests with one mutant after the other, and adds a line for each to FOLDER/results.txt
 table  prints these results as Markdown
+tests  prints the tests of files of the source, as gtest_filter takes them
 """
 import collections
 import os
@@ -198,9 +199,22 @@ def table(folder):
         print(f"\nNot run yet, for they take an hour of a processor: {', '.join(left)}.")
 
 
+def tests(files):
+    stages, _ = read_list(ROOT)
+    text, filters = (ROOT / "tests/mutants.txt").read_text(), ["Revision.*"]
+    for file in files:
+        found = re.search(rf"^{re.escape(file)}: ([\w ]+)$", text, re.MULTILINE)
+        if not found:
+            sys.exit(f"tests/mutants.txt names no tests of {file}: run all")
+        filters += [stages[stage] for stage in found[1].split() if stages[stage] not in filters]
+    print(":".join(filters))
+
+
 if __name__ == "__main__":
     what, folder = sys.argv[1], pathlib.Path(sys.argv[2])
-    if what == "apply":
+    if what == "tests":
+        tests(sys.argv[2:])
+    elif what == "apply":
         apply(folder)
     elif what == "run":
         run(folder, sys.argv[3:])
