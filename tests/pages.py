@@ -1,9 +1,10 @@
-"""Holds that the pages of the documentation are right where a program can tell: links, anchors and headers that they
-name are there, whole programs in C++ and C that they show compile, and pictures are what the sources say.
+"""Holds that the pages of the documentation are right where a program can tell: links, anchors, headers and functions
+that they name are there, whole programs in C++ and C that they show compile, and pictures are what the sources say.
 
 Usage: pages.py ROOT ROOMS EIGEN COMPILER COMPILE_COMMANDS: ROOMS holds a folder of headers for each room, EIGEN those
 of Eigen.
 """
+import functools
 import pathlib
 import re
 import subprocess
@@ -47,6 +48,26 @@ def wrong_headers(page):
             yield f"no header '{header}'"
 
 
+@functools.cache
+def words_of_sources():
+    return {word for folder in ("kernels", "host", "runtime", "tools", "tests", "python")
+            for ending in ("h", "cpp", "inc", "cl", "txt") for path in (root / folder).rglob(f"*.{ending}")
+            for word in re.findall(r"\w+", path.read_text())}
+
+
+def wrong_names(page):
+    """Rows of tables that say that a file has names which it does not have."""
+    for file, names in re.findall(r"\| `([\w/]+\.\w+)` \| (`[^|]*`) \|$", page.read_text(), flags=re.M):
+        text = (root / file).read_text() if (root / file).exists() else ""
+        for name in re.findall(r"`(\w+)`", names):
+            if not re.search(rf"\b{name}\b", text):
+                yield f"no '{name}' in '{file}'"
+    if page.name == "architecture.md":  # its names are somewhere
+        for name in re.findall(r"`(\w+)(?:::\w+)?`", page.read_text()):
+            if name not in words_of_sources():
+                yield f"no '{name}' in the sources"
+
+
 def wrong_programs(page):
     for fence, program in re.findall(r"^```(cpp|c)\n(.*?)^```", page.read_text(), flags=re.M | re.S):
         if "int main" not in program:
@@ -71,7 +92,7 @@ def wrong_pictures():
 
 
 faults = [f"{page.relative_to(root)}: {fault}" for page in pages
-          for find in (wrong_links, wrong_headers, wrong_programs) for fault in find(page)]
+          for find in (wrong_links, wrong_headers, wrong_names, wrong_programs) for fault in find(page)]
 faults += wrong_pictures()
 print("\n".join(faults) or f"{len(pages)} pages")
 sys.exit(1 if faults or len(pages) < 5 else 0)
