@@ -136,7 +136,7 @@ def stages(source):
         ("Examination", f"a quad at {probes} probes, or\n{gentle} if gentle: how its\n"
          "normals turn, curvature,\nbox, way to its polygon",
          "examine (kernels/examine.h)", draw_probes, {"kernels/examine.h": "examine is_gentle"}),
-        ("Tamer patches", "1. eased: shorter T\n2. split: triangles\n3. bent: T in the plane;\nthe first that is safe",
+        ("If it folds or bulges", "1. eased: shorter T\n2. split: triangles\n3. bent: T in the plane;\nthe first that is safe",
          "draft_tamer, draft_flatter", draw_split, {"host/build/patch_tame.h": "draft_tamer draft_flatter"}),
         ("Form of the level",
          "exact: as drafted; else\nribbon, bezier or table,\nexamined again; as drafted\nwhere that folds",
@@ -209,5 +209,4 @@ def draw(source):
     bottom, gap = ROWS[1] + HEIGHT, ROWS[1] + HEIGHT + 20
     canvas.path([(middles[1], bottom), (middles[1], gap)], "grey")
     canvas.text(middles[1] + 8, bottom + 14, "safe", "small")
-    canvas.text(COLUMNS[2] - 6, ROWS[1] - 6, "folds, degenerates or bulges too much", "small")
     return canvas.svg()
