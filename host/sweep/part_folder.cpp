@@ -23,7 +23,7 @@
 namespace gliss {
 namespace {
 
-constexpr std::uint32_t kPartFormat = 6;
+constexpr std::uint32_t kPartFormat = 7;
 constexpr std::string_view kMagic = "GLSPART\n", kEnding = ".part";
 // An empty file in a folder that was made for parts: work that goes on may remove such a folder in
 // the end, and no other.
@@ -32,7 +32,7 @@ constexpr const char* kMadeForParts = ".gliss-parts";
 struct PartHeader {
   char magic[8];
   std::uint64_t checksum;  // of all that follows
-  std::uint64_t part, done, begun;
+  std::uint64_t part;
 };
 static_assert(sizeof(PartHeader) == PartFile::kHeaderBytes);
 
@@ -57,15 +57,14 @@ class OpenPart : public OpenFile {
   }
 };
 
-// A part under way has begun more than is done. The checksum is left to who reads it.
-bool read_whole_head(OpenFile& opened) {
+// The checksum is left to who reads the part.
+bool read_header(OpenFile& opened) {
   PartHeader header{};
-  return opened.descriptor() >= 0 && opened.read(&header, sizeof header) == sizeof header &&
-         header.begun == 0;
+  return opened.descriptor() >= 0 && opened.read(&header, sizeof header) == sizeof header;
 }
-bool has_whole_head(const std::string& path) {
+bool has_header(const std::string& path) {
   OpenPart opened(path);
-  return read_whole_head(opened);
+  return read_header(opened);
 }
 
 // Calls each(name) for what is in a folder; false where that cannot be read. The library's iterator
@@ -113,13 +112,8 @@ void OwnedDescriptor::set(int descriptor) noexcept {
   descriptor_ = descriptor;
 }
 
-PartFolder::PartFolder(const std::string& folder, std::uint64_t hash, double patience,
-                       PartsAccess access)
-    : hash_(hash),
-      folder_(folder),
-      key_(fmt::format("{:016x}-", hash)),
-      access_(access),
-      patience_(patience) {
+PartFolder::PartFolder(const std::string& folder, std::uint64_t hash, PartsAccess access)
+    : hash_(hash), folder_(folder), key_(fmt::format("{:016x}-", hash)), access_(access) {
   open_folder();
   const bool is_read = for_each_name(folder, [&](std::string_view name) {
     if (name.starts_with(key_))
@@ -176,7 +170,6 @@ void PartFolder::mark_as_made() const {
 }
 
 std::optional<PartFile> PartFolder::load(std::size_t part) {
-  saved_ = clock_.seconds();
   if (!is_there(path_of(part))) return {};
   auto found = read(part);
   if (!found) discard(part);
@@ -199,8 +192,6 @@ std::optional<PartFile> PartFolder::read(std::size_t part) const {
       header.checksum != checksum_of(file.bytes)) {
     return {};
   }
-  file.done = header.done;
-  file.begun = header.begun;
   return file;
 }
 
@@ -208,14 +199,14 @@ std::optional<PartFile> PartFolder::read(std::size_t part) const {
 bool PartFolder::is_whole(std::size_t part) const {
   const int folder = open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (folder >= 0) close(folder);
-  return has_whole_head(path_of(part));
+  return has_header(path_of(part));
 }
 
 std::size_t PartFolder::whole() const {
   std::size_t count = 0;
   for_each_name(folder_, [&](std::string_view name) {
     count += name.starts_with(key_) && name.ends_with(kEnding) &&
-             has_whole_head(fmt::format("{}/{}", folder_, name));
+             has_header(fmt::format("{}/{}", folder_, name));
   });
   return count;
 }
@@ -223,7 +214,7 @@ std::size_t PartFolder::whole() const {
 std::string PartFolder::head(std::size_t part, std::size_t bytes) const {
   OpenPart opened(path_of(part));
   std::string body(bytes, '\0');
-  const bool is_there = read_whole_head(opened) && opened.read(body.data(), bytes) == bytes;
+  const bool is_there = read_header(opened) && opened.read(body.data(), bytes) == bytes;
   return is_there ? body : "";
 }
 
@@ -242,8 +233,6 @@ void PartFolder::save(std::size_t part, PartFile& file) {
   PartHeader header{};
   kMagic.copy(header.magic, sizeof header.magic);
   header.part = part;
-  header.done = file.done;
-  header.begun = file.begun;
   std::memcpy(file.bytes.data(), &header, sizeof header);
   header.checksum = checksum_of(file.bytes);
   std::memcpy(file.bytes.data(), &header, sizeof header);
@@ -253,7 +242,6 @@ void PartFolder::save(std::size_t part, PartFile& file) {
   output.write(file.bytes);
   output.commit();
   kept_ += is_new;
-  saved_ = clock_.seconds();
 }
 
 bool PartFolder::remove() {

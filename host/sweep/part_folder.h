@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "gliss/base/export.h"
-#include "gliss/base/stopwatch.h"
 #include "gliss/surface/patch_cache.h"
 
 namespace gliss {
@@ -32,11 +31,10 @@ enum class PartsAccess {
   kShared,  // whoever shares it: for shards
 };
 
-// A part in its file: room for a header, and behind it what whose part it is put there.
+// The bytes of a part's file: a header, which PartFolder fills in, and behind it the data of the
+// work.
 struct PartFile {
-  static constexpr std::size_t kHeaderBytes = 40;
-  std::uint64_t done = 0;   // how much of the part is there, in its own measure
-  std::uint64_t begun = 0;  // 0: the part is whole
+  static constexpr std::size_t kHeaderBytes = 24;
   std::string bytes = std::string(kHeaderBytes, '\0');
 
   std::string_view body() const { return std::string_view(bytes).substr(kHeaderBytes); }
@@ -72,9 +70,8 @@ class GLISS_EXPORT PartFolder {
   // Creates the folder where it is not there, for this user alone. Throws std::runtime_error where
   // another process works in it that does not share it, and where others could leave parts: in what
   // is no folder but a link to one, and in folders that belong to another user or that all may
-  // write to. `hash`: of the work (work_hash). `patience`: seconds of work after which a part is
-  // saved though it is not whole.
-  PartFolder(const std::string& folder, std::uint64_t hash, double patience = 3,
+  // write to. `hash`: of the work (work_hash).
+  PartFolder(const std::string& folder, std::uint64_t hash,
              PartsAccess access = PartsAccess::kAlone);
   // Removes the folder if it is empty, was made for parts and is not shared.
   ~PartFolder();
@@ -86,7 +83,7 @@ class GLISS_EXPORT PartFolder {
   std::size_t kept() const { return kept_; }        // parts that are there, as far as is known
   std::size_t foreign() const { return foreign_; }  // files of other work
   const std::vector<std::string>& damaged() const { return damaged_; }  // files met so far
-  // True if the part is there by now and whole, by its head alone.
+  // True if the part is there by now, by its header alone.
   bool is_whole(std::size_t part) const;
   std::size_t whole() const;  // how many are
   // So many bytes of the body of such a part, from its beginning, unchecked; "" where it is none.
@@ -98,8 +95,6 @@ class GLISS_EXPORT PartFolder {
   void discard(std::size_t part);
   // Fills in the header and saves.
   void save(std::size_t part, PartFile& file);
-  // True if nothing was loaded or saved for longer than the patience.
-  bool is_due() const { return clock_.seconds() - saved_ > patience_; }
 
   // Removes all parts of this work: its result is safe elsewhere. Where the folder is shared they
   // stay, and it is false, unless nobody else has it by now.
@@ -125,9 +120,6 @@ class GLISS_EXPORT PartFolder {
   std::string folder_, key_;  // the hash, which the names of its files begin with
   PartsAccess access_;
   OwnedDescriptor lock_;
-  double patience_;
-  Stopwatch clock_;
-  std::atomic<double> saved_ = 0;  // s, when a part was saved or loaded last
   std::atomic<std::size_t> kept_ = 0;
   std::size_t foreign_ = 0;
   std::vector<std::string> damaged_;

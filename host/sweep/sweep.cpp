@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <future>
 #include <limits>
@@ -38,33 +37,6 @@ struct Touch {
   std::uint32_t flags;
 };
 
-// A contact as a part keeps it, whose force is a push still.
-using TouchReals = std::array<double, SweepPart::kContactReals>;
-
-TouchReals reals_of(const Touch& t) {
-  return {t.scp.x(),
-          t.scp.y(),
-          t.scp.z(),
-          t.force.x(),
-          t.force.y(),
-          t.force.z(),
-          t.residual_angle,
-          static_cast<double>(t.iterations),
-          static_cast<double>(t.crossings),
-          static_cast<double>(t.flags),
-          static_cast<double>(t.touching)};
-}
-
-Touch touch_of(const double* r) {
-  return {.touching = r[10] != 0,
-          .scp = {r[0], r[1], r[2]},
-          .force = {r[3], r[4], r[5]},
-          .residual_angle = r[6],
-          .iterations = static_cast<int>(r[7]),
-          .crossings = static_cast<int>(r[8]),
-          .flags = static_cast<std::uint32_t>(r[9])};
-}
-
 // Their pushes come where their forces are to be.
 ContactArrays<double> touch_arrays(std::span<Touch> touches) {
   Touch& t = touches.front();
@@ -95,7 +67,6 @@ struct Window {
   std::vector<Vec3> positions, normals;  // [point]
   std::vector<Vec3> hips;                // [depth][point]
   std::vector<Touch> touches;            // [method][depth][point]
-  std::size_t felt = 0;                  // HIPs whose touches are there
 
   void resize(std::size_t methods) { touches.resize(methods * hips.size()); }
   Touch& touch(std::size_t method, std::size_t hip) { return touches[method * hips.size() + hip]; }
@@ -217,47 +188,25 @@ class Sweeper {
       if (parts != nullptr) finish();
       const std::size_t part = source();
       if (part >= part_count) break;
-      const std::size_t part_begin = parts_.begin(part), part_end = parts_.begin(part + 1);
-      std::size_t first = part_begin;
+      std::size_t first = parts_.begin(part);
+      const std::size_t part_end = parts_.begin(part + 1);
+      if (const auto kept = load(parts, part, first, part_end, keeps_samples)) {
+        if (sink) {
+          for (const SweepBlock& block : kept->blocks) sink(block);
+        }
+        merge(kept->statistics, result.statistics);
+        if (progress && !progress(samples_before(part_end), total)) result.complete = false;
+        continue;
+      }
       std::uint64_t done = samples_before(first);
-      std::optional<SweepPart> kept;
-      if (parts != nullptr) {
-        kept = parts->load(part);
-        if (kept && !holds(*kept, first, part_end, keeps_samples)) {
-          parts->discard(part);
-          kept.reset();
-        }
-      }
-      if (kept) {
-        const bool is_whole = kept->chunks == part_end - first;
-        for (std::size_t b = 0; b < kept->blocks.size(); ++b) {
-          SweepBlock& block = kept->blocks[b];
-          block.row = grid_.points_before(first + b / of_part.size());
-          if (!is_whole) parts->add(block);
-          if (sink) sink(block);
-        }
-        merge(kept->statistics, is_whole ? result.statistics : of_part);
-        first += kept->chunks;
-        done = samples_before(first);
-        if (progress && !progress(done, total)) result.complete = false;
-      }
       while (first < part_end && result.complete) {
         Window& window = windows[overlaps ? turn++ % 2 : 0];
-        if (kept && kept->begun > 0)
-          collect(first, first + kept->begun, std::numeric_limits<std::size_t>::max(), window);
-        else
-          collect(first, part_end, enough(), window);
+        collect(first, part_end, enough(), window);
         place(window);
-        if (kept) take_begun(*kept, window);
-        kept.reset();
-        const std::size_t next = first + window.pieces.size(), ready = window.felt;
+        const std::size_t next = first + window.pieces.size();
         const std::uint64_t samples = samples_before(next) - done;
-        feel(window, [&] {
-          if (parts != nullptr && parts->is_due()) {
-            finish();
-            parts->save(part, of_part, first - part_begin, window.pieces.size(), begun(window));
-          }
-          if (progress && !progress(done + samples * window.felt / window.hips.size(), total))
+        feel(window, [&](std::size_t felt) {
+          if (progress && !progress(done + samples * felt / window.hips.size(), total))
             result.complete = false;
           return result.complete;
         });
@@ -274,7 +223,7 @@ class Sweeper {
             }
           }
           if (next < part_end) return;
-          if (saves) parts->save(part, of_part, next - part_begin);
+          if (saves) parts->save(part, of_part);
           merge(of_part, result.statistics);
           of_part = no_statistics(options_);
         };
@@ -283,7 +232,7 @@ class Sweeper {
         else
           count_window();
         done += samples;
-        result.computed += samples * options_.methods.size() * (window.felt - ready) / window.felt;
+        result.computed += samples * options_.methods.size();
         first = next;
         if (progress && !progress(done, total)) result.complete = false;
       }
@@ -299,17 +248,31 @@ class Sweeper {
     return grid_.points_before(chunk) * options_.depths.size();
   }
 
+  // The part of these chunks, with the rows of its blocks, if it is kept. Removes what holds
+  // something else.
+  std::optional<SweepPart> load(SweepParts* parts, std::size_t part, std::size_t first,
+                                std::size_t last, bool samples) const {
+    auto kept = parts == nullptr ? std::nullopt : parts->load(part);
+    if (!kept) return {};
+    if (!holds(*kept, first, last, samples)) {
+      parts->discard(part);
+      return {};
+    }
+    const std::size_t kinds = kept->statistics.size();
+    for (std::size_t b = 0; b < kept->blocks.size(); ++b)
+      kept->blocks[b].row = grid_.points_before(first + b / kinds);
+    return kept;
+  }
+
   // True if a part from a file is that of these chunks: its points are theirs, and some contacts,
   // done again, are the same. Another engine may round otherwise.
   bool holds(const SweepPart& part, std::size_t first, std::size_t last, bool samples) const {
     const std::size_t methods = options_.methods.size(), kinds = options_.depths.size() * methods;
-    if (part.chunks > last - first || part.begun > last - first - part.chunks) return false;
-    const std::uint64_t points =
-        grid_.points_before(first + part.chunks) - grid_.points_before(first);
+    const std::uint64_t points = grid_.points_before(last) - grid_.points_before(first);
     for (const SweepStatistics& s : part.statistics) {
       if (s.samples != points) return false;
     }
-    if (part.blocks.size() != (samples ? part.chunks * kinds : 0)) return false;
+    if (part.blocks.size() != (samples ? (last - first) * kinds : 0)) return false;
     std::vector<DomainPoint> own;
     for (std::size_t b = 0; b < part.blocks.size(); ++b) {
       const SweepBlock& block = part.blocks[b];
@@ -331,49 +294,8 @@ class Sweeper {
     for (std::size_t method = 0; method < methods; ++method) {
       if (!agrees(part.blocks, method)) return false;
     }
-    return begun_agrees(part, first + part.chunks);
-  }
-  // True if some contacts of chunks that were begun, from `first` on, and all that are not finite,
-  // are the same when they are done again.
-  bool begun_agrees(const SweepPart& part, std::size_t first) const {
-    if (part.begun == 0) return true;
-    Window window;
-    collect(first, first + part.begun, std::numeric_limits<std::size_t>::max(), window);
-    place(window);
-    const std::size_t methods = options_.methods.size(),
-                      felt = part.contacts.size() / (methods * SweepPart::kContactReals);
-    if (felt > window.hips.size()) return false;
-    take_begun(part, window);
-    std::minstd_rand dice(std::random_device{}());
-    std::vector<std::size_t> chosen;  // HIPs
-    std::vector<Vec3> hips;
-    for (std::size_t hip = 0; hip < felt; ++hip) {
-      for (std::size_t m = 0; m < methods; ++m) {
-        const Touch& t = window.touch(m, hip);
-        if (t.scp.allFinite() && t.force.allFinite() && std::isfinite(t.residual_angle)) continue;
-        chosen.push_back(hip);
-        break;
-      }
-    }
-    for (int i = 0; i < kSpotChecks; ++i) chosen.push_back(dice() % felt);
-    for (const std::size_t hip : chosen) hips.push_back(window.hips[hip]);
-    std::vector<Contact> contacts(methods * hips.size());
-    surface_->nearest(hips, options_.methods, QueryOptions{options_}, contacts);
-    for (std::size_t i = 0; i < chosen.size(); ++i) {
-      const std::size_t points = window.points.size();
-      const double depth = options_.depths[chosen[i] / points] / cache_.unit;
-      for (std::size_t m = 0; m < methods; ++m) {
-        const Touch& t = window.touch(m, chosen[i]);
-        const Contact& contact = contacts[m * chosen.size() + i];
-        if (!agree(t.scp, contact.scp, depth) || !agree(t.force, contact.push, depth) ||
-            std::isfinite(t.residual_angle) != std::isfinite(contact.residual_angle)) {
-          return false;
-        }
-      }
-    }
     return true;
   }
-
   // Does some contacts of each block of a method again, others each time, and all that are not
   // finite: these are the surface's fault or the file's.
   bool agrees(const std::vector<SweepBlock>& blocks, std::size_t method) const {
@@ -462,47 +384,24 @@ class Sweeper {
         window.hips.push_back(window.positions[p] - depth / cache_.unit * window.normals[p]);
     }
     window.resize(options_.methods.size());
-    window.felt = 0;
   }
 
-  // The contacts of a window so far, as a part keeps them; and back.
-  std::vector<double> begun(Window& window) const {
-    std::vector<double> reals;
-    reals.reserve(window.felt * options_.methods.size() * SweepPart::kContactReals);
-    for (std::size_t hip = 0; hip < window.felt; ++hip) {
-      for (std::size_t m = 0; m < options_.methods.size(); ++m) {
-        const TouchReals touch = reals_of(window.touch(m, hip));
-        reals.insert(reals.end(), touch.begin(), touch.end());
-      }
-    }
-    return reals;
-  }
-  void take_begun(const SweepPart& part, Window& window) const {
-    const double* reals = part.contacts.data();
-    window.felt = part.contacts.size() / (options_.methods.size() * SweepPart::kContactReals);
-    for (std::size_t hip = 0; hip < window.felt; ++hip) {
-      for (std::size_t m = 0; m < options_.methods.size(); ++m, reals += SweepPart::kContactReals)
-        window.touch(m, hip) = touch_of(reals);
-    }
-  }
-
-  // Finds the contacts of a window's HIPs. Where that takes long, calls go_on() several times a
-  // second, and stops where it says so.
-  void feel(Window& window, const std::function<bool()>& go_on) {
+  // Finds the contacts of a window's HIPs. Where that takes long, calls go_on(HIPs that are done)
+  // several times a second, and stops where it says so.
+  void feel(Window& window, const std::function<bool(std::size_t)>& go_on) {
     const std::size_t methods = options_.methods.size();
     Stopwatch asked;
     bool goes_on = true;
-    pace_.for_pieces(window.hips.size() - window.felt, [&](std::size_t begin, std::size_t end) {
+    pace_.for_pieces(window.hips.size(), [&](std::size_t begin, std::size_t end) {
       if (!goes_on) return;
-      const std::size_t from = window.felt, count = end - begin;
+      const std::size_t count = end - begin;
       std::vector<ContactArrays<double>> out;
       for (std::size_t m = 0; m < methods; ++m)
-        out.push_back(touch_arrays({&window.touch(m, from), count}));
-      surface_->nearest(arrays_of(std::span(window.hips).subspan(from, count)), options_.methods,
+        out.push_back(touch_arrays({&window.touch(m, begin), count}));
+      surface_->nearest(arrays_of(std::span(window.hips).subspan(begin, count)), options_.methods,
                         QueryOptions{options_}, out);
-      window.felt += count;
-      if (window.felt == window.hips.size() || asked.seconds() < kAskEvery) return;
-      goes_on = go_on();
+      if (end == window.hips.size() || asked.seconds() < kAskEvery) return;
+      goes_on = go_on(end);
       asked = {};
     });
   }

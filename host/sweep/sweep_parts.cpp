@@ -11,7 +11,7 @@
 namespace gliss {
 namespace {
 
-// The body of a part: the statistics, the blocks, the contacts of chunks that are begun.
+// The body of a part: the statistics, the blocks.
 static_assert(std::is_trivially_copyable_v<SweepStatistics>);
 
 std::uint64_t hash_of_sweep(std::uint64_t surface, const SweepOptions& o, bool samples) {
@@ -87,14 +87,12 @@ bool is_in_range(const SweepBlock& block, const PatchCache& cache) {
 }  // namespace
 
 SweepParts::SweepParts(const std::string& folder, const PatchCache& cache,
-                       const SweepOptions& options, bool samples, double patience,
-                       PartsAccess access)
-    : SweepParts(folder, gliss::surface_hash(cache), cache, options, samples, patience, access) {}
+                       const SweepOptions& options, bool samples, PartsAccess access)
+    : SweepParts(folder, gliss::surface_hash(cache), cache, options, samples, access) {}
 
 SweepParts::SweepParts(const std::string& folder, std::uint64_t surface, const PatchCache& cache,
-                       const SweepOptions& options, bool samples, double patience,
-                       PartsAccess access)
-    : PartFolder(folder, hash_of_sweep(surface, options, samples), patience, access),
+                       const SweepOptions& options, bool samples, PartsAccess access)
+    : PartFolder(folder, hash_of_sweep(surface, options, samples), access),
       cache_(cache),
       surface_hash_(surface),
       samples_(samples),
@@ -118,18 +116,10 @@ std::optional<SweepPart> SweepParts::parse(const PartFile& file) const {
   found.statistics.resize(depths_.size() * methods_.size());
   if (!take(rest, found.statistics.data(), found.statistics.size() * sizeof(SweepStatistics)))
     return {};
-  found.chunks = file.done;
-  found.begun = file.begun;
-  const std::size_t kinds = found.statistics.size(), blocks = samples_ ? found.chunks * kinds : 0;
-  while (found.blocks.size() < blocks) {
+  while (!rest.empty()) {
     if (!take(rest, found.blocks.emplace_back(), depths_.size(), methods_.size())) return {};
   }
-  if (rest.size() % (SweepPart::kContactReals * methods_.size() * sizeof(double)) != 0 ||
-      rest.empty() != (found.begun == 0)) {
-    return {};
-  }
-  found.contacts.resize(rest.size() / sizeof(double));
-  if (!take(rest, found.contacts.data(), rest.size()) || !is_in_range(found)) return {};
+  if (!is_in_range(found)) return {};
   return found;
 }
 
@@ -150,13 +140,8 @@ bool SweepParts::is_in_range(const std::vector<SweepStatistics>& statistics) con
 }
 
 bool SweepParts::is_in_range(const SweepPart& part) const {
-  if (!is_in_range(part.statistics)) return false;
-  for (std::size_t i = 0; i < part.contacts.size(); ++i) {
-    const double x = part.contacts[i];
-    const bool is_count = i % SweepPart::kContactReals >= SweepPart::kContactCounts;
-    if (is_count && !(x >= 0 && x < 0x1p31 && x == std::floor(x))) return false;
-  }
-  return std::all_of(part.blocks.begin(), part.blocks.end(),
+  return is_in_range(part.statistics) &&
+         std::all_of(part.blocks.begin(), part.blocks.end(),
                      [&](const SweepBlock& block) { return gliss::is_in_range(block, cache_); });
 }
 
@@ -177,16 +162,10 @@ void SweepParts::add(const SweepBlock& block) {
   });
 }
 
-void SweepParts::save(std::size_t part, const std::vector<SweepStatistics>& statistics,
-                      std::size_t chunks, std::size_t begun, std::span<const double> contacts) {
-  file_.done = chunks;
-  file_.begun = begun;
-  const std::size_t whole = file_.bytes.size();
-  put(file_.bytes, contacts.data(), contacts.size_bytes());
+void SweepParts::save(std::size_t part, const std::vector<SweepStatistics>& statistics) {
   std::memcpy(&file_.bytes[PartFile::kHeaderBytes], statistics.data(),
               statistics.size() * sizeof(SweepStatistics));
   PartFolder::save(part, file_);
-  file_.bytes.resize(whole);
 }
 
 }  // namespace gliss

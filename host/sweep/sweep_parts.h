@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -13,17 +12,11 @@
 
 namespace gliss {
 
-// Contents of a part, or of the beginning of one that took long: statistics [depth][method] of its
-// first chunks, and their blocks where samples are kept.
+// Contents of a part: statistics [depth][method], and blocks [chunk][depth][method] where samples
+// are kept.
 struct SweepPart {
   std::vector<SweepStatistics> statistics;
   std::vector<SweepBlock> blocks;
-  std::size_t chunks = 0;
-  // Chunks behind these that were under way, and what was found of their first HIPs, in the sweep's
-  // own form: reals[HIP][method][kContactReals], of which the last are whole numbers from 0 on.
-  std::size_t begun = 0;
-  std::vector<double> contacts;
-  static constexpr std::size_t kContactReals = 11, kContactCounts = 7;  // where those begin
 };
 
 // The parts of a sweep. Their hash is of the cache and the options: engine, threads and output are
@@ -32,29 +25,26 @@ class GLISS_EXPORT SweepParts : public PartFolder {
  public:
   // `samples`: parts keep blocks besides statistics. The cache must outlive the parts.
   SweepParts(const std::string& folder, const PatchCache& cache, const SweepOptions& options,
-             bool samples, double patience = 3, PartsAccess access = PartsAccess::kAlone);
-  SweepParts(const std::string&, const PatchCache&&, const SweepOptions&, bool, double patience = 3,
+             bool samples, PartsAccess access = PartsAccess::kAlone);
+  SweepParts(const std::string&, const PatchCache&&, const SweepOptions&, bool,
              PartsAccess access = PartsAccess::kAlone) = delete;
 
   std::uint64_t surface_hash() const { return surface_hash_; }
   bool keeps_samples() const { return samples_; }
 
-  // Those of a part that is whole, without its samples; none where it is not.
+  // Those of a part, without its samples; none where it is not there.
   std::vector<SweepStatistics> statistics(std::size_t part) const;
 
-  // Nothing where the part is not there or cannot be used. Then, and where it is not whole, it is
-  // under way: blocks are added, those that were loaded first, and it is saved. What a part holds
-  // is within range, but need not be finite.
+  // Nothing where the part is not there or cannot be used. Then it is under way: blocks are added,
+  // and it is saved. What a part holds is within range, but need not be finite.
   std::optional<SweepPart> load(std::size_t part);
   void add(const SweepBlock& block);
-  // Saves the part under way: all that was added, `chunks` in number, and the contacts of those
-  // that are begun, if there are any.
-  void save(std::size_t part, const std::vector<SweepStatistics>& statistics, std::size_t chunks,
-            std::size_t begun = 0, std::span<const double> contacts = {});
+  // Saves the part under way: all that was added.
+  void save(std::size_t part, const std::vector<SweepStatistics>& statistics);
 
  private:
   SweepParts(const std::string& folder, std::uint64_t surface, const PatchCache& cache,
-             const SweepOptions& options, bool samples, double patience, PartsAccess access);
+             const SweepOptions& options, bool samples, PartsAccess access);
   std::optional<SweepPart> parse(const PartFile& file) const;
   bool is_in_range(const std::vector<SweepStatistics>& statistics) const;
   bool is_in_range(const SweepPart& part) const;

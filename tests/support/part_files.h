@@ -55,12 +55,6 @@ inline std::string read_file(const std::string& path) {
   return text.str();
 }
 
-inline std::uint64_t number_at(const std::string& bytes, std::size_t at) {
-  std::uint64_t number = 0;
-  std::memcpy(&number, bytes.data() + at, sizeof number);
-  return number;
-}
-
 // Gives a part's file the checksum of what it holds.
 inline void set_part_checksum(std::string& bytes) {
   constexpr std::size_t kChecksumAt = 8, kCheckedFrom = 16;

@@ -4,12 +4,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <limits>
-#include <thread>
 
 #include "gliss/files/cache_format.h"
 #include "gliss/generate/generate.h"
@@ -29,8 +27,8 @@ using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-// Offsets in a part's file: a name, a checksum of all behind it, three numbers, statistics, blocks.
-constexpr std::size_t kStatisticsAt = 40;
+// A part's file holds a name, a checksum of all behind it, its number, statistics, blocks.
+constexpr std::size_t kStatisticsAt = 24;
 
 TEST(PartFolder, that_cannot_be_listed_lets_go_of_its_lock) {
   if (!test::allocations_are_counted()) GTEST_SKIP() << "skipped: a sanitizer allocates";
@@ -170,7 +168,7 @@ TEST_F(HostileParts, that_are_something_else_are_done_again) {
   replace("empty", [&] { std::ofstream(path, std::ios::binary); });
   const std::string sound = read(1);
   replace("unreadable", [&] {
-    std::ofstream(path, std::ios::binary) << sound.substr(0, 40);
+    std::ofstream(path, std::ios::binary) << sound.substr(0, kStatisticsAt);
     fs::permissions(path, fs::perms::none);
   });
   EXPECT_NE(fs::status(path).permissions() & fs::perms::owner_read, fs::perms::none);
@@ -220,59 +218,7 @@ TEST_F(HostileParts, with_a_right_checksum_and_wrong_numbers_are_done_again) {
     for (std::uint64_t i = 0; i < 3 * count; ++i) put(b, scp + 8 * i, 1.0);
   });
   forge("the part of another number", [&](auto& b) { b = read(0); });
-}
-
-// A part that was stopped within its chunks: the contacts that were found so far stand at its end.
-TEST_F(HostileParts, with_forged_contacts_of_chunks_that_were_begun_are_done_again) {
-  options_.part_contacts = std::uint64_t{1} << 40;  // one part
-  want_ = swept(cache_, *engine_, options_);
-  const std::string folder = folder_ / "begun";
-  {
-    const auto slow =
-        make_serial_engine([] { std::this_thread::sleep_for(std::chrono::milliseconds(20)); });
-    SweepParts parts(folder, cache_, options_, true, 0);
-    int calls = 0;
-    swept(cache_, *slow, options_, &parts,
-          [&](std::uint64_t, std::uint64_t) { return ++calls < 3; });
-  }
-  const fs::path path = test::part_paths(folder).at(0);
-  paths_ = {path};
-  constexpr std::size_t kBegunAt = 32;
-  constexpr std::size_t kContact = SweepPart::kContactReals * sizeof(double);
-  const std::string sound = read(0);
-  const std::size_t first = kStatisticsAt + sizeof(SweepStatistics);  // no chunk is whole
-  const std::size_t contacts = (sound.size() - first) / kContact;
-  ASSERT_GT(contacts, 0u);
-  ASSERT_EQ(first + contacts * kContact, sound.size());
-  const auto ends_as_ever = [&](const std::string& bytes, bool is_damaged) {
-    fs::remove_all(folder);
-    fs::create_directory(folder);
-    fs::permissions(folder, fs::perms::owner_all);
-    write(0, bytes);
-    SweepParts parts(folder, cache_, options_, true);
-    EXPECT_TRUE(swept(cache_, *engine_, options_, &parts) == want_);
-    EXPECT_EQ(parts.damaged().size(), is_damaged ? 1u : 0u);
-  };
-  ends_as_ever(sound, false);
-  const auto forge = [&](const std::string& what, const auto& change) {
-    SCOPED_TRACE(what);
-    std::string bytes = sound;
-    change(bytes);
-    ends_as_ever(bytes, true);
-  };
-  forge("contacts of -777", [&](auto& b) {
-    for (std::size_t at = first; at < b.size(); at += 8) put(b, at, -777.0);
-  });
-  for (std::size_t real = 0; real < SweepPart::kContactReals; ++real) {
-    forge("NaN",
-          [&](auto& b) { put(b, first + contacts / 2 * kContact + 8 * real, std::nan("")); });
-  }
-  forge("more chunks than there are", [&](auto& b) { put(b, kBegunAt, std::uint64_t{1} << 62); });
-  forge("contacts of no chunk", [&](auto& b) { put(b, kBegunAt, std::uint64_t{0}); });
-  forge("no contacts", [&](auto& b) { b.resize(first); });
-  forge("a contact that is cut", [&](auto& b) { b.resize(b.size() - 8); });
-  forge("more contacts than HIPs",
-        [&](auto& b) { b.append(10'000'000 / kContact * kContact, 'a'); });
+  forge("the header of an older build", [&](auto& b) { b.insert(kStatisticsAt, 16, '\0'); });
 }
 
 // A surface is at fault: its numbers that are not finite are computed again, and agree.

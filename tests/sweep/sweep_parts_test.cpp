@@ -7,7 +7,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <atomic>
 #include <chrono>
 #include <filesystem>
 #include <thread>
@@ -84,38 +83,6 @@ TEST_F(SweepPartsTest, go_on_from_wherever_the_sweep_was_stopped) {
     ASSERT_LT(stops, 100u);
   }
   EXPECT_GE(stops, 5u);
-}
-
-// On a mesh where a chunk takes long, even one that is the last of its part: what was found of its
-// first HIPs is kept, besides the chunks before.
-TEST_F(SweepPartsTest, keep_what_was_found_of_a_part_that_takes_long) {
-  using namespace std::chrono_literals;
-  options_.part_contacts = std::uint64_t{1} << 40;  // one part
-  const std::string want = swept(cache_, *engine_, options_);
-  const std::uint64_t all =
-      sample_count(cache_, options_.rings) * options_.depths.size() * options_.methods.size();
-  const auto expect_goes_on = [&](int quick, std::uint64_t most) {
-    std::atomic<int> polls = 0, calls = 0;
-    const auto slow = make_serial_engine([&] {
-      if (++polls > quick) std::this_thread::sleep_for(20ms);
-    });
-    {
-      SweepParts parts(folder_ / "parts", cache_, options_, true, 0);
-      swept(cache_, *slow, options_, &parts,
-            [&](std::uint64_t, std::uint64_t) { return polls <= quick || ++calls < 3; });
-      EXPECT_EQ(parts.kept(), 1u);
-    }
-    SweepParts parts = open();
-    EXPECT_EQ(parts.kept(), 1u);
-    const SweepResult rest = sweep(
-        cache_, *engine_, options_, [](const SweepBlock&) {}, nullptr, &parts);
-    EXPECT_LT(rest.computed, most);
-    EXPECT_EQ(swept(cache_, *engine_, options_, &parts), want);
-    EXPECT_TRUE(parts.damaged().empty());
-    parts.remove();
-  };
-  expect_goes_on(0, all);
-  expect_goes_on(400, all - 16'000);  // a chunk and more
 }
 
 // A kill comes as by kill -9 or a power cut, at any moment.

@@ -39,8 +39,8 @@ class SweepShards : public ::testing::Test {
     want_ = swept(cache_, *engine_, options_);
   }
 
-  SweepParts open(PartsAccess access, double patience = 3) const {
-    return {folder_ / "parts", cache_, options_, true, patience, access};
+  SweepParts open(PartsAccess access) const {
+    return {folder_ / "parts", cache_, options_, true, access};
   }
   // From 1 on, as users count them.
   SweepResult shard(std::size_t number, std::size_t count, const Engine& engine,
@@ -174,7 +174,7 @@ TEST_F(SweepShards, in_one_folder_at_once_harm_nobody) {
        std::vector<std::pair<std::size_t, std::size_t>>{{1, 2}, {2, 2}, {1, 1}, {2, 3}, {1, 1}}) {
     jobs.emplace_back([&, number = number, count = count] {
       const auto engine = make_serial_engine();
-      SweepParts parts = open(PartsAccess::kShared, 0);
+      SweepParts parts = open(PartsAccess::kShared);
       sweep_parts(cache_, *engine, options_, every_part(number - 1, count), parts);
       EXPECT_THAT(parts.damaged(), ElementsAre());
     });
@@ -229,22 +229,6 @@ TEST_F(SweepShards, find_damaged_parts_of_theirs_and_leave_those_of_others) {
   SweepParts parts = open(PartsAccess::kAlone);
   EXPECT_TRUE(swept(cache_, *engine_, options_, &parts) == want_);
   EXPECT_THAT(parts.damaged(), ElementsAre(paths[3]));
-}
-
-// One that was stopped within a part has begun it, which is not the same as whole.
-TEST_F(SweepShards, count_what_is_whole) {
-  options_.part_contacts = std::uint64_t{1} << 40;  // one part
-  using namespace std::chrono_literals;
-  const auto slow = make_serial_engine([] { std::this_thread::sleep_for(20ms); });
-  SweepParts parts = open(PartsAccess::kShared, 0);
-  int calls = 0;
-  sweep_parts(cache_, *slow, options_, every_part(), parts,
-              [&](std::uint64_t, std::uint64_t) { return ++calls < 3; });
-  EXPECT_EQ(parts.kept(), 1u);
-  EXPECT_EQ(parts.whole(), 0u);
-  sweep_parts(cache_, *engine_, options_, every_part(), parts);
-  EXPECT_EQ(parts.kept(), 1u);
-  EXPECT_EQ(parts.whole(), 1u);
 }
 
 TEST_F(SweepShards, share_the_folder_with_each_other_and_with_no_whole_sweep) {

@@ -114,8 +114,7 @@ PartFolder& Projecting::open_parts(const std::string& folder, PartsAccess access
       static_cast<int>(query.method), static_cast<int>(query.solver), query.max_iterations,
       query.tolerance, query.budget, options_.stiffness.value_or(0), options_.unit);
   for (const std::string& name : options_.keep) told += " " + name;
-  constexpr double kPatience = 3;  // s
-  return parts_.emplace(folder, work_hash(surface_hash_, told), kPatience, access);
+  return parts_.emplace(folder, work_hash(surface_hash_, told), access);
 }
 
 // HIPs none of which is inside, and which are far off.

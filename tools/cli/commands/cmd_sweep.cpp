@@ -114,9 +114,8 @@ class Sweeping final : public PartedWork {
   }
   std::size_t part_count() const override { return gliss::part_count(cache_, grid_); }
   PartFolder& open_parts(const std::string& folder, PartsAccess access) override {
-    constexpr double kPatience = 3;  // s
     access_ = access;
-    return parts_.emplace(folder, cache_, grid_, options_.keeps_samples(), kPatience, access);
+    return parts_.emplace(folder, cache_, grid_, options_.keeps_samples(), access);
   }
   void close_parts() override { parts_.reset(); }
   void agree_on_work(const Team& team) override;

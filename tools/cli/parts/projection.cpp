@@ -62,7 +62,7 @@ std::uint64_t Projection::run(const PartSource& source, PartFolder* folder, bool
   };
   for (auto part = fetch(source, folder); part;) {
     const std::size_t missing = part->hips.points.size();
-    if (!compute(*part, folder, progress)) break;
+    if (!compute(*part, progress)) break;
     computed += missing;
     finish();
     auto next = fetch(source, folder);
@@ -87,30 +87,29 @@ std::unique_ptr<Projection::Part> Projection::fetch(const PartSource& source, Pa
   part->begin = number * kPartRows;
   part->end = std::min(hips_.rows(), part->begin + kPartRows);
   const auto file = folder == nullptr ? std::nullopt : folder->load(number);
-  if (file && !load(*part, *file)) {
+  if (file && load(*part, *file)) return part;
+  if (file) {
     folder->discard(number);
     part->rows.clear();
     part->inside = part->unconverged = 0;
   }
-  part->hips = hips_.read(part->begin + part->rows.rows(), part->end);
+  part->hips = hips_.read(part->begin, part->end);
   return part;
 }
 
 bool Projection::load(ProjectedPart& part, const PartFile& file) {
   const std::size_t size = part.end - part.begin;
   PartCounts counts{};
-  if (file.done > size || file.begun != size - file.done || file.body().size() < sizeof counts)
-    return false;
+  if (file.body().size() < sizeof counts) return false;
   std::memcpy(&counts, file.body().data(), sizeof counts);
   part.inside = counts.inside;
   part.unconverged = counts.unconverged;
-  return std::max(part.inside, part.unconverged) <= file.done &&
-         part.rows.take(file.body().substr(sizeof counts), file.done) && holds(part);
+  return std::max(part.inside, part.unconverged) <= size &&
+         part.rows.take(file.body().substr(sizeof counts), size) && holds(part);
 }
 
 // True if some contacts, done again, are as far away.
 bool Projection::holds(const ProjectedPart& part) {
-  if (part.rows.rows() == 0) return false;
   const auto columns = part.rows.block(0, part.rows.rows());
   const auto distances = std::get<std::span<const double>>(columns[kDistanceColumn]);
   const UnitChange inward(options_.unit, cache_.unit);
@@ -132,8 +131,6 @@ bool Projection::holds(const ProjectedPart& part) {
 void Projection::save(const ProjectedPart& part, PartFolder& folder) const {
   const PartCounts counts{part.inside, part.unconverged};
   PartFile file;
-  file.done = part.rows.rows();
-  file.begun = part.end - part.begin - file.done;
   file.bytes.append(reinterpret_cast<const char*>(&counts), sizeof counts);
   part.rows.put(file.bytes);
   folder.save(part.number, file);
@@ -146,7 +143,7 @@ void Projection::place(PointTable& hips) const {
 }
 
 // Finds the contacts that are missing; false where it was stopped.
-bool Projection::compute(Part& part, PartFolder* folder, const PartProgress& progress) {
+bool Projection::compute(Part& part, const PartProgress& progress) {
   place(part.hips);
   const std::vector<Vec3>& hips = part.hips.points;
   std::vector<Contact> found;
@@ -156,7 +153,6 @@ bool Projection::compute(Part& part, PartFolder* folder, const PartProgress& pro
     found.resize(end - begin);
     surface_->project(std::span(hips).subspan(begin, end - begin), options_.query, found);
     add(part.hips, begin, found, part);
-    if (folder != nullptr && end < hips.size() && folder->is_due()) save(part, *folder);
     goes_on = progress(part.begin + part.rows.rows(), hips_.rows());
   });
   return goes_on && (!hips.empty() || progress(part.end, hips_.rows()));

@@ -59,14 +59,14 @@ class Projection {
  private:
   struct Part : ProjectedPart {
     using ProjectedPart::ProjectedPart;
-    PointTable hips;  // of the rows that are not there
+    PointTable hips;  // none of a part that was there
   };
 
   std::unique_ptr<Part> fetch(const PartSource& source, PartFolder* folder);
   bool load(ProjectedPart& part, const PartFile& file);
   bool holds(const ProjectedPart& part);
   void save(const ProjectedPart& part, PartFolder& folder) const;
-  bool compute(Part& part, PartFolder* folder, const PartProgress& progress);
+  bool compute(Part& part, const PartProgress& progress);
   void place(PointTable& hips) const;
   void add(const PointTable& hips, std::size_t begin, const std::vector<Contact>& found,
            ProjectedPart& part) const;
