@@ -22,8 +22,8 @@ using PartSource = std::function<std::size_t()>;
 GLISS_EXPORT PartSource every_part(std::size_t first = 0, std::size_t step = 1);
 
 // Told how much of the work stands before what is being done, in its order, whoever did it; several
-// times a second. False stops the work.
-using PartProgress = std::function<bool(std::uint64_t done, std::uint64_t total)>;
+// times a second. What it throws ends the work.
+using PartProgress = std::function<void(std::uint64_t done, std::uint64_t total)>;
 
 // Who else may work in the folder meanwhile.
 enum class PartsAccess {

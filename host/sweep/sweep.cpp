@@ -184,7 +184,7 @@ class Sweeper {
     const auto finish = [&] {
       if (counting.valid()) counting.get();
     };
-    while (result.complete) {
+    while (true) {
       if (parts != nullptr) finish();
       const std::size_t part = source();
       if (part >= part_count) break;
@@ -195,23 +195,20 @@ class Sweeper {
           for (const SweepBlock& block : kept->blocks) sink(block);
         }
         merge(kept->statistics, result.statistics);
-        if (progress && !progress(samples_before(part_end), total)) result.complete = false;
+        if (progress) progress(samples_before(part_end), total);
         continue;
       }
       std::uint64_t done = samples_before(first);
-      while (first < part_end && result.complete) {
+      while (first < part_end) {
         Window& window = windows[overlaps ? turn++ % 2 : 0];
         collect(first, part_end, enough(), window);
         place(window);
         const std::size_t next = first + window.pieces.size();
         const std::uint64_t samples = samples_before(next) - done;
         feel(window, [&](std::size_t felt) {
-          if (progress && !progress(done + samples * felt / window.hips.size(), total))
-            result.complete = false;
-          return result.complete;
+          if (progress) progress(done + samples * felt / window.hips.size(), total);
         });
         finish();
-        if (!result.complete) break;
         const bool saves = parts != nullptr && (keeps_last || part + 1 < part_count);
         const auto count_window = [=, this, &window, &sink, &result, &of_part] {
           count(window, keeps_samples);
@@ -234,7 +231,7 @@ class Sweeper {
         done += samples;
         result.computed += samples * options_.methods.size();
         first = next;
-        if (progress && !progress(done, total)) result.complete = false;
+        if (progress) progress(done, total);
       }
     }
     finish();
@@ -386,14 +383,12 @@ class Sweeper {
     window.resize(options_.methods.size());
   }
 
-  // Finds the contacts of a window's HIPs. Where that takes long, calls go_on(HIPs that are done)
-  // several times a second, and stops where it says so.
-  void feel(Window& window, const std::function<bool(std::size_t)>& go_on) {
+  // Finds the contacts of a window's HIPs. Where that takes long, calls reach(HIPs that are done)
+  // several times a second.
+  void feel(Window& window, const std::function<void(std::size_t)>& reach) {
     const std::size_t methods = options_.methods.size();
     Stopwatch asked;
-    bool goes_on = true;
     pace_.for_pieces(window.hips.size(), [&](std::size_t begin, std::size_t end) {
-      if (!goes_on) return;
       const std::size_t count = end - begin;
       std::vector<ContactArrays<double>> out;
       for (std::size_t m = 0; m < methods; ++m)
@@ -401,7 +396,7 @@ class Sweeper {
       surface_->nearest(arrays_of(std::span(window.hips).subspan(begin, count)), options_.methods,
                         QueryOptions{options_}, out);
       if (end == window.hips.size() || asked.seconds() < kAskEvery) return;
-      goes_on = go_on(end);
+      reach(end);
       asked = {};
     });
   }
@@ -567,7 +562,7 @@ SweepResult kept_statistics(const PatchCache& cache, const SweepOptions& options
   const PartBounds bounds(grid, options);
   const std::uint64_t total = grid.points_before(grid.chunk_count()) * options.depths.size();
   SweepResult result{.statistics = no_statistics(options)};
-  for (std::size_t part = 0; part < bounds.count() && result.complete; ++part) {
+  for (std::size_t part = 0; part < bounds.count(); ++part) {
     const std::uint64_t end = grid.points_before(bounds.begin(part + 1)),
                         points = end - grid.points_before(bounds.begin(part));
     const auto kept = parts.statistics(part);
@@ -577,7 +572,7 @@ SweepResult kept_statistics(const PatchCache& cache, const SweepOptions& options
           parts.folder(), part));
     }
     merge(kept, result.statistics);
-    if (progress && !progress(end * options.depths.size(), total)) result.complete = false;
+    if (progress) progress(end * options.depths.size(), total);
   }
   return result;
 }

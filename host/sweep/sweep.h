@@ -105,7 +105,6 @@ using SweepProgress = PartProgress;
 
 struct SweepResult {
   std::vector<SweepStatistics> statistics;  // [depth][method]
-  bool complete = true;                     // false: stopped by the progress callback
   std::uint64_t computed = 0;               // contacts, without those of parts that were there
 };
 

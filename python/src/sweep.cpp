@@ -65,7 +65,6 @@ py::dict sweep(const OpenSurface& surface, py::handle depth, const py::dict& opt
     const auto reach = [&](std::uint64_t done, std::uint64_t total) {
       poll();
       progress.reach(done, total);
-      return true;
     };
     SweepResult swept =
         gliss::sweep(*surface.cache, *surface.engine, grid, sink, reach, parts ? &*parts : nullptr);

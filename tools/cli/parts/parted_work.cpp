@@ -50,10 +50,7 @@ void watched(const PartedWork& work, const PartedOptions& options, const PartFol
   const PartedWork::Size size = work.size();
   try {
     Watch watch(options, size.label, size.items / sharers, size.noun);
-    do_it([&](std::uint64_t done, std::uint64_t) {
-      watch.reach(done / sharers);
-      return true;
-    });
+    do_it([&](std::uint64_t done, std::uint64_t) { watch.reach(done / sharers); });
   } catch (const Interrupted&) {
     if (parts == nullptr || (parts->kept() == 0 && parts->whole() == 0)) throw;
     throw Interrupted{

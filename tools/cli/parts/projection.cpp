@@ -62,7 +62,7 @@ std::uint64_t Projection::run(const PartSource& source, PartFolder* folder, bool
   };
   for (auto part = fetch(source, folder); part;) {
     const std::size_t missing = part->hips.points.size();
-    if (!compute(*part, progress)) break;
+    compute(*part, progress);
     computed += missing;
     finish();
     auto next = fetch(source, folder);
@@ -142,20 +142,18 @@ void Projection::place(PointTable& hips) const {
   for (Vec3& hip : hips.points) hip = inward(hip);
 }
 
-// Finds the contacts that are missing; false where it was stopped.
-bool Projection::compute(Part& part, const PartProgress& progress) {
+// Finds the contacts that are missing.
+void Projection::compute(Part& part, const PartProgress& progress) {
   place(part.hips);
   const std::vector<Vec3>& hips = part.hips.points;
   std::vector<Contact> found;
-  bool goes_on = true;
   pace_.for_pieces(hips.size(), [&](std::size_t begin, std::size_t end) {
-    if (!goes_on) return;
     found.resize(end - begin);
     surface_->project(std::span(hips).subspan(begin, end - begin), options_.query, found);
     add(part.hips, begin, found, part);
-    goes_on = progress(part.begin + part.rows.rows(), hips_.rows());
+    progress(part.begin + part.rows.rows(), hips_.rows());
   });
-  return goes_on && (!hips.empty() || progress(part.end, hips_.rows()));
+  if (hips.empty()) progress(part.end, hips_.rows());
 }
 
 // Adds the contacts of HIPs from `begin` on.

@@ -66,7 +66,7 @@ class Projection {
   bool load(ProjectedPart& part, const PartFile& file);
   bool holds(const ProjectedPart& part);
   void save(const ProjectedPart& part, PartFolder& folder) const;
-  bool compute(Part& part, const PartProgress& progress);
+  void compute(Part& part, const PartProgress& progress);
   void place(PointTable& hips) const;
   void add(const PointTable& hips, std::size_t begin, const std::vector<Contact>& found,
            ProjectedPart& part) const;

@@ -20,7 +20,7 @@ PartProgress TeamMember::reach() {
   return [this](std::uint64_t done, std::uint64_t total) {
     team_.answer();
     reached_ = std::max(reached_, done);
-    return progress_(reached_, total);
+    progress_(reached_, total);
   };
 }
 
