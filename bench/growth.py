@@ -5,7 +5,7 @@ Prints a line a measurement, then tables: time per sample and per polygon, the p
 cache per polygon, and what loading it costs beside reading its bytes, warm: into new memory, which a load has to take
 too and which costs most on some machines, and into memory in place. Each is the best of 3 runs, or of as many as fit
 into 1 s; what takes 5 s runs once. A load is all of `gliss eval` of one point, less what that takes on a cache of 8
-faces. Ctrl-C and failures keep what is there. `gliss report growth.json -o growth.html` draws it.
+faces. Ctrl-C and failures keep what is there.
 Usage: bench/growth.py build/gliss [--samples 1e4:1e9] [--faces 1e3:1e7] [--precision float]
        [--backend tbb] [--json growth.json]
 """

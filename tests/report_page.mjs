@@ -54,8 +54,7 @@ interval = "1ms"
 `);
   run(gliss, 'run', 'scene.toml', '--no-wait', '--seconds', '2', '--quiet', '--record', 'run.h5', '--report', 'run.json');
   writeFileSync(join(folder, 'compare.json'), JSON.stringify(comparison()));
-  writeFileSync(join(folder, 'growth.json'), JSON.stringify(growth()));
-  run(gliss, 'report', 'knot_forces.csv', 'knot.h5', 'compare.json', 'run.json', 'run.h5', 'growth.json', 'path.h5', '-o', 'report.html', '--quiet');
+  run(gliss, 'report', 'knot_forces.csv', 'knot.h5', 'compare.json', 'run.json', 'run.h5', 'path.h5', '-o', 'report.html', '--quiet');
   run(gliss, 'report', 'knot.h5', 'knot_forces.csv', '-o', 'knot.html', '--quiet');
   writeFileSync(join(folder, 'pictured.json'), JSON.stringify(pictured()));
   run(gliss, 'report', 'pictured.json', '-o', 'pictured.html', '--quiet');
@@ -68,11 +67,10 @@ function makeOddResults() {
   writeFileSync(join(folder, 'two.csv'), header + [0, 1].map(i => `${i},new,0,0,0,0,0,0,0,0,1,0,contact\n`).join(''));
   writeFileSync(join(folder, 'none.json'), '{"mesh": null, "rows": [], "dense": [], "recommended": null}');
   writeFileSync(join(folder, 'still.json'), '{"histograms": {"wake": [], "compute": [[1, 1]]}}');
-  writeFileSync(join(folder, 'unmeasured.json'), JSON.stringify({growth: {sweeps: growth().growth.sweeps.slice(0, 1), meshes: []}}));
   writeFileSync(join(folder, 'none.csv'),
       'time,lateness,compute,missed,fx,fy,fz,sent_x,sent_y,sent_z,state,guard,reason\n');
   run(gliss, 'sweep', 'knot.obj', '--depth', '30mm', '--rings', '1', '--method', 'flat', '--unit', 'mm', '-o', 'deep.h5', '--quiet');
-  run(gliss, 'report', 'free.csv', 'two.csv', 'none.json', 'still.json', 'none.csv', 'deep.h5', 'unmeasured.json', '-o', 'odd.html', '--quiet');
+  run(gliss, 'report', 'free.csv', 'two.csv', 'none.json', 'still.json', 'none.csv', 'deep.h5', '-o', 'odd.html', '--quiet');
 }
 
 // As gliss compare --json prints it, with figures that were not measured.
@@ -122,16 +120,6 @@ function pictured() {
   made.rows = made.rows.map((row, i) => ({...row, construction: ['fair', 'paper', null][i >> 1],
     level: ['fair', 'exact', 'flat'][i >> 1], jumps: i < 2 ? [] : jumpsOf(i / 4)}));
   return {...made, unit: 'mm', picture: [picture('fair', 1), picture('paper', 40)]};
-}
-
-// As bench/growth.py writes it, with a load too short to tell.
-function growth() {
-  const sweeps = [4, 5, 6, 7].map(e => ({samples: 10 ** e, seconds: 2.1e-6 * 10 ** e + 1e-3, ns_per_sample: 2100 + 10 ** (7 - e),
-    peak_bytes: 4e7 + 100 * e}));
-  const meshes = [3, 4, 5].map(e => ({polygons: 10 ** e, bake_seconds: 2.9e-5 * 10 ** e, us_per_polygon: 29 + 40 / 10 ** (e - 3),
-    peak_bytes: 2e7 + 2700 * 10 ** e, cache_bytes: 2210 * 10 ** e, load_seconds: e > 3 ? 3e-7 * 10 ** e : null,
-    read_new_seconds: 2.5e-7 * 10 ** e, read_seconds: 1e-8 * 10 ** e}));
-  return {growth: {machine: 'a machine', gliss: '1.2.3', backend: 'tbb', sweeps, meshes}};
 }
 
 const patience = 300000;  // ms, with what takes a second
@@ -239,10 +227,9 @@ async function checkBars(page) {
 
 async function checkCharts(page) {
   for (const [label, told] of [['Distribution of the step across edges, 2mm', /to [^]* N[^]*%/], ['largest error of force, share of k d over tick', /\w+, (double|float)/],
-    ['Distribution: Computing', /µs[^]*%/], ['Time a sample over samples', /samples[^]*a sample\s+\d+ ns/],
-    ['Force along the path', /Tick \d+[^]*Flat polygons\s+[\d.]+ N[^]*Gregory patches\s+[\d.]+ N/],
+    ['Distribution: Computing', /µs[^]*%/], ['Force along the path', /Tick \d+[^]*Flat polygons\s+[\d.]+ N[^]*Gregory patches\s+[\d.]+ N/],
     ['Share of the friction cone', /Tick \d+[^]*Flat polygons\s+[\d.]+[^]*Gregory patches\s+[\d.]+/],
-    ['Memory a polygon over polygons', /polygons[^]*cache[^]*bytes a polygon/], ['Force over time', / s[^]*rendered[^]*sent/]]) {
+    ['Force over time', / s[^]*rendered[^]*sent/]]) {
     const chart = `[aria-label*="${label}"]`;
     await center(page, chart);
     await page.focus(chart);
@@ -317,7 +304,7 @@ async function checkTables(page) {
 async function checkFacts(page) {
   const found = await page.$$eval('section', all => all.map(s => [s.querySelector('h2').innerText, s.querySelector('.origin').innerText]));
   const about = Object.fromEntries(found);
-  assert.deepEqual(found.map(([file]) => file), ['knot_forces.csv', 'knot.h5', 'compare.json', 'run.json, run.h5', 'growth.json', 'path.h5']);
+  assert.deepEqual(found.map(([file]) => file), ['knot_forces.csv', 'knot.h5', 'compare.json', 'run.json, run.h5', 'path.h5']);
   for (const file of ['knot.h5', 'run.json, run.h5', 'path.h5']) assert.match(about[file], /Mesh\s+knot.obj[^]*Stiffness\s+0\.500 N\/mm/);
   assert.match(about['knot_forces.csv'], /Depth\s+at most [\d.]+ units of the file/);
   assert.match(about['path.h5'], /Depth\s+at most 2\.\d\d mm/);
@@ -421,7 +408,7 @@ try {
     await page.close();
   }
   const {page: odd, complaints} = await open(browser, 'odd.html', 'light');
-  assert.equal((await odd.$$('section')).length, 7);
+  assert.equal((await odd.$$('section')).length, 6);
   assert.deepEqual(complaints, []);
   await odd.close();
   for (const [name, width] of [['narrow', 400], ['wide', 1100]]) {

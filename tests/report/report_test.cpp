@@ -379,43 +379,8 @@ TEST_F(Report, PagesOfComparisonsStaySmall) {
   EXPECT_LE(folder_.read("page.html").size(), 3'000'000u);
 }
 
-TEST_F(Report, GrowthIsOfPositiveFigures) {
-  const auto growth = [&](const char* name, const std::string& sweep, const std::string& mesh) {
-    folder_.write(name, fmt::format(R"({{"growth": {{"machine": "mine", "gliss": "1.2",
-      "sweeps": [{{"samples": 10000, "seconds": 0.02, "ns_per_sample": 2000, "peak_bytes": 4e7}}{}],
-      "meshes": [{{"polygons": 1000, "bake_seconds": 0.05, "us_per_polygon": 50, "peak_bytes": 3e7,
-        "cache_bytes": 2e6, "load_seconds": null}}{}]}}}})",
-                                    sweep, mesh));
-  };
-  growth("growth.json", "", "");
-  const auto result = result_of("growth.json");
-  EXPECT_EQ(result["kind"], "growth");
-  EXPECT_EQ(result["origin"], (nlohmann::json{{"machine", "mine"}, {"gliss", "1.2"}}));
-  EXPECT_EQ(result["sweeps"][0]["ns_per_sample"], 2000);
-  EXPECT_EQ(result["meshes"][0]["cache_bytes"], 2e6);
-  EXPECT_TRUE(result["meshes"][0]["load_seconds"].is_null());
-  const auto expect_row_refused = [&](const char* at) {
-    expect_error(gliss("report", "wrong.json -o other.html"), 2,
-                 fmt::format("wrong.json: 'growth/{} is not what bench/growth.py writes", at));
-  };
-  growth("wrong.json", R"(, {"samples": 1e5, "seconds": 0})", "");
-  expect_row_refused("sweeps' 1: 'seconds'");
-  growth("wrong.json", ", 3", "");
-  expect_row_refused("sweeps' 1: 'samples'");
-  growth("wrong.json", "", R"(, {"polygons": 1e4, "bake_seconds": "fast"})");
-  expect_row_refused("meshes' 1: 'bake_seconds'");
-  growth("wrong.json", "", R"(, {"polygons": 1e4})");
-  expect_row_refused("meshes' 1: 'bake_seconds'");
-  growth("wrong.json", ", 1e999", "");
-  expect_error(gliss("report", "wrong.json -o other.html"), 2, "JSON that is damaged");
-  folder_.write("wrong.json", R"({"growth": {"sweeps": []}})");
-  expect_error(gliss("report", "wrong.json -o other.html"), 2,
-               "wrong.json: 'growth/meshes' is not a list");
-}
-
 TEST_F(Report, RefusesWhatItDoesNotKnow) {
-  const std::string page_less =
-      "is not a result of gliss trace, sweep, compare or run, or of bench/growth.py";
+  const std::string page_less = "is not a result of gliss trace, sweep, compare or run";
   folder_.write("empty.csv", "");
   expect_refused("empty.csv", "'empty.csv' " + page_less + ": it is empty");
   folder_.write("picture.png", "\x89PNG\r\n\x1a\nfx,fy");

@@ -14,8 +14,6 @@ bool fits(const Json& value, const RowKey& key) {
       return value.is_string() || value.is_number();
     case Expect::kNumber:
       return value.is_number();
-    case Expect::kPositive:
-      return value.is_number() && value.get<double>() > 0;
     case Expect::kTruth:
       return value.is_boolean();
   }

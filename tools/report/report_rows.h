@@ -7,7 +7,7 @@
 
 namespace gliss::tools {
 
-enum class Expect { kText, kNumber, kPositive, kTruth };
+enum class Expect { kText, kNumber, kTruth };
 
 struct RowKey {
   const char* name;

@@ -12,7 +12,7 @@
 namespace gliss::tools {
 namespace {
 
-constexpr char kWhat[] = "a result of gliss trace, sweep, compare or run, or of bench/growth.py";
+constexpr char kWhat[] = "a result of gliss trace, sweep, compare or run";
 
 constexpr std::uint64_t kLargestJson = 1 << 26;  // bytes
 
@@ -54,10 +54,7 @@ Json read_json(const ReportSource& source) {
   if (holds("rows", &Json::is_array)) return read_comparison(json, source);
   if (holds("histograms", &Json::is_object) || holds("guards", &Json::is_object))
     return read_run_report(json, source);
-  if (holds("growth", &Json::is_object)) return read_growth(json["growth"], source);
-  refuse(source,
-         "JSON without a list 'rows' (gliss compare), 'guards' (gliss run) or 'growth' "
-         "(bench/growth.py)");
+  refuse(source, "JSON without a list 'rows' (gliss compare) and 'guards' (gliss run)");
 }
 
 Json read_csv(const ReportSource& source) {

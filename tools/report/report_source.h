@@ -27,6 +27,5 @@ Json read_sweep(const Hdf5Reader& file, const ReportSource& source);
 Json read_objects(const Json& objects, const ReportSource& source);  // of the scene of gliss run
 Json read_run_report(const Json& json, const ReportSource& source);
 Json read_comparison(const Json& json, const ReportSource& source);
-Json read_growth(const Json& growth, const ReportSource& source);
 
 }  // namespace gliss::tools

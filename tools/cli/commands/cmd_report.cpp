@@ -24,7 +24,7 @@ struct ReportingOptions : ReportOptions {
 void describe(Command& command, ReportingOptions& options) {
   command.list({"RESULTS", "FILE...",
                 "files left by gliss trace, sweep, compare --json, run --summary, --json or "
-                "--record, or by bench/growth.py",
+                "--record",
                 true},
                [&options](const std::string& path) {
                  check_input("RESULTS", path);

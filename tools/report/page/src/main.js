@@ -4,7 +4,6 @@ import {compareSection} from './compare.js';
 import {readResults} from './data.js';
 import {el} from './dom.js';
 import {number} from './format.js';
-import {growthSection} from './growth.js';
 import {loopSection, together} from './run.js';
 import {sweepSection} from './sweep.js';
 import {startTheme, themeButton} from './theme.js';
@@ -15,7 +14,6 @@ const kinds = {
   trace: traceSection,
   sweep: sweepSection,
   compare: compareSection,
-  growth: growthSection,
   run: loopSection,
   recording: loopSection,
   session: loopSection,
@@ -28,8 +26,8 @@ function provenance({origin, faces}, facts) {
   const objects = origin.objects ?? [{mesh: origin.surface, stiffness_N_per_m: origin.stiffness_N_per_m}];
   const stiffness = objects.map(o => o.stiffness_N_per_m).filter(k => Number.isFinite(k)).map(k => `${number(k / 1e3)} N/mm`);
   const known = [['Mesh', all(objects.map(o => o.mesh).filter(Boolean))], ['Polygons', faces], ['Scene', origin.scene],
-    ['Device', origin.device], ['Unit', origin.unit], ['Stiffness', all(stiffness)], ...facts, ['Precision', origin.precision], ['Mesh hash', origin.mesh_hash],
-    ['Machine', origin.machine], ['Version', origin.gliss], ['Backend', origin.backend]].filter(([, value]) => value);
+    ['Device', origin.device], ['Unit', origin.unit], ['Stiffness', all(stiffness)], ...facts, ['Precision', origin.precision], ['Mesh hash', origin.mesh_hash]]
+      .filter(([, value]) => value);
   const command = origin.command_line;
   return el('.origin', {},
       known.length ? el('dl', {}, known.map(([term, value]) => el('div', {}, el('dt', {}, term), el('dd', {}, String(value))))) : null,
