@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "gliss/surface/names.h"
-#include "gliss/tables/result_table.h"
+#include "gliss/tables/table_columns.h"
 
 namespace gliss {
 namespace {
@@ -156,21 +156,18 @@ Json json_of(const MeshComparisonOptions& how, const Comparison& comparison,
 }
 
 void write_rows(ResultFile& file, const std::string& name, const std::vector<CompareRow>& rows) {
-  Columns columns;
-  columns.add({"surface", "level", "precision", "solver", "backend"}, ColumnType::kText);
-  for (const NumberColumn& column : kNumbers)
-    columns.add({column.name}, ColumnType::kFloat64, column.unit);
-  ResultTable table(file, name, columns.add({"pareto"}, ColumnType::kUint8));
-  const auto fill = [&](auto get_from) {
-    table.fill(rows.size(), [&](std::size_t i) { return get_from(rows[i]); });
-  };
-  fill([](const CompareRow& r) { return r.candidate.name(); });
-  fill([](const CompareRow& r) { return r.candidate.level_name(); });
-  fill([](const CompareRow& r) { return std::string(precision_name(r.precision)); });
-  fill([](const CompareRow& r) { return std::string(name_of(kSolverNames, r.solver)); });
-  fill([](const CompareRow& r) { return r.backend; });
-  for (const NumberColumn& column : kNumbers) fill(column.get);
-  fill([](const CompareRow& r) { return r.pareto ? 1.0 : 0.0; });
+  using enum ColumnType;
+  TableColumns<std::vector<CompareRow>> columns;
+  columns.add("surface", kText, "", [](const CompareRow& r) { return r.candidate.name(); })
+      .add("level", kText, "", [](const CompareRow& r) { return r.candidate.level_name(); })
+      .add("precision", kText, "", [](const CompareRow& r) { return precision_name(r.precision); })
+      .add("solver", kText, "", [](const CompareRow& r) { return name_of(kSolverNames, r.solver); })
+      .add("backend", kText, "", &CompareRow::backend);
+  for (const NumberColumn& number : kNumbers)
+    columns.add(number.name, kFloat64, number.unit, number.get);
+  columns.add("pareto", kUint8, "", &CompareRow::pareto);
+  ResultTable table(file, name, columns.columns());
+  columns.fill(table, rows, rows.size());
   table.write();
 }
 

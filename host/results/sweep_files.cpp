@@ -12,19 +12,37 @@ namespace {
 // Opening and closing the columns of a table costs as much as writing some thousand rows.
 constexpr std::size_t kBlockRows = 65536;
 
-Columns sample_columns(bool single, ColumnType real, const std::string& unit) {
-  Columns columns;
-  if (single) {
-    columns.add({"depth"}, ColumnType::kFloat64, unit).add({"method"}, ColumnType::kText);
-  }
-  return columns.add({"face"}, ColumnType::kUint32)
+// The columns of samples in the unit of coordinates; with depth and method in one table for all.
+TableColumns<SweepBlock> sample_columns(const PatchCache& cache, const SweepOptions& sweep,
+                                        double unit, bool single) {
+  using enum ColumnType;
+  const ColumnType real = cache.precision() == Precision::kDouble ? kFloat64 : kFloat32;
+  const std::string name = unit_name(unit);
+  const UnitChange length(cache.unit, unit), from_metres(1, unit);
+  TableColumns<SweepBlock> columns;
+  if (single)
+    columns
+        .add("depth", kFloat64, name,
+             [&sweep, from_metres](const SweepBlock& b, std::size_t) {
+               return from_metres(sweep.depths[b.depth_index]);
+             })
+        .add("method", kText, "", [&sweep](const SweepBlock& b, std::size_t) {
+          return method_name(sweep.methods[b.method_index]);
+        });
+  columns.add("face", kUint32, "", &SweepBlock::face)
       .was("patch")
-      .add({"xi", "eta"}, real)
-      .add({"hip_x", "hip_y", "hip_z", "scp_x", "scp_y", "scp_z"}, real, unit)
-      .add({"fx", "fy", "fz"}, real, "N")
-      .add({"residual_angle"}, ColumnType::kFloat32, "rad")
-      .add({"iterations", "crossings"}, ColumnType::kUint32)
-      .add({"flags"}, ColumnType::kUint8);
+      .add("xi", real, "", &SweepBlock::xi)
+      .add("eta", real, "", &SweepBlock::eta)
+      .add_vector({"hip_x", "hip_y", "hip_z"}, real, name,
+                  [length](const SweepBlock& b, std::size_t i) { return length(b.hip[i]); })
+      .add_vector({"scp_x", "scp_y", "scp_z"}, real, name,
+                  [length](const SweepBlock& b, std::size_t i) { return length(b.scp[i]); })
+      .add_vector({"fx", "fy", "fz"}, real, "N", &SweepBlock::force)
+      .add("residual_angle", kFloat32, "rad", &SweepBlock::residual_angle)
+      .add("iterations", kUint32, "", &SweepBlock::iterations)
+      .add("crossings", kUint32, "", &SweepBlock::crossings)
+      .add("flags", kUint8, "", &SweepBlock::flags);
+  return columns;
 }
 
 std::string group_name(const SweepOptions& sweep, std::size_t kind) {
@@ -47,17 +65,44 @@ constexpr HistogramFigure kFigures[] = {
     {"max", false, [](const Histogram& h) { return h.max(); }},
     {"unsound", true, [](const Histogram& h) { return static_cast<double>(h.unsound()); }}};
 
+// Counts are float64, exact up to 2^53.
+constexpr ColumnType kReal = ColumnType::kFloat64;
+
 void write_bins(ResultFile& file, const std::string& name, const SweepStatistics& statistics) {
-  ResultTable bins(file, name,
-                   Columns().add({"upper_edge", "step", "edge_step", "angle", "error", "residual"}),
-                   {}, Histogram::kBins);
-  bins.fill(Histogram::kBins,
-            [](std::size_t i) { return Histogram::bin_edge(static_cast<int>(i)); });
+  TableColumns<SweepStatistics> columns;
+  columns.add("upper_edge", kReal, "", [](const SweepStatistics&, std::size_t i) {
+    return Histogram::bin_edge(static_cast<int>(i));
+  });
+  for (const auto& named : kHistograms)
+    columns.add(named.name, kReal, "",
+                [of = named.histogram](const SweepStatistics& s) { return (s.*of).bins(); });
+  write_table(file, name, columns, statistics, Histogram::kBins);
+}
+
+TableColumns<std::vector<SweepStatistics>> statistics_columns() {
+  TableColumns<std::vector<SweepStatistics>> columns;
+  columns.add("depth", kReal, "m", &SweepStatistics::depth)
+      .add("method", ColumnType::kText, "",
+           [](const SweepStatistics& s) { return method_name(s.method); })
+      .add("samples", kReal, "", &SweepStatistics::samples)
+      .add("touching", kReal, "", &SweepStatistics::touching)
+      .add("unconverged", kReal, "", &SweepStatistics::unconverged)
+      .add("iterations", kReal, "", &SweepStatistics::iterations)
+      .add("crossings", kReal, "", &SweepStatistics::crossings)
+      .add("jumps_per_100k", kReal, "", &SweepStatistics::jumps_per_100k)
+      .add("lost_per_100k", kReal, "", &SweepStatistics::lost_per_100k)
+      .add("leaps_per_100k", kReal, "", &SweepStatistics::leaps_per_100k)
+      // Those of version 0.1 are the same.
+      .add("iterations_sum", kReal, "", &SweepStatistics::iterations)
+      .add("crossings_sum", kReal, "", &SweepStatistics::crossings);
   for (const auto& named : kHistograms) {
-    const Histogram& histogram = statistics.*named.histogram;
-    bins.fill(Histogram::kBins, [&](std::size_t i) { return histogram.bins()[i]; });
+    for (const HistogramFigure& figure : kFigures)
+      columns.add(
+          fmt::format("{}_{}", named.name, figure.name).c_str(), kReal,
+          figure.is_count ? "" : named.unit,
+          [of = named.histogram, get = figure.of](const SweepStatistics& s) { return get(s.*of); });
   }
-  bins.write();
+  return columns;
 }
 
 }  // namespace
@@ -92,9 +137,8 @@ SampleFile SampleFile::join(const std::string& temporary, const std::string& pat
 SampleFile::SampleFile(std::unique_ptr<ResultFile> file, PlainFile* plain, bool single,
                        const PatchCache& cache, const SweepOptions& sweep, double unit)
     : sweep_(sweep),
-      length_(cache.unit, unit),
-      unit_(unit),
       single_(single),
+      columns_(sample_columns(cache, sweep, unit, single)),
       file_(std::move(file)),
       plain_(plain) {
   file_->set_attribute({"stiffness_N_per_m", sweep.stiffness});
@@ -104,15 +148,12 @@ SampleFile::SampleFile(std::unique_ptr<ResultFile> file, PlainFile* plain, bool 
     depths += (depths.empty() ? "" : ",") + depth_name(depth);
   }
   file_->set_attribute({"depths", depths});
-  const ColumnType real =
-      cache.precision() == Precision::kDouble ? ColumnType::kFloat64 : ColumnType::kFloat32;
-  const Columns columns = sample_columns(single_, real, unit_name(unit_));
   const std::uint64_t rows = sample_count(cache, sweep.rings);
   const std::size_t kinds = single_ ? 1 : sweep.depths.size() * sweep.methods.size();
   for (std::size_t kind = 0; kind < kinds; ++kind) {
     const double depth = sweep.depths[kind / sweep.methods.size()];
     const std::string method = method_name(sweep.methods[kind % sweep.methods.size()]);
-    tables_.emplace_back(*file_, group_name(sweep, kind), columns,
+    tables_.emplace_back(*file_, group_name(sweep, kind), columns_.columns(),
                          std::vector<Attribute>{{"depth_m", depth}, {"method", method}}, rows);
   }
 }
@@ -120,27 +161,8 @@ SampleFile::SampleFile(std::unique_ptr<ResultFile> file, PlainFile* plain, bool 
 void SampleFile::add(const SweepBlock& block) {
   const std::size_t kind = block.depth_index * sweep_.methods.size() + block.method_index;
   ResultTable& table = tables_[single_ ? 0 : kind];
-  const std::size_t rows = block.face.size();
   if (plain_ != nullptr && table.rows() == 0) plain_->seek(table.id(), block.row);
-  if (single_) {
-    const double depth = UnitChange(1, unit_)(sweep_.depths[block.depth_index]);
-    const char* method = method_name(sweep_.methods[block.method_index]);
-    table.fill(rows, [&](std::size_t) { return depth; });
-    table.fill(rows, [&](std::size_t) { return method; });
-  }
-  const auto column = [&](const auto& values) {
-    table.fill(rows, [&](std::size_t i) { return values[i]; });
-  };
-  column(block.face);
-  column(block.xi);
-  column(block.eta);
-  table.fill_vectors(rows, [&](std::size_t i) { return length_(block.hip[i]); });
-  table.fill_vectors(rows, [&](std::size_t i) { return length_(block.scp[i]); });
-  table.fill_vectors(rows, [&](std::size_t i) { return block.force[i]; });
-  column(block.residual_angle);
-  column(block.iterations);
-  column(block.crossings);
-  column(block.flags);
+  columns_.fill(table, block, block.face.size());
   if (table.rows() >= kBlockRows && !waits_) table.write();
 }
 
@@ -165,40 +187,9 @@ void SampleFile::close(const SweepResult& result) {
   file_->close();
 }
 
-// Counts are float64, exact up to 2^53.
 void SampleFile::add_statistics(const SweepResult& result) {
   const auto& all = result.statistics;
-  Columns columns;
-  columns.add({"depth"}, ColumnType::kFloat64, "m").add({"method"}, ColumnType::kText);
-  columns.add({"samples", "touching", "unconverged", "iterations", "crossings"});
-  columns.add({"jumps_per_100k", "lost_per_100k", "leaps_per_100k"});
-  columns.add({"iterations_sum", "crossings_sum"});  // those of version 0.1 are the same
-  for (const auto& [name, unit, histogram] : kHistograms) {
-    for (const HistogramFigure& figure : kFigures)
-      columns.add({fmt::format("{}_{}", name, figure.name).c_str()}, ColumnType::kFloat64,
-                  figure.is_count ? "" : unit);
-  }
-  ResultTable table(*file_, "statistics", columns, {}, all.size());
-  const auto column = [&](auto get) {
-    table.fill(all.size(), [&](std::size_t i) { return get(all[i]); });
-  };
-  column([](const SweepStatistics& s) { return s.depth; });
-  column([](const SweepStatistics& s) { return method_name(s.method); });
-  for (const auto count :
-       {&SweepStatistics::samples, &SweepStatistics::touching, &SweepStatistics::unconverged,
-        &SweepStatistics::iterations, &SweepStatistics::crossings}) {
-    column([count](const SweepStatistics& s) { return s.*count; });
-  }
-  column([](const SweepStatistics& s) { return s.jumps_per_100k(); });
-  column([](const SweepStatistics& s) { return s.lost_per_100k(); });
-  column([](const SweepStatistics& s) { return s.leaps_per_100k(); });
-  column([](const SweepStatistics& s) { return s.iterations; });
-  column([](const SweepStatistics& s) { return s.crossings; });
-  for (const auto& named : kHistograms) {
-    for (const HistogramFigure& figure : kFigures)
-      column([&](const SweepStatistics& s) { return figure.of(s.*named.histogram); });
-  }
-  table.write();
+  write_table(*file_, "statistics", statistics_columns(), all, all.size());
   for (std::size_t kind = 0; kind < all.size(); ++kind)
     write_bins(*file_, group_name(sweep_, kind) + "/histogram", all[kind]);
 }

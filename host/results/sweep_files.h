@@ -10,7 +10,7 @@
 #include "gliss/results/described_file.h"
 #include "gliss/sweep/sweep.h"
 #include "gliss/tables/plain_file.h"
-#include "gliss/tables/result_table.h"
+#include "gliss/tables/table_columns.h"
 
 namespace gliss {
 
@@ -48,9 +48,8 @@ class SampleFile {
   void add_statistics(const SweepResult& result);
 
   const SweepOptions& sweep_;
-  UnitChange length_;
-  double unit_;
   bool single_;  // one table for all
+  TableColumns<SweepBlock> columns_;
   std::unique_ptr<ResultFile> file_;
   PlainFile* plain_;  // the same, where it is one
   bool waits_ = false;

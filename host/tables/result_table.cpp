@@ -1,5 +1,7 @@
 #include "gliss/tables/result_table.h"
 
+#include <algorithm>
+
 namespace gliss {
 
 Columns& Columns::add(std::initializer_list<const char*> names, ColumnType type,
@@ -16,6 +18,12 @@ Columns& Columns::add(std::initializer_list<const char*> names, ColumnType type,
 Columns& Columns::was(const char* old_name) {
   columns_.back().old_name = old_name;
   return *this;
+}
+
+std::size_t Columns::place_of(std::string_view name) const {
+  const auto is_it = [&](const Column& column) { return column.name == name; };
+  return static_cast<std::size_t>(std::find_if(columns_.begin(), columns_.end(), is_it) -
+                                  columns_.begin());
 }
 
 TableRows::TableRows(const Columns& columns) {

@@ -24,6 +24,7 @@ class GLISS_EXPORT Columns {
   // The last column has been called so. A column that is added by that name later takes it.
   Columns& was(const char* old_name);
   const std::vector<Column>& list() const { return columns_; }
+  std::size_t place_of(std::string_view name) const;  // in the list, which has it
 
  private:
   std::vector<Column> columns_;

@@ -1,28 +1,54 @@
 #include "gliss/scene/recorder.h"
 
+#include "gliss/tables/table_columns.h"
+
 namespace gliss {
 namespace {
 
 constexpr std::uint64_t kFlushedTicks = 4096;  // to disk together: a full one is noticed by then
 
-Columns recorded_columns(bool turns) {
+using Ticks = std::vector<LoopTick>;
+
+TableColumns<Ticks> recorded_columns(bool turns) {
   using enum ColumnType;
-  Columns columns;
-  columns.add({"tick"}, kUint32)
-      .add({"time", "lateness", "compute", "age"}, kFloat64, "s")
-      .add({"missed"}, kUint32)
-      .add({"x", "y", "z"}, kFloat64, "m")
-      .add({"vx", "vy", "vz"}, kFloat64, "m/s")
-      .add({"fx", "fy", "fz", "sent_x", "sent_y", "sent_z"}, kFloat64, "N")
-      .add({"state", "guard", "reason"}, kText)
-      .add({"object", "face"}, kUint32)
+  const auto seconds = [](Nanoseconds LoopTick::*time) {
+    return [time](const LoopTick& t) { return in_seconds(t.*time); };
+  };
+  TableColumns<Ticks> columns;
+  columns.add("tick", kUint32, "", &LoopTick::number)
+      .add("time", kFloat64, "s", seconds(&LoopTick::time))
+      .add("lateness", kFloat64, "s", seconds(&LoopTick::lateness))
+      .add("compute", kFloat64, "s", seconds(&LoopTick::compute))
+      .add("age", kFloat64, "s", seconds(&LoopTick::age))
+      .add("missed", kUint32, "", &LoopTick::missed)
+      .add_vector({"x", "y", "z"}, kFloat64, "m",
+                  [](const LoopTick& t) { return t.input.position; })
+      .add_vector({"vx", "vy", "vz"}, kFloat64, "m/s",
+                  [](const LoopTick& t) { return t.input.velocity; })
+      .add_vector({"fx", "fy", "fz"}, kFloat64, "N", &LoopTick::rendered)
+      .add_vector({"sent_x", "sent_y", "sent_z"}, kFloat64, "N", &LoopTick::sent)
+      .add("state", kText, "", [](const LoopTick& t) { return t.touching ? "contact" : "free"; })
+      .add("guard", kText, "", [](const LoopTick& t) { return guard_state_name(t.state); })
+      .add("reason", kText, "", [](const LoopTick& t) { return guard_reason_name(t.reason); })
+      .add("object", kUint32, "", &LoopTick::object)
+      .add("face", kUint32, "", &LoopTick::face)
       .was("patch")
-      .add({"distance"}, kFloat64, "m")
-      .add({"iterations", "crossings", "flags"}, kUint32);
+      .add("distance", kFloat64, "m", &LoopTick::distance)
+      .add("iterations", kUint32, "", &LoopTick::iterations)
+      .add("crossings", kUint32, "", &LoopTick::crossings)
+      .add("flags", kUint32, "", &LoopTick::flags);
   if (turns)
-    columns.add({"qw", "qx", "qy", "qz"}, kFloat64)
-        .add({"tx", "ty", "tz", "sent_tx", "sent_ty", "sent_tz"}, kFloat64, "N m");
+    columns.add("qw", kFloat64, "", [](const LoopTick& t) { return t.input.orientation.w(); })
+        .add_vector({"qx", "qy", "qz"}, kFloat64, "",
+                    [](const LoopTick& t) { return t.input.orientation.vec(); })
+        .add_vector({"tx", "ty", "tz"}, kFloat64, "N m", &LoopTick::rendered_torque)
+        .add_vector({"sent_tx", "sent_ty", "sent_tz"}, kFloat64, "N m", &LoopTick::sent_torque);
   return columns;
+}
+
+const TableColumns<Ticks>& columns_of(bool turns) {
+  static const TableColumns<Ticks> plain = recorded_columns(false), turned = recorded_columns(true);
+  return turns ? turned : plain;
 }
 
 }  // namespace
@@ -32,44 +58,12 @@ RecordingFile::RecordingFile(const std::string& path, const std::vector<Attribut
     : many_tables_(!path.ends_with(".csv")),
       turns_(turns),
       file_(create_result_file(path)),
-      table_(*file_, "ticks", recorded_columns(turns), {}, kFlushedTicks) {
+      table_(*file_, "ticks", columns_of(turns).columns(), {}, kFlushedTicks) {
   for (const Attribute& attribute : attributes) file_->set_attribute(attribute);
 }
 
 void RecordingFile::write(const std::vector<LoopTick>& ticks) {
-  const auto fill = [&](const auto& get) {
-    table_.fill(ticks.size(), [&](std::size_t i) { return get(ticks[i]); });
-  };
-  const auto fill_vectors = [&](const auto& get) {
-    table_.fill_vectors(ticks.size(), [&](std::size_t i) -> const Vec3& { return get(ticks[i]); });
-  };
-  fill([](const LoopTick& t) { return t.number; });
-  fill([](const LoopTick& t) { return in_seconds(t.time); });
-  fill([](const LoopTick& t) { return in_seconds(t.lateness); });
-  fill([](const LoopTick& t) { return in_seconds(t.compute); });
-  fill([](const LoopTick& t) { return in_seconds(t.age); });
-  fill([](const LoopTick& t) { return t.missed; });
-  fill_vectors([](const LoopTick& t) -> const Vec3& { return t.input.position; });
-  fill_vectors([](const LoopTick& t) -> const Vec3& { return t.input.velocity; });
-  fill_vectors([](const LoopTick& t) -> const Vec3& { return t.rendered; });
-  fill_vectors([](const LoopTick& t) -> const Vec3& { return t.sent; });
-  fill([](const LoopTick& t) { return t.touching ? "contact" : "free"; });
-  fill([](const LoopTick& t) { return guard_state_name(t.state); });
-  fill([](const LoopTick& t) { return guard_reason_name(t.reason); });
-  fill([](const LoopTick& t) { return t.object; });
-  fill([](const LoopTick& t) { return t.face; });
-  fill([](const LoopTick& t) { return t.distance; });
-  fill([](const LoopTick& t) { return t.iterations; });
-  fill([](const LoopTick& t) { return t.crossings; });
-  fill([](const LoopTick& t) { return t.flags; });
-  if (turns_) {
-    fill([](const LoopTick& t) { return t.input.orientation.w(); });
-    fill([](const LoopTick& t) { return t.input.orientation.x(); });
-    fill([](const LoopTick& t) { return t.input.orientation.y(); });
-    fill([](const LoopTick& t) { return t.input.orientation.z(); });
-    fill_vectors([](const LoopTick& t) -> const Vec3& { return t.rendered_torque; });
-    fill_vectors([](const LoopTick& t) -> const Vec3& { return t.sent_torque; });
-  }
+  columns_of(turns_).fill(table_, ticks, ticks.size());
   table_.write();
 }
 

@@ -90,7 +90,8 @@ void run(const EvalOptions& options) {
       .add({"x", "y", "z", "dxi_x", "dxi_y", "dxi_z", "deta_x", "deta_y", "deta_z"},
            ColumnType::kFloat64, unit_name(options.unit))
       .add({"nx", "ny", "nz"});
-  ResultTable table(*file, "", add_kept(columns, options.keep));
+  for (const std::string& name : options.keep) columns.add({name.c_str()});
+  ResultTable table(*file, "", columns);
   const Stopwatch clock;
   const auto surface = engine->reside(cache);
   for_blocks(
@@ -111,7 +112,9 @@ void run(const EvalOptions& options) {
             for (double& x : column) x = length(x);
           }
         }
-        fill_kept(table, options.keep, points, begin, end);
+        for (const std::string& name : options.keep)
+          table.fill(
+              rows, [&kept = *points.find(name), begin](std::size_t i) { return kept[begin + i]; });
         table.write();
       });
   file->close();

@@ -70,8 +70,7 @@ std::map<std::string, std::uint32_t> count_forms(const PatchCache& cache) {
   std::map<std::string, std::uint32_t> forms;
   std::visit(
       [&](const auto& surface) {
-        for (const std::uint32_t form : surface.form)
-          ++forms[form_name(form)];
+        for (const std::uint32_t form : surface.form) ++forms[form_name(form)];
       },
       cache.surface);
   return forms;

@@ -132,7 +132,7 @@ void Projecting::write_result(const PartsOfResult& come) {
   constexpr std::size_t kBlockRows = 65536;
   const auto file = create_described_file(options_.output, cache_, options_);
   if (options_.stiffness) file->set_attribute({"stiffness_N_per_m", *options_.stiffness});
-  ResultTable table(*file, "", projection_columns(wanted_));
+  ResultTable table(*file, "", projection_.columns());
   std::uint64_t inside = 0, unconverged = 0, computed = 0;
   const auto write = [&](const ProjectedPart& part) {
     for (std::size_t begin = 0; begin < part.rows.rows(); begin += kBlockRows)

@@ -6,7 +6,7 @@
 
 #include "gliss/query/trace.h"
 #include "gliss/results/trace_json.h"
-#include "gliss/tables/result_table.h"
+#include "gliss/tables/table_columns.h"
 #include "tools/cli/commands/commands.h"
 #include "tools/cli/terminal/watch.h"
 #include "tools/cli/words/outputs.h"
@@ -74,28 +74,6 @@ const char* grip_name(const Contact& contact) {
   return is_slipping(contact.flags) ? "slip" : "stick";
 }
 
-void write(const std::vector<Row>& rows, const TracingOptions& options, const UnitChange& length,
-           const InputTable& path, ResultTable& table) {
-  const std::size_t count = rows.size();
-  table.fill(count, [&](std::size_t i) { return rows[i].step; });
-  table.fill(count, [&](std::size_t i) { return method_name(rows[i].method); });
-  table.fill_vectors(count, [&](std::size_t i) { return rows[i].hip; });
-  table.fill_vectors(count, [&](std::size_t i) { return length(rows[i].felt.contact.scp); });
-  table.fill_vectors(count, [&](std::size_t i) { return rows[i].felt.force; });
-  table.fill(count, [&](std::size_t i) { return rows[i].felt.contact.at.face; });
-  table.fill(count,
-             [&](std::size_t i) { return rows[i].felt.contact.touching ? "contact" : "free"; });
-  if (options.trace.friction.any()) {
-    table.fill(count, [&](std::size_t i) { return rows[i].felt.cone_share; });
-    table.fill(count, [&](std::size_t i) { return grip_name(rows[i].felt.contact); });
-  }
-  for (const std::string& name : options.keep) {
-    const LargeArray<double>& values = *path.find(name);
-    table.fill(count, [&](std::size_t i) { return values[rows[i].tick]; });
-  }
-  table.write();
-}
-
 // Nothing where the gain lies within its error.
 std::string gain_text(const LoopGain& loops) {
   if (!loops.is_certain()) return "";
@@ -148,19 +126,30 @@ PointTable path_of(const TracingOptions& options, const PatchCache& cache) {
   return read_hips(options, options.path, further);
 }
 
-Columns columns_of(const TracingOptions& options, const LargeArray<double>* steps) {
-  Columns columns;
-  columns.add({"step"}, step_type(steps))
-      .add({"method"}, ColumnType::kText)
-      .add({"x", "y", "z", "scp_x", "scp_y", "scp_z"}, ColumnType::kFloat64,
-           unit_name(options.unit))
-      .add({"fx", "fy", "fz"}, ColumnType::kFloat64, "N")
-      .add({"face"}, ColumnType::kUint32)
+// Those of the table, whose rows keep columns of the path.
+TableColumns<std::vector<Row>> columns_of(const TracingOptions& options, const PatchCache& cache,
+                                          const PointTable& path) {
+  using enum ColumnType;
+  const std::string unit = unit_name(options.unit);
+  const UnitChange length(cache.unit, options.unit);
+  TableColumns<std::vector<Row>> columns;
+  columns.add("step", step_type(path.table.find("step")), "", &Row::step)
+      .add("method", kText, "", [](const Row& r) { return method_name(r.method); })
+      .add_vector({"x", "y", "z"}, kFloat64, unit, &Row::hip)
+      .add_vector({"scp_x", "scp_y", "scp_z"}, kFloat64, unit,
+                  [length](const Row& r) { return length(r.felt.contact.scp); })
+      .add_vector({"fx", "fy", "fz"}, kFloat64, "N", [](const Row& r) { return r.felt.force; })
+      .add("face", kUint32, "", [](const Row& r) { return r.felt.contact.at.face; })
       .was("patch")
-      .add({"state"}, ColumnType::kText);
+      .add("state", kText, "",
+           [](const Row& r) { return r.felt.contact.touching ? "contact" : "free"; });
   if (options.trace.friction.any())
-    columns.add({"cone_share"}, ColumnType::kFloat64).add({"grip"}, ColumnType::kText);
-  return add_kept(columns, options.keep);
+    columns.add("cone_share", kFloat64, "", [](const Row& r) { return r.felt.cone_share; })
+        .add("grip", kText, "", [](const Row& r) { return grip_name(r.felt.contact); });
+  for (const std::string& name : options.keep)
+    columns.add(name.c_str(), kFloat64, "",
+                [&kept = *path.table.find(name)](const Row& r) { return kept[r.tick]; });
+  return columns;
 }
 
 void tell_untouched(const TracingOptions& options, const PatchCache& cache,
@@ -192,9 +181,14 @@ void run(TracingOptions options) {
 
   const auto file = create_described_file(options.output, cache, options);
   file->set_attribute({"stiffness_N_per_m", options.trace.stiffness});
-  ResultTable table(*file, "", columns_of(options, steps));
-  const UnitChange outward(cache.unit, options.unit);
+  const auto columns = columns_of(options, cache, path);
+  ResultTable table(*file, "", columns.columns());
   std::vector<Row> rows;
+  const auto write = [&] {
+    columns.fill(table, rows, rows.size());
+    table.write();
+    rows.clear();
+  };
   double deepest = 0;  // of the patches' contacts, m
   Watch watch(options, "trace", hips.size(), "ticks");
   const auto statistics =
@@ -205,13 +199,10 @@ void run(TracingOptions options) {
           rows.push_back({tick, steps ? (*steps)[tick] : static_cast<double>(tick),
                           across(path.points[tick]), options.trace.methods[m], felt[m]});
         }
-        if (rows.size() >= kBlockRows) {
-          write(rows, options, outward, path.table, table);
-          rows.clear();
-        }
+        if (rows.size() >= kBlockRows) write();
         watch.reach(tick + 1);
       });
-  write(rows, options, outward, path.table, table);
+  write();
   file->close();
   tell_tight_curvature(options, cache, deepest, "the deepest contact");
   if (std::all_of(statistics.begin(), statistics.end(),

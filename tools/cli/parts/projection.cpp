@@ -15,28 +15,42 @@ namespace {
 constexpr int kSpotChecks = 4;  // of a part that is read
 // Of a distance, and of the surface's size: other engines round otherwise.
 constexpr double kAgreement = 1e-3, kRounding = 1e-6;
-constexpr std::size_t kDistanceColumn = 9;
+constexpr char kDistance[] = "distance";
 
 // The body of a part: this, and the columns.
 struct PartCounts {
   std::uint64_t inside, unconverged;
 };
 
-}  // namespace
-
-Columns projection_columns(const ProjectionOptions& options) {
+TableColumns<ProjectedHips> projection_columns(const ProjectionOptions& options,
+                                               const PatchCache& cache) {
+  using enum ColumnType;
   const std::string unit = unit_name(options.unit);
-  Columns columns;
-  columns.add({"face"}, ColumnType::kUint32)
+  const UnitChange outward(cache.unit, options.unit);
+  TableColumns<ProjectedHips> columns;
+  columns.add("face", kUint32, "", [](const Contact& c) { return c.at.face; })
       .was("patch")
-      .add({"xi", "eta"})
-      .add({"x", "y", "z"}, ColumnType::kFloat64, unit)
-      .add({"nx", "ny", "nz"})
-      .add({"distance"}, ColumnType::kFloat64, unit)
-      .add({"iterations", "flags"}, ColumnType::kUint32);
-  if (options.stiffness) columns.add({"fx", "fy", "fz"}, ColumnType::kFloat64, "N");
-  return add_kept(columns, options.keep);
+      .add("xi", kFloat64, "", [](const Contact& c) { return c.at.xi; })
+      .add("eta", kFloat64, "", [](const Contact& c) { return c.at.eta; })
+      .add_vector({"x", "y", "z"}, kFloat64, unit,
+                  [outward](const Contact& c) { return outward(c.scp); })
+      .add_vector({"nx", "ny", "nz"}, kFloat64, "", &Contact::normal)
+      .add(kDistance, kFloat64, unit, [outward](const Contact& c) { return outward(c.distance); })
+      .add("iterations", kUint32, "", &Contact::iterations)
+      .add("flags", kUint32, "", &Contact::flags);
+  if (options.stiffness)
+    columns.add_vector({"fx", "fy", "fz"}, kFloat64, "N",
+                       [&cache, stiffness = *options.stiffness](const Contact& c) {
+                         return contact_force(cache, c, stiffness);
+                       });
+  for (const std::string& name : options.keep)
+    columns.add(name.c_str(), kFloat64, "", [name](const ProjectedHips& hips) {
+      return hips.table.find(name)->begin() + hips.begin;
+    });
+  return columns;
 }
+
+}  // namespace
 
 Projection::Projection(const ProjectionOptions& options, const PatchCache& cache,
                        const Engine& engine, PointReader& hips)
@@ -44,7 +58,7 @@ Projection::Projection(const ProjectionOptions& options, const PatchCache& cache
       cache_(cache),
       engine_(engine),
       hips_(hips),
-      columns_(projection_columns(options)),
+      columns_(projection_columns(options, cache)),
       surface_(engine.reside(cache)) {}
 
 void Projection::for_each_part(const std::function<void(const PointTable&)>& each) {
@@ -82,7 +96,7 @@ std::uint64_t Projection::run(const PartSource& source, PartFolder* folder, bool
 std::unique_ptr<Projection::Part> Projection::fetch(const PartSource& source, PartFolder* folder) {
   const std::size_t number = source();
   if (number >= part_count()) return nullptr;
-  auto part = std::make_unique<Part>(columns_);
+  auto part = std::make_unique<Part>(columns());
   part->number = number;
   part->begin = number * kPartRows;
   part->end = std::min(hips_.rows(), part->begin + kPartRows);
@@ -110,8 +124,8 @@ bool Projection::load(ProjectedPart& part, const PartFile& file) {
 
 // True if some contacts, done again, are as far away.
 bool Projection::holds(const ProjectedPart& part) {
-  const auto columns = part.rows.block(0, part.rows.rows());
-  const auto distances = std::get<std::span<const double>>(columns[kDistanceColumn]);
+  const auto rows = part.rows.block(0, part.rows.rows());
+  const auto distances = std::get<std::span<const double>>(rows[columns().place_of(kDistance)]);
   const UnitChange inward(options_.unit, cache_.unit);
   std::minstd_rand dice(std::random_device{}());
   for (int i = 0; i < kSpotChecks; ++i) {
@@ -159,22 +173,7 @@ void Projection::compute(Part& part, const PartProgress& progress) {
 // Adds the contacts of HIPs from `begin` on.
 void Projection::add(const PointTable& hips, std::size_t begin, const std::vector<Contact>& found,
                      ProjectedPart& part) const {
-  const std::size_t rows = found.size();
-  const UnitChange outward(cache_.unit, options_.unit);
-  TableRows& table = part.rows;
-  table.fill(rows, [&](std::size_t i) { return found[i].at.face; });
-  table.fill(rows, [&](std::size_t i) { return found[i].at.xi; });
-  table.fill(rows, [&](std::size_t i) { return found[i].at.eta; });
-  table.fill_vectors(rows, [&](std::size_t i) { return outward(found[i].scp); });
-  table.fill_vectors(rows, [&](std::size_t i) { return found[i].normal; });
-  table.fill(rows, [&](std::size_t i) { return outward(found[i].distance); });
-  table.fill(rows, [&](std::size_t i) { return found[i].iterations; });
-  table.fill(rows, [&](std::size_t i) { return found[i].flags; });
-  if (options_.stiffness) {
-    table.fill_vectors(
-        rows, [&](std::size_t i) { return contact_force(cache_, found[i], *options_.stiffness); });
-  }
-  fill_kept(table, options_.keep, hips.table, begin, begin + rows);
+  columns_.fill(part.rows, {found, hips.table, begin}, found.size());
   for (const Contact& contact : found) {
     part.inside += contact.touching;
     part.unconverged += (contact.flags & kConverged) == 0;

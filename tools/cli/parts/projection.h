@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -12,7 +13,7 @@
 #include "gliss/engine/engine.h"
 #include "gliss/sweep/part_folder.h"
 #include "gliss/tables/point_table.h"
-#include "gliss/tables/result_table.h"
+#include "gliss/tables/table_columns.h"
 
 namespace gliss::tools {
 
@@ -23,8 +24,14 @@ struct ProjectionOptions {
   std::vector<std::string> keep;    // columns of the input, which it has
 };
 
-// The columns of a result.
-Columns projection_columns(const ProjectionOptions& options);
+// What rows are made of: the contacts of HIPs that begin with this one of a table.
+struct ProjectedHips {
+  std::span<const Contact> contacts;
+  const InputTable& table;
+  std::size_t begin;
+
+  const Contact& operator[](std::size_t i) const { return contacts[i]; }
+};
 
 struct ProjectedPart {
   explicit ProjectedPart(const Columns& columns) : rows(columns) {}
@@ -45,6 +52,7 @@ class Projection {
   Projection(const ProjectionOptions& options, const PatchCache& cache, const Engine& engine,
              PointReader& hips);
 
+  const Columns& columns() const { return columns_.columns(); }  // of the result
   std::size_t part_count() const { return (hips_.rows() + kPartRows - 1) / kPartRows; }
   // Calls each(HIPs) for all rows, some at a time.
   void for_each_part(const std::function<void(const PointTable&)>& each);
@@ -75,7 +83,7 @@ class Projection {
   const PatchCache& cache_;
   const Engine& engine_;
   PointReader& hips_;
-  const Columns columns_;
+  const TableColumns<ProjectedHips> columns_;
   const std::unique_ptr<ResidentSurface> surface_;
   Pace pace_;
 };

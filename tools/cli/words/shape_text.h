@@ -1,5 +1,5 @@
-// Says what a surface is like: its creases, and where it is not what a hand expects. Where it curves
-// tighter than a HIP is deep, its nearest point leaps; and it may leave its polygons.
+// Says what a surface is like: its creases, and where it is not what a hand expects. Where it
+// curves tighter than a HIP is deep, its nearest point leaps; and it may leave its polygons.
 #pragma once
 
 #include <string>

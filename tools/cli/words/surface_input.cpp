@@ -116,19 +116,6 @@ void add_keep_option(Command& command, std::vector<std::string>& names) {
                  });
 }
 
-Columns& add_kept(Columns& columns, const std::vector<std::string>& names) {
-  for (const std::string& name : names) columns.add({name.c_str()});
-  return columns;
-}
-
-void fill_kept(TableRows& table, const std::vector<std::string>& names, const InputTable& from,
-               std::size_t begin, std::size_t end) {
-  for (const std::string& name : names) {
-    const LargeArray<double>& values = *from.find(name);
-    table.fill(end - begin, [&](std::size_t i) { return values[begin + i]; });
-  }
-}
-
 void check_kept(const std::vector<std::string>& names, const InputTable& table,
                 const std::string& path) {
   for (const std::string& name : names) {

@@ -35,10 +35,6 @@ PointReader open_hips(const SurfaceOptions& options, const std::string& path,
 
 // --keep LIST: columns of numbers that go from the table that is read to the one that is written.
 void add_keep_option(Command& command, std::vector<std::string>& names);
-// The rows [begin, end) of those columns; behind all others.
-Columns& add_kept(Columns& columns, const std::vector<std::string>& names);
-void fill_kept(TableRows& table, const std::vector<std::string>& names, const InputTable& from,
-               std::size_t begin, std::size_t end);
 // Throws InputError for the first that the table has not.
 void check_kept(const std::vector<std::string>& names, const InputTable& table,
                 const std::string& path);
