@@ -55,17 +55,6 @@ class GLISS_EXPORT TableRows {
     next_ = (next_ + 1) % columns_.size();
   }
 
-  // Room for so many rows in the next column, whose numbers are Values; lasts until the next
-  // change.
-  template <class Value>
-  std::span<Value> extend(std::size_t rows) {
-    auto& values = std::get<std::vector<Value>>(columns_[next_]);
-    next_ = (next_ + 1) % columns_.size();
-    const std::size_t old = values.size();
-    values.resize(old + rows);
-    return std::span(values).subspan(old);
-  }
-
   // The next three columns from vectors.
   template <class Get>
   void fill_vectors(std::size_t rows, Get get) {

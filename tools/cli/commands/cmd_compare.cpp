@@ -251,6 +251,24 @@ std::vector<DenseRow> dense_rows(const ComparingOptions& options, const Comparis
                      [&] { watch.add(1); });
 }
 
+Json origin_json(const ComparingOptions& options, const Mesh& mesh, const PatchCache& surface) {
+  return {{"program", "gliss"},
+          {"version", GLISS_VERSION},
+          {"command_line", command_line()},
+          {"mesh", options.surface},
+          {"faces", mesh.face_count()},
+          {"unit", unit_name(mesh.unit)},
+          {"mesh_hash", hash_name(surface.mesh_hash)}};
+}
+
+// Adds the surfaces, in `unit` (m), and where the walks of each row jump.
+void add_picture(Json& json, const std::vector<CompareRow>& rows, const Comparison& comparison,
+                 double unit) {
+  for (std::size_t i = 0; i < rows.size() && !json["walks"].is_null(); ++i)
+    json["rows"][i]["jumps"] = jumps_json(rows[i].jumps);
+  json["picture"] = picture_json(comparison.pictures(kMostPicturePoints), unit);
+}
+
 void run(const ComparingOptions& options) {
   check_outputs({options.output}, {options.surface, options.path, options.reference});
   if (options.with_picture && !options.json)
@@ -268,13 +286,7 @@ void run(const ComparingOptions& options) {
   const Recommendation best = recommend(rows, options.budget);
   if (!options.output.empty()) write_table(options, surface, rows);
 
-  Json json = {{"program", "gliss"},
-               {"version", GLISS_VERSION},
-               {"command_line", command_line()},
-               {"mesh", options.surface},
-               {"faces", compared.mesh.face_count()},
-               {"unit", unit_name(compared.mesh.unit)},
-               {"mesh_hash", hash_name(surface.mesh_hash)}};
+  Json json = origin_json(options, compared.mesh, surface);
   json.update(json_of(how, comparison, rows, dense, best));
   std::string text = feel_text(rows) +
                      "* no other is better in jumps, p99 of the error, tick and memory at once\n" +
@@ -282,11 +294,7 @@ void run(const ComparingOptions& options) {
                      text_of(leaving_of(how), how.measuring.settle) + "\n" + cost_text(rows);
   for (const DenseRow& row : dense) text += text_of(row);
   text += text_of(best, options.budget);
-  if (options.with_picture) {
-    for (std::size_t i = 0; i < rows.size() && !json["walks"].is_null(); ++i)
-      json["rows"][i]["jumps"] = jumps_json(rows[i].jumps);
-    json["picture"] = picture_json(comparison.pictures(kMostPicturePoints), compared.mesh.unit);
-  }
+  if (options.with_picture) add_picture(json, rows, comparison, compared.mesh.unit);
   json["seconds"] = clock.seconds();
   report(options, text, json, options.output == "-");
 }

@@ -1,12 +1,10 @@
 // gliss eval: points, derivatives and normals of patches. Its columns are a contract.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <span>
 
-#include "gliss/tables/result_table.h"
+#include "gliss/tables/table_columns.h"
 #include "tools/cli/commands/commands.h"
 #include "tools/cli/terminal/watch.h"
 #include "tools/cli/words/outputs.h"
@@ -28,23 +26,25 @@ void describe(Command& command, EvalOptions& options) {
   add_keep_option(command, options.keep);
 }
 
-// The column of faces, or by its old name.
-const LargeArray<double>& faces_of(const InputTable& table) {
-  return *table.find(table.alternative == 0 ? "face" : "patch");
-}
-
-// The points of the table, whose faces the cache has, and xi and eta in their domains.
-InputTable read_domain_points(const EvalOptions& options, const PatchCache& cache) {
+InputTable read_points(const EvalOptions& options) {
   const Watch watch(options, "read " + options.points);
   InputTable table =
       read_table(options.points, {.alternatives = {{"face", "xi", "eta"}, {"patch", "xi", "eta"}},
                                   .optional = options.keep,
                                   .poll = stop_if_interrupted});
   check_kept(options.keep, table, options.points);
-  const auto &faces = faces_of(table), &xi = *table.find("xi"), &eta = *table.find("eta");
+  return table;
+}
+
+// The points of the table, whose faces the cache has, and xi and eta in their domains.
+std::vector<DomainPoint> domain_points(const InputTable& table, const PatchCache& cache) {
+  const auto &faces = *table.find(table.alternative == 0 ? "face" : "patch"),
+             &xi = *table.find("xi"), &eta = *table.find("eta");
   const auto refuse = [&](std::size_t row, const std::string& problem) {
     throw CsvError(fmt::format("{}: {}", table.place(row), problem));
   };
+  std::vector<DomainPoint> points;
+  points.reserve(table.rows);
   for (std::size_t i = 0; i < table.rows; ++i) {
     if (!(faces[i] >= 0 && faces[i] < cache.mesh_face_count) || faces[i] != std::floor(faces[i])) {
       refuse(i, fmt::format("there is no face {}; they are 0 to {}", faces[i],
@@ -58,69 +58,67 @@ InputTable read_domain_points(const EvalOptions& options, const PatchCache& cach
       refuse(i, fmt::format("({}, {}) is outside the domain of face {}, a regular {}-gon", xi[i],
                             eta[i], faces[i], cache.face_valence[point.face]));
     }
+    points.push_back(point);
   }
-  return table;
+  return points;
 }
 
-// Three columns of a table, rows of which are under way.
-using VectorColumns = std::array<std::span<double>, 3>;
+// Some points with what was found there; `begin` is the row of the first.
+struct EvaluatedPoints {
+  const InputTable& table;
+  std::size_t begin;
+  std::span<const DomainPoint> at;
+  std::vector<SurfacePoint> found;
 
-VectorColumns extend_vectors(ResultTable& table, std::size_t rows) {
-  VectorColumns columns;
-  for (auto& column : columns) column = table.extend<double>(rows);
+  const SurfacePoint& operator[](std::size_t i) const { return found[i]; }
+};
+
+TableColumns<EvaluatedPoints> columns_of(const EvalOptions& options, const PatchCache& cache) {
+  using enum ColumnType;
+  const std::string unit = unit_name(options.unit);
+  const UnitChange length(cache.unit, options.unit);
+  const auto lengths = [length](Vec3 SurfacePoint::*vector) {
+    return [length, vector](const SurfacePoint& p) { return length(p.*vector); };
+  };
+  TableColumns<EvaluatedPoints> columns;
+  columns.add("face", kUint32, "", [](const auto& p, std::size_t i) { return p.at[i].face; })
+      .was("patch")
+      .add("xi", kFloat64, "", [](const auto& p, std::size_t i) { return p.at[i].xi; })
+      .add("eta", kFloat64, "", [](const auto& p, std::size_t i) { return p.at[i].eta; })
+      .add_vector({"x", "y", "z"}, kFloat64, unit, lengths(&SurfacePoint::position))
+      .add_vector({"dxi_x", "dxi_y", "dxi_z"}, kFloat64, unit, lengths(&SurfacePoint::d_xi))
+      .add_vector({"deta_x", "deta_y", "deta_z"}, kFloat64, unit, lengths(&SurfacePoint::d_eta))
+      .add_vector({"nx", "ny", "nz"}, kFloat64, "", &SurfacePoint::normal);
+  for (const std::string& name : options.keep)
+    columns.add(name.c_str(), kFloat64, "",
+                [name](const EvaluatedPoints& p) { return p.table.find(name)->begin() + p.begin; });
   return columns;
-}
-
-StridedVectors<double> vectors_of(const VectorColumns& columns) {
-  return strided_vectors(columns[0].data(), columns[1].data(), columns[2].data());
 }
 
 void run(const EvalOptions& options) {
   check_outputs({options.output}, {options.surface, options.points});
   const auto engine = make_engine(options);
   const PatchCache cache = open_surface(options, *engine);
-  const InputTable points = read_domain_points(options, cache);
-  const auto &faces = faces_of(points), &xi = *points.find("xi"), &eta = *points.find("eta");
-  const UnitChange length(cache.unit, options.unit);
+  const InputTable given = read_points(options);
+  const std::vector<DomainPoint> points = domain_points(given, cache);
   const auto file = create_described_file(options.output, cache, options);
-  Columns columns;
-  columns.add({"face"}, ColumnType::kUint32)
-      .was("patch")
-      .add({"xi", "eta"})
-      .add({"x", "y", "z", "dxi_x", "dxi_y", "dxi_z", "deta_x", "deta_y", "deta_z"},
-           ColumnType::kFloat64, unit_name(options.unit))
-      .add({"nx", "ny", "nz"});
-  for (const std::string& name : options.keep) columns.add({name.c_str()});
-  ResultTable table(*file, "", columns);
+  const auto columns = columns_of(options, cache);
+  ResultTable table(*file, "", columns.columns());
   const Stopwatch clock;
   const auto surface = engine->reside(cache);
-  for_blocks(
-      options, "eval", points.rows, "points", [&](std::size_t begin, std::size_t end, Watch&) {
-        const std::size_t rows = end - begin;
-        const auto face = table.extend<std::uint32_t>(rows);
-        std::copy_n(&faces[begin], rows, face.begin());
-        table.fill(rows, [&](std::size_t i) { return xi[begin + i]; });
-        table.fill(rows, [&](std::size_t i) { return eta[begin + i]; });
-        const VectorColumns position = extend_vectors(table, rows),
-                            d_xi = extend_vectors(table, rows), d_eta = extend_vectors(table, rows),
-                            normal = extend_vectors(table, rows);
-        surface->evaluate(
-            {rows, {face.data()}, {&xi[begin]}, {&eta[begin]}},
-            {vectors_of(position), vectors_of(d_xi), vectors_of(d_eta), vectors_of(normal)});
-        for (const VectorColumns& vectors : {position, d_xi, d_eta}) {
-          for (const auto& column : vectors) {
-            for (double& x : column) x = length(x);
-          }
-        }
-        for (const std::string& name : options.keep)
-          table.fill(
-              rows, [&kept = *points.find(name), begin](std::size_t i) { return kept[begin + i]; });
-        table.write();
-      });
+  for_blocks(options, "eval", points.size(), "points",
+             [&](std::size_t begin, std::size_t end, Watch&) {
+               const std::size_t rows = end - begin;
+               EvaluatedPoints evaluated{given, begin, std::span(points).subspan(begin, rows),
+                                         std::vector<SurfacePoint>(rows)};
+               surface->evaluate(evaluated.at, evaluated.found);
+               columns.fill(table, evaluated, rows);
+               table.write();
+             });
   file->close();
   const double seconds = clock.seconds();
-  report(options, fmt::format("{} points, {:.2f} s\n", points.rows, seconds),
-         {{"points", points.rows}, {"seconds", seconds}}, options.output == "-");
+  report(options, fmt::format("{} points, {:.2f} s\n", points.size(), seconds),
+         {{"points", points.size()}, {"seconds", seconds}}, options.output == "-");
 }
 
 }  // namespace

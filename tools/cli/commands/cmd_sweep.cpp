@@ -131,6 +131,8 @@ class Sweeping final : public PartedWork {
   std::optional<SampleFile> create_file() const;
   PartWork samples_to(SampleFile& file);
   Json write_together(SampleFile& file, const PartsOfResult& come, SweepResult& result);
+  Json figures_of(const SweepResult& result, double seconds, const Json& of_team) const;
+  std::string cost_text(const Json& figures) const;
 
   const SweepingOptions& options_;
   const std::unique_ptr<Engine> engine_;
@@ -244,30 +246,36 @@ void Sweeping::write_result(const PartsOfResult& come) {
   };
   const Json of_team = together_ != nullptr ? write_together(*file, come, result) : come(make);
   if (file) file->close(result);
-  const double seconds = clock.seconds();
-  const std::uint64_t computed = of_team.value("contacts_computed", result.computed);
-  const double contacts = static_cast<double>(computed), rate = contacts / seconds;
-
-  Json json = report_of_shard(computed);
-  json["seconds"] = seconds;
-  json["device_seconds"] = engine_->device_seconds();
-  json["contacts_per_second"] = rate;
-  json["peak_memory_bytes"] = peak_memory();
-  if (!of_team.empty()) json["mpi"] = of_team;
-  for (const SweepStatistics& s : result.statistics) json["statistics"].push_back(json_of(s));
+  const Json figures = figures_of(result, clock.seconds(), of_team);
   if (picture) picture->write(options_.picture);
   if (summary) {
-    summary->write(printed(json));
+    summary->write(printed(figures));
     summary->commit();
   }
   tell_beyond_thickness(options_, result);
-  report(options_,
-         text_of(result) +
-             fmt::format("{} samples a depth ({} rings), {:.4g} contacts computed in {:.2f} s, "
-                         "{:.3g} M contacts/s, peak memory {:.0f} MiB\n",
-                         sample_count(cache_, grid_.rings), grid_.rings, contacts, seconds,
-                         rate * 1e-6, static_cast<double>(peak_memory()) / (1 << 20)),
-         json, options_.output == "-");
+  report(options_, text_of(result) + cost_text(figures), figures, options_.output == "-");
+}
+
+Json Sweeping::figures_of(const SweepResult& result, double seconds, const Json& of_team) const {
+  const std::uint64_t computed = of_team.value("contacts_computed", result.computed);
+  Json json = report_of_shard(computed);
+  json["seconds"] = seconds;
+  json["device_seconds"] = engine_->device_seconds();
+  json["contacts_per_second"] = static_cast<double>(computed) / seconds;
+  json["peak_memory_bytes"] = peak_memory();
+  if (!of_team.empty()) json["mpi"] = of_team;
+  for (const SweepStatistics& s : result.statistics) json["statistics"].push_back(json_of(s));
+  return json;
+}
+
+std::string Sweeping::cost_text(const Json& figures) const {
+  const auto figure = [&](const char* name) { return figures[name].get<double>(); };
+  return fmt::format(
+      "{} samples a depth ({} rings), {:.4g} contacts computed in {:.2f} s, {:.3g} M contacts/s, "
+      "peak memory {:.0f} MiB\n",
+      sample_count(cache_, grid_.rings), grid_.rings, figure("contacts_computed"),
+      figure("seconds"), figure("contacts_per_second") * 1e-6,
+      figure("peak_memory_bytes") / (1 << 20));
 }
 
 void add(Command& program, const std::function<void(const SweepingOptions&)>& run) {

@@ -160,25 +160,24 @@ void tell_untouched(const TracingOptions& options, const PatchCache& cache,
                  in_metres, "say so by --unit, or by columns x_mm,y_mm,z_mm");
 }
 
-void run(TracingOptions options) {
+void check(const TracingOptions& options) {
   if (options.trace.friction.settle > 0 && !options.trace.friction.any())
     throw InputError("--friction-settle goes with --friction");
   if (options.path.empty() && !(options.depth > 0))
     throw InputError("--path is required, or --depth for a path of its own");
   check_outputs({options.output}, {options.surface, options.path});
-  const auto engine = make_engine(options);
-  const PatchCache cache = open_surface(options, *engine);
-  const PointTable path = path_of(options, cache);
-  check_kept(options.keep, path.table, options.path);
-  options.trace.times = path.times;
-  options.trace.velocities = path.velocities;
-  const LargeArray<double>* steps = path.table.find("step");
-  const UnitChange across(path.unit, options.unit);
-  tell_soft_spring(options, options.trace.stiffness, "--stiffness");
+}
+
+struct Traced {
+  std::vector<TraceStatistics> statistics;
+  double deepest = 0;  // of the patches' contacts, m
+};
+
+// Follows the path, and writes a row for each tick and method.
+Traced follow(const TracingOptions& options, const PatchCache& cache, const PointTable& path) {
   // As the loop has it: by way of metres, so that the forces have the same bytes.
   std::vector<Vec3> hips = points_in_metres(path);
   for (Vec3& hip : hips) hip /= cache.unit;
-
   const auto file = create_described_file(options.output, cache, options);
   file->set_attribute({"stiffness_N_per_m", options.trace.stiffness});
   const auto columns = columns_of(options, cache, path);
@@ -189,26 +188,42 @@ void run(TracingOptions options) {
     table.write();
     rows.clear();
   };
-  double deepest = 0;  // of the patches' contacts, m
+  const LargeArray<double>* steps = path.table.find("step");
+  const UnitChange across(path.unit, options.unit);
+  Traced traced;
   Watch watch(options, "trace", hips.size(), "ticks");
-  const auto statistics =
-      trace(cache, hips, options.trace, [&](std::size_t tick, std::span<const TraceStep> felt) {
-        for (std::size_t m = 0; m < felt.size(); ++m) {
-          if (options.trace.methods[m] == Method::kGregory && felt[m].contact.touching)
-            deepest = std::max(deepest, -felt[m].contact.distance * cache.unit);
-          rows.push_back({tick, steps ? (*steps)[tick] : static_cast<double>(tick),
-                          across(path.points[tick]), options.trace.methods[m], felt[m]});
-        }
-        if (rows.size() >= kBlockRows) write();
-        watch.reach(tick + 1);
-      });
+  const auto add = [&](std::size_t tick, std::span<const TraceStep> felt) {
+    for (std::size_t m = 0; m < felt.size(); ++m) {
+      const Contact& contact = felt[m].contact;
+      if (options.trace.methods[m] == Method::kGregory && contact.touching)
+        traced.deepest = std::max(traced.deepest, -contact.distance * cache.unit);
+      rows.push_back({tick, steps ? (*steps)[tick] : static_cast<double>(tick),
+                      across(path.points[tick]), options.trace.methods[m], felt[m]});
+    }
+    if (rows.size() >= kBlockRows) write();
+    watch.reach(tick + 1);
+  };
+  traced.statistics = trace(cache, hips, options.trace, add);
   write();
   file->close();
-  tell_tight_curvature(options, cache, deepest, "the deepest contact");
-  if (std::all_of(statistics.begin(), statistics.end(),
+  return traced;
+}
+
+void run(TracingOptions options) {
+  check(options);
+  const auto engine = make_engine(options);
+  const PatchCache cache = open_surface(options, *engine);
+  const PointTable path = path_of(options, cache);
+  check_kept(options.keep, path.table, options.path);
+  options.trace.times = path.times;
+  options.trace.velocities = path.velocities;
+  tell_soft_spring(options, options.trace.stiffness, "--stiffness");
+  const Traced traced = follow(options, cache, path);
+  tell_tight_curvature(options, cache, traced.deepest, "the deepest contact");
+  if (std::all_of(traced.statistics.begin(), traced.statistics.end(),
                   [](const TraceStatistics& s) { return s.touching == 0; }))
     tell_untouched(options, cache, path);
-  report_statistics(options, statistics);
+  report_statistics(options, traced.statistics);
 }
 
 }  // namespace
