@@ -8,6 +8,7 @@
 
 #include <cstring>
 #include <memory>
+#include <type_traits>
 
 #include "bench/benches.h"
 #include "bench/meshes.h"
@@ -22,9 +23,10 @@ constexpr std::size_t kNumbers = std::size_t{1} << 24;  // of an array: 64 MiB
 // Independent chains, enough to hide what an fma takes. Returns the operations done.
 #define GLISS_CHAINS(NAME, TARGET, V, FMA)                                           \
   TARGET std::size_t NAME() {                                                        \
-    const V zero = {}, a = zero + 0.999f, b = zero + 1e-4f;                          \
+    using Number = std::decay_t<decltype(V{}[0])>;                                   \
+    const V zero = {}, a = zero + Number(0.999f), b = zero + Number(1e-4f);          \
     V x[kChains];                                                                    \
-    for (std::size_t k = 0; k < kChains; ++k) x[k] = a * static_cast<float>(k);      \
+    for (std::size_t k = 0; k < kChains; ++k) x[k] = a * static_cast<Number>(k);     \
     for (std::size_t i = 0; i < kRounds; ++i) {                                      \
       _Pragma("GCC unroll 12") for (std::size_t k = 0; k < kChains; ++k) x[k] = FMA; \
     }                                                                                \
@@ -110,7 +112,6 @@ Work triad_work(int threads) {
     over_parts(threads, [&](std::size_t begin, std::size_t end) {
       float* const to = a->data();
       const float *const x = b->data(), *const y = c->data();
-#pragma GCC ivdep
       for (std::size_t i = begin; i < end; ++i) to[i] = x[i] + 3 * y[i];
       benchmark::ClobberMemory();
     });

@@ -147,7 +147,8 @@ FN scalar on_side_within(GLOBAL scalar* domain) {
 // Steps shrink faster than linearly: what this one leaves is at most its square over the last. Then
 // it is taken on the tangent plane, which saves an evaluation.
 FN mask is_last(real length2, real last2, scalar tolerance) {
-  return (last2 > splat(K(0))) & (length2 * length2 <= tolerance * tolerance * last2) &
+  const real zero = splat(K(0));
+  return (last2 > zero) & (length2 * length2 <= tolerance * tolerance * last2) &
          (length2 <= splat(tolerance / K(64)));
 }
 
@@ -241,12 +242,13 @@ FN void descend(GLOBAL scalar* domain, control_data control, uint form, int n, r
     // A patch away the curvature is another.
     going = going & model.is_sound & (length2 <= splat(K(1)));
     for (int k = 0; k < n; ++k) {
-      const real inside = side_distance(domain, n, k, d.xi, d.eta).f;
-      going = going & (inside > splat(near)) & (inside >= outward(domain, k, step));
+      const real inside = side_distance(domain, n, k, d.xi, d.eta).f,
+                 way = outward(domain, k, step);
+      going = going & (inside > splat(near)) & (inside >= way);
     }
     const mask at_rounding = is_at_rounding(gradient, step, d.r);
-    const mask slides =
-        going & ((length2 <= splat(tolerance2)) | is_last(length2, d.last2, options.tolerance));
+    const mask ends = is_last(length2, d.last2, options.tolerance);
+    const mask slides = going & ((length2 <= splat(tolerance2)) | ends);
     const mask stays = going & at_rounding & (d.before2 > zero) & (length2 >= d.before2);
     going = without(going, slides | stays);
     const domain_vector ahead = make_vector(d.xi + step.xi, d.eta + step.eta);

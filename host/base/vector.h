@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <cstddef>
 #include <cstdint>
 
 namespace gliss {
@@ -10,6 +11,13 @@ namespace gliss {
 using Vec3 = Eigen::Vector3d;
 // Eigen never aligns it, whatever the flags of a library and its user.
 static_assert(sizeof(Vec3) == 3 * sizeof(double) && alignof(Vec3) == alignof(double));
+
+// The vector of three numbers, in either precision, each `stride` behind the one before.
+template <class Real>
+Vec3 vector_at(const Real* at, std::size_t stride = 1) {
+  return {static_cast<double>(at[0]), static_cast<double>(at[stride]),
+          static_cast<double>(at[2 * stride])};
+}
 
 // The part of v at right angles to a unit axis.
 inline Vec3 across(const Vec3& axis, const Vec3& v) { return v - axis * axis.dot(v); }

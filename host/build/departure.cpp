@@ -30,8 +30,7 @@ std::span<const Vec3> points_of(const Surface<Real>& s, std::uint32_t patch,
   kernels<Real>().evaluate(&s.domain[s.domain_begin[n]],
                            &s.control[3 * std::size_t{s.control_begin[patch]}], s.form[patch], n,
                            xi, eta, count, count, p);
-  for (std::size_t i = 0; i < count; ++i)
-    points[i] = from_local(s, patch, Vec3(p[i], p[count + i], p[2 * count + i]));
+  for (std::size_t i = 0; i < count; ++i) points[i] = from_local(s, patch, vector_at(p + i, count));
   return points;
 }
 
@@ -78,8 +77,7 @@ std::span<const Vec3> spread_points(const Surface<Real>& s, std::uint32_t patch)
 // frame.
 template <class Real>
 double height_departure(const Surface<Real>& s, std::uint32_t patch) {
-  const Real* m = &s.patch[patch * kPatchReals + kPatchNormal];
-  const Vec3 normal(m[0], m[1], m[2]);
+  const Vec3 normal = vector_at(&s.patch[patch * kPatchReals + kPatchNormal]);
   double low = normal.dot(start_of(s, s.side_begin[patch])), high = low;
   for (std::uint32_t side = s.side_begin[patch]; side < s.side_begin[patch + 1]; ++side) {
     const double corner = normal.dot(start_of(s, side));

@@ -27,7 +27,7 @@ Box box_of(const std::vector<Box>& boxes, const std::vector<std::uint32_t>& orde
 template <class Real>
 void store(const Box& box, Real* at) {
   for (int i = 0; i < 3; ++i) {
-    const double slack = 4 * std::numeric_limits<Real>::epsilon();
+    const double slack = 4 * static_cast<double>(std::numeric_limits<Real>::epsilon());
     at[i] = static_cast<Real>(box.low[i] - slack);
     at[3 + i] = static_cast<Real>(box.high[i] + slack);
   }

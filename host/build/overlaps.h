@@ -17,7 +17,7 @@ namespace gliss {
 template <class Real>
 Box box_of(const LargeArray<Real>& node, std::size_t place) {
   const Real* at = &node[6 * place];
-  return {Vec3(at[0], at[1], at[2]), Vec3(at[3], at[4], at[5])};
+  return {vector_at(at), vector_at(at + 3)};
 }
 
 // The hierarchy of two boxes or more, which it keeps.

@@ -148,7 +148,8 @@ class PartFinder {
 
   // Boxes; solid are the closed parts that enclose something.
   void describe_parts() {
-    constexpr double kRounding = 1e-9, kSlack = 8 * std::numeric_limits<Real>::epsilon();
+    constexpr double kRounding = 1e-9,
+                     kSlack = 8 * static_cast<double>(std::numeric_limits<Real>::epsilon());
     part_box_.clear();
     volume_.clear();
     for (std::uint32_t part = 0; part < count_; ++part) {
@@ -204,13 +205,11 @@ class PartFinder {
   // Bounds a patch and its base polygon, mesh frame.
   OrientedBox oriented_box(std::uint32_t patch) const {
     const Real* numbers = &s_.patch[patch * kPatchReals];
-    const auto triple = [&](std::size_t at) {
-      return Vec3(numbers[at], numbers[at + 1], numbers[at + 2]);
-    };
     const double unscale = static_cast<double>(numbers[kPatchUnscale]),
-                 slack = 8 * std::numeric_limits<Real>::epsilon();
-    const Vec3 normal = triple(kPatchNormal), tangent = triple(kPatchTangent),
-               low = triple(kPatchLow), high = triple(kPatchHigh);
+                 slack = 8 * static_cast<double>(std::numeric_limits<Real>::epsilon());
+    const Vec3 normal = vector_at(numbers + kPatchNormal),
+               tangent = vector_at(numbers + kPatchTangent), low = vector_at(numbers + kPatchLow),
+               high = vector_at(numbers + kPatchHigh);
     OrientedBox box;
     box.axes << tangent, normal.cross(tangent), normal;
     box.centre = from_local(s_, patch, box.axes * (0.5 * (low + high)));

@@ -252,7 +252,7 @@ class Check {
         }
       }
       const Real* numbers = &s_.patch[p * kPatchReals];
-      require(is_power_of_two(numbers[kPatchScale]) &&
+      require(is_power_of_two(static_cast<double>(numbers[kPatchScale])) &&
                   numbers[kPatchScale] * numbers[kPatchUnscale] == 1,
               "patch", p, "its scale is not a power of two, or not the inverse of its unscale");
       require(static_cast<double>(numbers[kPatchScale]) >= kLeastPatchScale, "patch", p,
@@ -304,9 +304,8 @@ class Check {
   }
 
   using Vec = Eigen::Vector3d;
-  static Vec vec(const Real* at) { return {double{at[0]}, double{at[1]}, double{at[2]}}; }
   static bool is_direction(const Real* at) {
-    const double length = vec(at).norm();
+    const double length = vector_at(at).norm();
     return length >= 0.5 && length <= 2;
   }
   struct Range {
@@ -316,7 +315,7 @@ class Check {
     }
   };
   Range node_box(std::size_t child) const {
-    return {vec(&s_.node[6 * child]), vec(&s_.node[6 * child + 3])};
+    return {vector_at(&s_.node[6 * child]), vector_at(&s_.node[6 * child + 3])};
   }
 
   // Boxes hold those beneath them, and the polygons.
@@ -339,10 +338,11 @@ class Check {
     }
     for (std::uint32_t p = 0; p < patches_; ++p) {
       const Real* numbers = &s_.patch[p * kPatchReals];
-      const Vec origin = vec(numbers + kPatchOrigin), normal = vec(numbers + kPatchNormal),
-                tangent = vec(numbers + kPatchTangent);
-      const double unscale = double{numbers[kPatchUnscale]};
-      const Range own{vec(numbers + kPatchLow), vec(numbers + kPatchHigh)};
+      const Vec origin = vector_at(numbers + kPatchOrigin),
+                normal = vector_at(numbers + kPatchNormal),
+                tangent = vector_at(numbers + kPatchTangent);
+      const double unscale = static_cast<double>(numbers[kPatchUnscale]);
+      const Range own{vector_at(numbers + kPatchLow), vector_at(numbers + kPatchHigh)};
       const auto require_within = [&](const Vec& local) {
         const Vec x = origin + unscale * local;
         const Vec along(local.dot(tangent), local.dot(normal.cross(tangent)), local.dot(normal));
@@ -357,7 +357,7 @@ class Check {
                 "a corner that is not in the mesh");
         require(is_direction(&s_.corner[6 * side + 3]), "corner", 6 * side + 3,
                 "a normal that is not a unit vector");
-        require_within(vec(&s_.corner[6 * side]));
+        require_within(vector_at(&s_.corner[6 * side]));
       }
       const std::uint32_t* piece = &s_.triangle[3 * (s_.side_begin[p] - 2 * std::size_t{p})];
       for (std::uint32_t k = 0; (piece[0] & kFanPiece) != 0 && k < 3; ++k)

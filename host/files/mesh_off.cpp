@@ -191,9 +191,9 @@ class BinaryOff {
   void read_vertex() {
     std::array<float, 12> value{};
     for (std::int64_t i = 0; i < floats_; ++i) value[i] = take<float>();
-    add_vertex({value[0], value[1], value[2]}, 0, mesh_, report_);
+    add_vertex(vector_at(&value[0]), 0, mesh_, report_);
     if (!columns_.normals) return;
-    const Vec3 normal(value[3], value[4], value[5]);
+    const Vec3 normal = vector_at(&value[3]);
     if (!normal.allFinite()) {
       report_.fail("non-finite", {.vertex = static_cast<std::uint32_t>(mesh_.positions.size() - 1)},
                    "normal ({}, {}, {}) is not finite", normal.x(), normal.y(), normal.z());

@@ -96,7 +96,7 @@ void read_binary(std::string_view text, Mesh& mesh, Report& report) {
     for (std::size_t corner = 0; corner < 3; ++corner) {
       Vec3 p;
       for (std::size_t k = 0; k < 3; ++k)
-        p[k] = little_endian<float>(text, at + 12 * (corner + 1) + 4 * k);
+        p[k] = static_cast<double>(little_endian<float>(text, at + 12 * (corner + 1) + 4 * k));
       add_corner(p, 0, mesh, report);
     }
     end_face(mesh, 0, report);

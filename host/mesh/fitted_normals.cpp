@@ -160,7 +160,8 @@ class Neighbours {
   // group do not go all round the vertex.
   Around& around(std::uint32_t g, Work& work) const {
     constexpr std::size_t kMostCorners = 64, kFew = 16;
-    auto& [around, vertices, groups] = work;
+    Around& around = work.around;
+    std::vector<std::uint32_t>&vertices = work.vertices, &groups = work.groups;
     around.ways.clear(), around.cosines.clear(), around.weights.clear();
     around.rings[0] = around.rings[1] = 0;
     if (corners(g).empty()) return around;

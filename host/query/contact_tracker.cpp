@@ -234,8 +234,8 @@ ContactFoot ContactTracker::foot_on(const Surface<Real>& s, const Vec3& hip) con
   constexpr std::size_t kFeet = 7;
   const RawContact<Real>& state = *std::get_if<RawContact<Real>>(&state_);
   const std::size_t numbers = kPatchReals * std::size_t{state.uints[kContactPatch]};
-  const double step = std::cbrt(double{std::numeric_limits<Real>::epsilon()}) / cache_->scale *
-                      static_cast<double>(s.patch[numbers + kPatchUnscale]);
+  const double step = std::cbrt(static_cast<double>(std::numeric_limits<Real>::epsilon())) /
+                      cache_->scale * static_cast<double>(s.patch[numbers + kPatchUnscale]);
   RawHip<Real> hips[kFeet];
   RawContact<Real> feet[kFeet];
   for (int i = 0; i < static_cast<int>(kFeet); ++i) {

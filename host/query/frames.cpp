@@ -146,8 +146,7 @@ void correct_state(const PatchCache& cache, Method method, const RawHip<Real>& h
   const Triple offset(&raw.reals[kContactOffset]);
   const double distance = offset.template cast<double>().norm();
   if (!(distance > 0)) return;  // NaN too
-  const auto part = [&](int i) { return double{hip.parts[i]} + double{hip.parts[i + 3]}; };
-  const Vec3 x(part(0), part(1), part(2));
+  const Vec3 x = vector_at(&hip.parts[0]) + vector_at(&hip.parts[3]);
   const WindingTree& winding = *cache.winding;
   if (method == Method::kGregory && winding.may_be_between(x, distance)) return;
   const bool is_inside = winding.is_inside(x);

@@ -24,7 +24,7 @@ class TickKernel {
         method_(options.method),
         options_(track_options<Real>(options)),
         on_surface_(1e-6 / cache.scale),
-        rounding_(2 * double{std::numeric_limits<Real>::epsilon()} / cache.scale) {}
+        rounding_(2 * static_cast<double>(std::numeric_limits<Real>::epsilon()) / cache.scale) {}
 
   // The nearest point of the surface. A budget counts evaluations, here as below.
   Raw nearest(const Vec3& x, int budget = kSearchEvaluations) {
@@ -67,7 +67,9 @@ class TickKernel {
   // True if a HIP may be deeper beneath a contact point than the radius of curvature is there.
   bool is_beyond_radius(const Raw& raw, double depth) const {
     const Real* numbers = &s_.patch[kPatchReals * std::size_t{raw.uints[kContactPatch]}];
-    return depth * cache_.scale * double{numbers[kPatchCurvature] * numbers[kPatchScale]} > 1;
+    return depth * cache_.scale *
+               static_cast<double>(numbers[kPatchCurvature] * numbers[kPatchScale]) >
+           1;
   }
   static bool is_touching(const Raw& raw) { return raw.uints[kContactState] != 0; }
   static bool is_unfinished(const Raw& raw) {

@@ -14,22 +14,20 @@ using BaseTriangle = std::array<Vec3, 3>;
 // A place in a patch's local frame, mesh frame.
 template <class Real>
 Vec3 from_local(const Surface<Real>& s, std::uint32_t patch, const Vec3& local) {
-  const Real *numbers = &s.patch[patch * kPatchReals], *o = numbers + kPatchOrigin;
-  return Vec3(o[0], o[1], o[2]) + static_cast<double>(numbers[kPatchUnscale]) * local;
+  const Real* numbers = &s.patch[patch * kPatchReals];
+  return vector_at(numbers + kPatchOrigin) + static_cast<double>(numbers[kPatchUnscale]) * local;
 }
 
 // The place where a side starts, mesh frame.
 template <class Real>
 Vec3 start_of(const Surface<Real>& s, std::uint32_t side) {
-  const Real* c = &s.corner[6 * std::size_t{side}];
-  return from_local(s, s.side_patch[side], Vec3(c[0], c[1], c[2]));
+  return from_local(s, s.side_patch[side], vector_at(&s.corner[6 * std::size_t{side}]));
 }
 
 // The surface's normal where a side starts.
 template <class Real>
 Vec3 normal_at_start(const Surface<Real>& s, std::uint32_t side) {
-  const Real* n = &s.corner[6 * std::size_t{side} + 3];
-  return {n[0], n[1], n[2]};
+  return vector_at(&s.corner[6 * std::size_t{side} + 3]);
 }
 
 // True if the surface has the same normals beyond a side, at both its ends. False at a border.

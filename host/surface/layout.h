@@ -45,7 +45,7 @@ inline constexpr std::size_t kShapeLow = 3 * SHAPE_LOW, kShapeHigh = 3 * SHAPE_H
                              kShapeTurn = SHAPE_TURN, kShapeCurvature = SHAPE_CURVATURE,
                              kShapeStretch2 = SHAPE_STRETCH2, kShapeSag2 = SHAPE_SAG2,
                              kShapeFinite = SHAPE_FINITE, kShapeRings = SHAPE_RINGS;
-inline constexpr double kGentleCosine = GENTLE_COSINE;
+inline constexpr double kGentleCosine = static_cast<double>(GENTLE_COSINE);
 inline constexpr std::uint32_t kHasCreases = SURFACE_CREASES, kHasFans = SURFACE_FANS;
 inline constexpr std::uint32_t kFanPiece = FAN_PIECE, kFanBits = FAN_BITS, kFanCorner = FAN_CORNER;
 inline constexpr std::uint32_t kNodeLeaf = NODE_LEAF;

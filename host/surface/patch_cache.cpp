@@ -78,8 +78,7 @@ namespace {
 
 template <class Real>
 Vec3 polygon_normal(const Surface<Real>& s, std::uint32_t side) {
-  const Real* n = &s.patch[s.side_patch[side] * kPatchReals + kPatchNormal];
-  return {n[0], n[1], n[2]};
+  return vector_at(&s.patch[s.side_patch[side] * kPatchReals + kPatchNormal]);
 }
 
 // True if the polygons at a sharp side form a wedge of which its two patches leave little at one

@@ -171,7 +171,6 @@ TEST(CreaseSurface, is_closed_at_cuts_and_smooth_elsewhere) {
     mark_creases(mesh, topology, {}, sides);
     meshes.push_back(mesh);
   }
-  Joints worst;
   for (const Mesh& marked : meshes) {
     for (const Level& level : levels()) {
       const Mesh mesh = sharpened(marked, level);

@@ -2,6 +2,8 @@
 // forces, members and events that CHAI3D's call order gives.
 #include "gliss/chai3d.h"
 
+#include <limits>
+
 #include "gliss/generate/generate.h"
 #include "tests/oracle/oracle.h"
 #include "tests/support/allocations.h"
@@ -20,6 +22,8 @@ using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
 constexpr double kSame = 1e-12;  // N
+constexpr double kInfinity = std::numeric_limits<double>::infinity(),
+                 kNaN = std::numeric_limits<double>::quiet_NaN();
 
 SceneObject ball() {
   static const auto cache = std::make_shared<const PatchCache>(test::cache_of(goldberg().mesh));
@@ -358,7 +362,7 @@ TEST(Chai3d, has_no_force_where_the_surface_is_at_fault) {
 TEST(Chai3d, has_no_force_for_a_first_position_that_is_not_finite) {
   Ticking object(ball());
   World world(object);
-  EXPECT_TRUE(world.force({NAN, 0, 0}).isZero(0));
+  EXPECT_TRUE(world.force({kNaN, 0, 0}).isZero(0));
   EXPECT_FALSE(object.m_interactionInside);
 }
 
@@ -373,7 +377,7 @@ TEST(Chai3d, holds_and_takes_away_the_force_where_positions_are_not_finite) {
     const Vec3 pressed(0, 0, 0.008), force = world.force(pressed);
     ASSERT_GT(force.norm(), 1);
     EXPECT_EQ(object.fault(), nullptr);
-    const Vec3 bad[] = {{NAN, 0, 0.008}, {0, INFINITY, 0}, {0, 0, -INFINITY}};
+    const Vec3 bad[] = {{kNaN, 0, 0.008}, {0, kInfinity, 0}, {0, 0, -kInfinity}};
     for (const Vec3& hip : bad) {
       EXPECT_LE((world.force(hip) - force).norm(), kSame);
       EXPECT_FALSE(object.m_interactionInside);
@@ -489,7 +493,7 @@ TEST(Chai3d, refuses_what_it_cannot_be) {
   const SceneObject good = ball();
   EXPECT_THAT([] { cGlissObject object({}); }, refusal("has no surface"));
   EXPECT_THAT([&] { cGlissObject object(good, 0); }, refusal("metres"));
-  EXPECT_THAT([&] { cGlissObject object(good, NAN); }, refusal("metres"));
+  EXPECT_THAT([&] { cGlissObject object(good, kNaN); }, refusal("metres"));
   EXPECT_THAT([&] { cGlissObject object(good, 1, 0); }, refusal("points are 1 or more"));
   SceneObject placed = good;
   placed.pose.translation().x() = 1;

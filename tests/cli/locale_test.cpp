@@ -49,7 +49,7 @@ class LocaleTest : public ::testing::Test {
     EXPECT_EQ(text[0], text[1]);
   }
 
-  const test::GermanLocale german_;
+  const test::GermanLocale german_{};
   const test::ScratchFolder folder_;
 };
 

@@ -112,9 +112,9 @@ class Judge {
       const auto where = [&] { return name + ", " + place_of(n, X); };
       note_finite(got, where);
       if (flagged || degenerate) continue;
-      if (!is_fair) found_.sound.add(got, oracle::evaluate(exact, X.x(), X.y()), size, where);
+      if (!is_fair) found_.sound.add(got, oracle::evaluate(exact, X), size, where);
       if (is_fair && n != 4 && fair != nullptr)
-        found_.sound.add(got, fair->evaluate(face, X.x(), X.y()), size, where);
+        found_.sound.add(got, fair->evaluate(face, X), size, where);
     }
     if (flagged && is_fair && n == 3) return;  // its sides are not those of eq. 6
     if (flagged) {
@@ -137,7 +137,7 @@ class Judge {
     const int n = exact.size();
     for (int k = 0; k < n; ++k) {
       for (const double t : {0.0, 0.125, 0.5, 0.75, 1.0}) {
-        const oracle::Vec<long double> C = oracle::side(exact, k, t).C;
+        const oracle::Vec<long double> C = oracle::side(exact, k, static_cast<long double>(t)).C;
         if (!C.allFinite()) continue;  // (8) and (9) say nothing there
         const Vec3 got = at(cache, face, oracle::on_side(n, k, t)).position;
         const long double error =

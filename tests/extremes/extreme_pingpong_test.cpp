@@ -107,7 +107,7 @@ TEST_P(ExtremePingPong, over_comes_to_rest) {
     const Extreme& e = test::extreme(name);
     Unrest s_mesh, t_mesh;
     std::mutex mutex;
-    engine->for_each(each, kBlock, [&](std::size_t begin, std::size_t end) {
+    engine->for_each(each, kBlock, [&, vertex = vertex](std::size_t begin, std::size_t end) {
       Rng rng(5000 + begin);
       Unrest s, t;
       for (std::size_t i = begin; i < end; ++i) {

@@ -233,7 +233,7 @@ Faraway contacts_at(const Vec3& far, Precision precision) {
     ContactTracker tracker(cache, {});
     for (int j = 0; j < 8; ++j) {
       const Vec2 X = 0.9 * oracle::random_inside<double>(rng, n);
-      const auto s = oracle::evaluate(exact, X.x(), X.y());
+      const auto s = oracle::evaluate(exact, X);
       const double depth = oracle::uniform(rng, 1e-6, 1e-5);
       const oracle::Vec<long double> offset = s.G - static_cast<long double>(depth) * s.normal;
       const Vec3 hip = (offset + far.cast<long double>()).cast<double>();
@@ -253,7 +253,8 @@ TEST(ExtremeOffset, contacts_of_features_of_1_mm) {
     // Coordinates of 1e7 are 1.9 nm apart, and the HIP, the SCP and their sum are rounded.
     for (const auto& [offset, goal] : {std::pair{0.0, 2e-9}, {1e6, 2e-9}, {1e7, 4e-9}}) {
       const Faraway got = contacts_at(offset * Vec3(1, -0.7, 0.9), precision);
-      const auto row = [&](const char* what, const WorstPlace& worst) {
+      const auto row = [&, offset = offset, goal = goal](const char* what,
+                                                         const WorstPlace& worst) {
         hold({"Numbers: sizes and places",
               fmt::format("{} SCP at {:g} m, m, {}", what, offset, name_of(precision)), goal,
               precision == Precision::kFloat ? 4 * goal : goal,

@@ -78,8 +78,8 @@ struct Tracked {
     flagged += other.flagged, loops += other.loops;
   }
   double share(double of) const {
-    return errors[std::min(errors.size() - 1,
-                           static_cast<std::size_t>(of * static_cast<double>(errors.size())))];
+    return static_cast<double>(errors[std::min(
+        errors.size() - 1, static_cast<std::size_t>(of * static_cast<double>(errors.size())))]);
   }
 };
 
@@ -185,7 +185,7 @@ TEST_P(ExtremeTracking, gives_the_force_back_on_closed_paths) {
                 back, loop.why},
                found.back, found.loops);
     test::hold({"Tracking", loops + ": the contact point's error, of size", 1e-9, error, loop.why},
-               found.errors.back(), found.errors.size());
+               static_cast<double>(found.errors.back()), found.errors.size());
     test::hold({"Tracking", loops + ": share of ticks that did not converge", 0},
                static_cast<double>(found.flagged) / static_cast<double>(found.errors.size()),
                found.errors.size());

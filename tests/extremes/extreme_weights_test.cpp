@@ -131,7 +131,8 @@ TEST(ExtremeWeights, leave_the_boundary_where_it_is) {
         const int k = static_cast<int>(rng() % static_cast<std::uint64_t>(n));
         const double t = oracle::uniform(rng, 0, 1);
         const Vec2 X = oracle::on_side(n, k, t), C = oracle::domain_corner(n, k);
-        side.add(gap(X, oracle::side(exact, k, t).C), [&] { return test::place_of(n, X); });
+        side.add(gap(X, oracle::side(exact, k, static_cast<long double>(t)).C),
+                 [&] { return test::place_of(n, X); });
         corner.add(gap(C, exact.position(k)), [&] { return test::place_of(n, C); });
       }
     }
@@ -164,7 +165,7 @@ test::PatchErrors errors_of(Rng& rng, Precision precision, int n) {
     const double size = oracle::size_of(polygon);
     for (const Vec2& free : test::hard_points(rng, n, 40, n > 100 ? 2 : 6)) {
       const Vec2 X = held(precision, free);
-      errors.add(test::at(cache, 0, X), oracle::evaluate(exact, X.x(), X.y()), size,
+      errors.add(test::at(cache, 0, X), oracle::evaluate(exact, X), size,
                  [&] { return test::place_of(n, X); });
     }
   }
@@ -207,7 +208,7 @@ TEST_P(ExtremePatch, of_a_fair_triangle_has_the_position_and_slopes_of_long_doub
     const oracle::Fair fair(mesh, topology);
     for (const Vec2& free : test::hard_points(rng, 3, 40, 3)) {
       const Vec2 X = held(GetParam(), free);
-      errors.add(test::at(cache, 0, X), fair.evaluate(0, X.x(), X.y()), oracle::size_of(polygon),
+      errors.add(test::at(cache, 0, X), fair.evaluate(0, X), oracle::size_of(polygon),
                  [&] { return test::place_of(3, X); });
     }
   }

@@ -57,7 +57,7 @@ class HostileFiles : public ::testing::Test {
   template <class Error, class Read>
   void expect_only_files(const std::string& ending, const Read& read) const {
     for (const auto& [path, kind] : no_files(ending)) {
-      EXPECT_THAT(message_of<Error>([&] { read(path); }),
+      EXPECT_THAT(message_of<Error>([&, &path = path] { read(path); }),
                   AllOf(HasSubstr(path), HasSubstr("it is " + kind),
                         HasSubstr("only regular files are read; write what comes out of it to a")));
     }

@@ -107,6 +107,10 @@ class Fair {
 
   /// A triangle, or a face of five sides and more, at a point of the domain, as oracle::evaluate
   /// gives it.
+  template <class T>
+  Sample<Real> evaluate(std::uint32_t face, const Vec2<T>& at) const {
+    return evaluate(face, static_cast<Real>(at.x()), static_cast<Real>(at.y()));
+  }
   Sample<Real> evaluate(std::uint32_t face, Real xi, Real eta) const {
     if (mesh_.valence(face) != 3) return blend(face, xi, eta);
     std::array<Real, 3> at{};

@@ -607,6 +607,12 @@ Polygon<S> random_neighbour(Rng& rng, const Polygon<S>& polygon, int k, int n, d
   return result;
 }
 
+/// The same, at a point of another precision.
+template <class S, class T>
+Sample<S> evaluate(const Polygon<S>& polygon, const Vec2<T>& at) {
+  return evaluate(polygon, static_cast<S>(at.x()), static_cast<S>(at.y()));
+}
+
 // Compiled once, in oracle.cpp.
 extern template Side<double> side(const Polygon<double>&, int, std::type_identity_t<double>);
 extern template Sample<double> evaluate(const Polygon<double>&, std::type_identity_t<double>,

@@ -141,8 +141,8 @@ TEST(ShadingOracle, reproduces_what_is_linear) {
     for (int i = 0; i < 500; ++i) {
       const auto k = static_cast<std::size_t>(rng()) % corners.size();
       const auto &a = corners[k], &b = corners[(k + 1) % corners.size()];
-      const long double along = i % 5 ? uniform(rng, 0, 1) : i % 2,
-                        inside = i % 7 ? uniform(rng, 0, 1) : 1;
+      const auto along = static_cast<long double>(i % 5 ? uniform(rng, 0, 1) : i % 2),
+                 inside = static_cast<long double>(i % 7 ? uniform(rng, 0, 1) : 1);
       const oracle::Vec2<long double> at = inside * ((1 - along) * a + along * b);
       const std::vector<long double> lambda = oracle::mean_values(corners, at);
       oracle::Vec2<long double> back(0, 0);

@@ -44,7 +44,7 @@ inline Vec3 curve_at(const Mesh& mesh, const Topology& topology, std::uint32_t s
   const Wide a = wide(mesh.positions[mesh.corner_vertex[side]]),
              b = wide(mesh.positions[mesh.corner_vertex[next_side(mesh, topology, side)]]),
              s = wide(mesh.tangents[2 * side]), e = wide(mesh.tangents[2 * side + 1]);
-  const long double t = at, r = 1 - t;
+  const long double t = static_cast<long double>(at), r = 1 - t;
   return (r * r * (1 + 2 * t) * a + t * t * (3 - 2 * t) * b + r * r * t * s - t * t * r * e)
       .cast<double>();
 }

@@ -106,7 +106,7 @@ TEST_P(FairTest, triangles_agree_with_the_oracle) {
       const double size = oracle::size_of(test::polygon_of(c.mesh, f));
       for (const Vec2& X : points_of_triangle(rng)) {
         const Vec2 Y = held(X);
-        errors.add(at(cache, f, Y), fair.evaluate(f, Y.x(), Y.y()), size);
+        errors.add(at(cache, f, Y), fair.evaluate(f, Y), size);
       }
     }
     EXPECT_GT(triangles, 50) << c.name;
@@ -135,7 +135,7 @@ TEST_P(FairTest, polygons_agree_with_the_oracle) {
       ++judged;
       for (const Vec2& X : points_of_polygon(rng, n)) {
         const Vec2 Y = held(X);
-        errors.add(at(cache, 0, Y), fair.evaluate(0, Y.x(), Y.y()), oracle::size_of(polygon));
+        errors.add(at(cache, 0, Y), fair.evaluate(0, Y), oracle::size_of(polygon));
       }
     }
     EXPECT_GE(judged, 4) << n;

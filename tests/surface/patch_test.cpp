@@ -116,7 +116,7 @@ TEST_P(PatchTest, agrees_with_the_oracle_for_3_to_1000_sides) {
       const auto exact = oracle::cast<long double>(polygon);
       for (const Vec2& X : points_of_domain(rng, n)) {
         const Vec2 Y = held(X);
-        errors.add(at(cache, 0, Y), oracle::evaluate(exact, Y.x(), Y.y()), 2);
+        errors.add(at(cache, 0, Y), oracle::evaluate(exact, Y), 2);
       }
     }
     errors.expect_below(bound(), slope_bound(n), normal_bound(n), fmt::format("{} sides", n));

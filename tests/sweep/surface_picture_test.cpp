@@ -9,10 +9,6 @@
 namespace gliss {
 namespace {
 
-Vec3 vector_at(const std::vector<float>& numbers, std::size_t i) {
-  return Vec3(numbers[3 * i], numbers[3 * i + 1], numbers[3 * i + 2]);
-}
-
 TEST(SurfacePicture, points_lie_on_the_surface_and_know_the_curvature_of_their_face) {
   const Mesh ball = irregular(goldberg(4, 10), 2).mesh;
   const PatchCache cache = test::cache_of(ball);
@@ -26,12 +22,12 @@ TEST(SurfacePicture, points_lie_on_the_surface_and_know_the_curvature_of_their_f
   ASSERT_EQ(picture.curvature.size(), points);
   ASSERT_EQ(picture.departure.size(), points);
   for (std::size_t i = 0; i < points; ++i) {
-    EXPECT_LE(std::abs(nearest(cache, vector_at(picture.position, i)).distance), 1e-5);
-    EXPECT_GT(vector_at(picture.normal, i).dot(vector_at(picture.position, i)), 9.9);
+    EXPECT_LE(std::abs(nearest(cache, vector_at(&picture.position[3 * i])).distance), 1e-5);
+    EXPECT_GT(vector_at(&picture.normal[3 * i]).dot(vector_at(&picture.position[3 * i])), 9.9);
     EXPECT_FLOAT_EQ(picture.curvature[i],
                     static_cast<float>(1 / cache.rho_min[cache.first_patch(picture.face[i])]));
     const double flat =
-        nearest(cache, vector_at(picture.position, i), {{}, Method::kFlat}).distance;
+        nearest(cache, vector_at(&picture.position[3 * i]), {{}, Method::kFlat}).distance;
     EXPECT_NEAR(picture.departure[i], std::abs(flat), 1e-5);
   }
   EXPECT_TRUE(std::is_sorted(picture.face.begin(), picture.face.end()));
@@ -55,7 +51,8 @@ TEST(SurfacePicture, spots_cover_the_surface) {
       const Vec3 x = evaluate(cache, place).position;
       bool covered = false;
       for (std::size_t i = 0; i < picture.face.size() && !covered; ++i)
-        covered = (vector_at(picture.position, i) - x).norm() <= double{picture.spot[i]} / 2;
+        covered = (vector_at(&picture.position[3 * i]) - x).norm() <=
+                  static_cast<double>(picture.spot[i]) / 2;
       bare += !covered;
     }
     EXPECT_LE(static_cast<double>(bare), 0.02 * static_cast<double>(places.size()))

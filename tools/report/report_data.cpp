@@ -67,16 +67,17 @@ Json quantised(const std::vector<float>& values, std::size_t columns) {
   for (std::size_t column = 0; column < columns; ++column) {
     const auto each = [&](const auto& take) {
       for (std::size_t i = column; i < values.size(); i += columns) {
-        if (std::isfinite(values[i])) take(i);
+        const auto value = static_cast<double>(values[i]);
+        if (std::isfinite(value)) take(i, value);
       }
     };
     double least = std::numeric_limits<double>::infinity(), largest = -least;
-    each([&](std::size_t i) {
-      least = std::min<double>(least, values[i]);
-      largest = std::max<double>(largest, values[i]);
+    each([&](std::size_t, double value) {
+      least = std::min(least, value);
+      largest = std::max(largest, value);
     });
     const Steps step_of(least, largest);
-    each([&](std::size_t i) { steps[i] = step_of(values[i]); });
+    each([&](std::size_t i, double value) { steps[i] = step_of(value); });
     offset.push_back(step_of.offset);
     scale.push_back(step_of.scale);
   }

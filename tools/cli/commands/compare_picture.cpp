@@ -12,9 +12,9 @@ Json picture_json(const std::vector<std::pair<Construction, SurfacePicture>>& pi
     const auto per_metre = [unit](double curvature) { return number(curvature / unit); };
     std::vector<float> curvature, departure;
     for (const float k : picture.curvature)
-      curvature.push_back(static_cast<float>(double{k} / unit));
+      curvature.push_back(static_cast<float>(static_cast<double>(k) / unit));
     for (const float d : picture.departure)
-      departure.push_back(static_cast<float>(double{d} * unit));
+      departure.push_back(static_cast<float>(static_cast<double>(d) * unit));
     json.push_back({{"construction", name_of(kConstructionNames, construction)},
                     {"points", picture.face.size()},
                     {"p50_curvature", per_metre(picture.p50)},
