@@ -510,9 +510,6 @@ TEST_F(Program, CheckListsAllFindingsAndRefuses) {
   EXPECT_EQ(found["findings"][0]["code"], "non-manifold-edge");
   EXPECT_EQ(found["findings"][0]["severity"], "error");
   EXPECT_EQ(run("check bad.obj --keep-non-manifold").code, 2);
-  const test::Outcome old = run("check bad.obj --split-non-manifold");
-  EXPECT_EQ(old.code, 0);
-  EXPECT_THAT(old.err, HasSubstr("cut open without it"));
 }
 
 TEST_F(Program, MeshesAreMendedAndEveryCommandSaysSoInOneLine) {

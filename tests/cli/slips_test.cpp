@@ -302,11 +302,9 @@ TEST_F(Slips, every_command_has_the_options_that_all_share_and_no_device_that_it
   }
 }
 
-TEST_F(Slips, the_old_name_of_the_opencl_device_is_said_to_go) {
+TEST_F(Slips, an_opencl_device_without_its_backend_is_refused) {
   EXPECT_THAT(refusal("info torus.obj --unit mm --opencl-device 0"),
               HasSubstr("--opencl-device and --device-memory ask for --backend opencl"));
-  EXPECT_THAT(run("info torus.obj --unit mm --backend auto --device none").err,
-              HasSubstr("--device: the OpenCL device is --opencl-device now"));
 }
 
 }  // namespace

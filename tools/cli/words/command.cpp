@@ -60,11 +60,6 @@ void add_common_options(Command& command, CommonOptions& options) {
   command.option({"--opencl-device", "NAME",
                   "OpenCL device: part of its name, or its number in gliss devices"},
                  options.device);
-  command.option({"--device", "NAME", "the old name of --opencl-device, which will go"},
-                 [&options](const std::string& text) {
-                   options.device = text;
-                   options.has_old_device = true;
-                 });
   command.option({"--device-memory", "MIB", "the most of its memory to use; default: half of it"},
                  options.device_memory, 1, 1 << 24);
   add_common_options(command, static_cast<ReportOptions&>(options));
@@ -85,8 +80,6 @@ void add_mesh_options(Command& command, SurfaceOptions& options, const std::stri
                "refuse a mesh that is not sound, instead of mending it; weld nothing");
   command.flag("--keep-non-manifold", options.keep_non_manifold,
                "refuse non-manifold edges and vertices instead of cutting them open");
-  command.flag("--split-non-manifold", options.split_non_manifold,
-               "does nothing any more, and will go with 0.2");
   command.option({"--weld", "LENGTH",
                   "weld borders whose vertices are no farther apart, as 0.01mm; default: only "
                   "vertices at the very same place; none: never"},
@@ -313,8 +306,6 @@ Level parse_level(const std::string& option, const std::string& name) {
 }
 
 std::unique_ptr<Engine> make_engine(const CommonOptions& options) {
-  if (options.has_old_device && !options.quiet)
-    tell("gliss: --device: the OpenCL device is --opencl-device now; the old name will go\n");
   if (options.names_device_in_vain())
     throw InputError("--opencl-device and --device-memory ask for --backend opencl or auto");
   return make_engine(options, stop_if_interrupted, [&options](const std::string& line) {

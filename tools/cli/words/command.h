@@ -27,9 +27,7 @@ struct Unavailable : std::runtime_error {  // exit code 4
 };
 
 // Options of commands that use an engine.
-struct CommonOptions : ReportOptions, EngineChoice {
-  bool has_old_device = false;  // the device was named by the option's name of 0.1
-};
+struct CommonOptions : ReportOptions, EngineChoice {};
 
 // Options of commands that read a mesh or a cache.
 struct SurfaceOptions : CommonOptions {
@@ -43,8 +41,7 @@ struct SurfaceOptions : CommonOptions {
   std::optional<Construction> construction;  // as the cache has it, or the paper's
   // How a mesh is read.
   bool strict = false, keep_non_manifold = false;
-  bool split_non_manifold = false;  // of 0.1; what happens without it now
-  double weld = 0;                  // m; below 0: nothing is welded
+  double weld = 0;  // m; below 0: nothing is welded
   NormalSource normals = NormalSource::kAuto;
   Orient orient = Orient::kOutward;
   bool flip = false;

@@ -81,8 +81,6 @@ std::string removed_text(const Mesh& mesh) {
 }
 
 Mesh load_mesh(const SurfaceOptions& options, std::vector<Finding>& findings) {
-  if (options.split_non_manifold && !options.quiet)
-    tell("gliss: --split-non-manifold: meshes are cut open without it; it will go with 0.2\n");
   const Watch watch(options, "read " + options.surface);
   return gliss::load_mesh(options.surface,
                           {.unit = options.unit,
