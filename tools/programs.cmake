@@ -50,7 +50,7 @@ add_tool_room(tools/report USES words)
 add_tool_room(tools/cli/commands USES parts report)
 
 # What all programs are made of. Objects of others are linked only where they are named, so all are.
-add_library(gliss_program OBJECT tools/cli/huge_new.cpp tools/cli/program.cpp)
+add_library(gliss_program OBJECT tools/cli/program.cpp)
 set(program_parts gliss_program room_terminal room_words room_parts room_report room_commands)
 target_include_directories(gliss_program PUBLIC ${CMAKE_CURRENT_SOURCE_DIR})
 target_compile_definitions(gliss_program PRIVATE GLISS_VERSION="${PROJECT_VERSION}")
