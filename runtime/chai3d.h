@@ -213,8 +213,7 @@ class cGlissObject : public chai3d::cGenericObject {
   static constexpr const char* kTold[] = {
       "more interaction points than it was made for: no force on those that came last",
       ("its material has a stiffness that is not 0 or more, or a friction above 5: it keeps the "
-       "one "
-       "before"),
+       "one before"),
       "the surface is at fault: the force is held and taken away",
       "a position is not finite: the force is held and taken away",
       "createEffectSurface adds a second spring: no force of Gliss until deleteEffectSurface"};

@@ -8,8 +8,8 @@
 
 namespace gliss {
 
-// What long work asks many times a second, from any of its threads. What the function throws ends
-// the work, and whoever asked for the work gets it; without a function nothing ends it.
+// A question that long work asks many times a second, from any of its threads. What the function
+// throws ends the work, and whoever asked for the work gets it; without one nothing ends it.
 class Poll {
  public:
   Poll(std::nullptr_t = nullptr) {}

@@ -89,6 +89,7 @@ double height_departure(const Surface<Real>& s, std::uint32_t patch) {
   return most;
 }
 
+// How far a point is from a triangle.
 double distance_to(const BaseTriangle& t, const Vec3& p) {
   const Vec3 normal = (t[1] - t[0]).cross(t[2] - t[0]).stableNormalized();
   double nearest = std::numeric_limits<double>::infinity();
@@ -132,9 +133,7 @@ template <class Real>
 FaceDeparture departure_of(const PatchCache& cache, const Surface<Real>& s, std::uint32_t face,
                            std::span<const double> sag) {
   FaceDeparture d{{.face = face}};
-  const std::uint32_t first = cache.first_patch(face);
-  std::uint32_t end = first;
-  while (end < cache.patch_count() && cache.patch_face[end] == face) ++end;
+  const std::uint32_t first = cache.first_patch(face), end = cache.end_of_face(first);
   const bool is_cut = first < end && piece_of(s, first) != nullptr;
   const double cut = is_cut ? cut_departure(s, first, end) : 0;
   for (std::uint32_t p = first; p < end; ++p) {

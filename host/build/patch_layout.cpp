@@ -8,14 +8,13 @@ namespace {
 // The sides that the triangles of one face share.
 void join_diagonals(const PatchCache& cache, PatchLayout& l) {
   for (std::uint32_t p = 0; p < cache.patch_count(); ++p) {
-    for (std::uint32_t q = p + 1;
-         q < cache.patch_count() && cache.patch_face[q] == cache.patch_face[p]; ++q) {
+    for (std::uint32_t q = p + 1, end = cache.end_of_face(p); q < end; ++q) {
       for (std::uint32_t a = l.side_begin[p]; a < l.side_begin[p + 1]; ++a) {
         for (std::uint32_t b = l.side_begin[q]; b < l.side_begin[q + 1]; ++b) {
-          const auto end = [&](std::uint32_t s, std::uint32_t patch) {
+          const auto end_of = [&](std::uint32_t s, std::uint32_t patch) {
             return cache.corner_of_face[next_side(l.side_begin, patch, s)];
           };
-          if (cache.corner_of_face[a] != end(b, q) || cache.corner_of_face[b] != end(a, p))
+          if (cache.corner_of_face[a] != end_of(b, q) || cache.corner_of_face[b] != end_of(a, p))
             continue;
           l.side_twin[a] = b;
           l.side_twin[b] = a;
@@ -31,8 +30,8 @@ std::uint32_t patch_side(const Mesh& mesh, const Topology& topology, const Patch
                          const PatchLayout& l, std::uint32_t mesh_side) {
   const std::uint32_t face = topology.side_face[mesh_side], n = mesh.valence(face),
                       k = mesh_side - mesh.face_begin[face];
-  for (std::uint32_t p = cache.first_patch(face);
-       p < cache.patch_count() && cache.patch_face[p] == face; ++p) {
+  const std::uint32_t first = cache.first_patch(face), end_of_face = cache.end_of_face(first);
+  for (std::uint32_t p = first; p < end_of_face; ++p) {
     const std::uint32_t begin = l.side_begin[p], end = l.side_begin[p + 1];
     const auto is_it = [&](std::uint32_t s) {
       return cache.corner_of_face[s] == k &&

@@ -53,7 +53,7 @@ bool keeps_normals(const PatchDraft& d, const PatchDraft& exact, const Sampler& 
     double normal[3];
     kernels<double>().side_normal(&exact.control[i / steps * kSideReals],
                                   (static_cast<double>(i % steps) + 0.5) / steps, normal);
-    if (!(normals[i].dot(Vec3(normal[0], normal[1], normal[2])) > 0)) return false;
+    if (!(normals[i].dot(vector_at(normal)) > 0)) return false;
   }
   return true;
 }
@@ -180,7 +180,7 @@ std::vector<FaceCorners> with_centres(const FaceCorners& face, const PatchDraft&
   const auto n = static_cast<std::uint32_t>(face.position.size());
   kernels<double>().evaluate(sampler.tables.domain_of(n), exact.control.data(), exact.form, n,
                              &zero, &zero, 1, 1, at);
-  const Vec3 middle = exact.frame.origin + Vec3(at[0], at[1], at[2]) / exact.frame.scale;
+  const Vec3 middle = exact.frame.origin + vector_at(at) / exact.frame.scale;
   std::vector<FaceCorners> all;
   for (const Vec3& p : {middle, Vec3(0.5 * (middle + centroid)), centroid}) {
     if (!(((p - exact.frame.origin) * exact.frame.scale).norm() < kFarthestCentre)) continue;

@@ -1,8 +1,8 @@
 // Patches that stand in for one that folds or degenerates.
 //
-// What tells a fold. A patch folds where its normal is at right angles to its base polygon's, or
-// beyond; the cosine between both is its turn. Each test, what it costs beside building, and what
-// it is for:
+// Several tests tell folds. A patch folds where its normal is at right angles to its base
+// polygon's, or beyond; the cosine between both is its turn. Each test, what it costs beside
+// building, and what it is for:
 // - soundness: the weakest ribbon has cross tangents. Nothing; every patch.
 // - PatchDraft::turned: cross tangents point into the face. Nothing; fair patches.
 // - keeps_direction: the turn at the coarse probes. A sample at each; patches of other levels.

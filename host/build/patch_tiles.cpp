@@ -125,8 +125,7 @@ void side_normals(const Surface<Real>& s, std::size_t begin, std::size_t end,
                              points.xi.data(), points.eta.data(), points.count, rows.data());
     const double* normal = &rows[3 * points.count];
     for (std::size_t i = 0; i < n * kCompared; ++i, ++normal)
-      normals[first + i] =
-          Vec3(normal[0], normal[points.count], normal[2 * points.count]).cast<float>();
+      normals[first + i] = vector_at(normal, points.count).cast<float>();
   }
 }
 

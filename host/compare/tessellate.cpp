@@ -9,6 +9,7 @@
 
 #include "gliss/base/plain_arithmetic.h"
 #include "gliss/query/query.h"
+#include "gliss/surface/domain.h"
 
 namespace gliss {
 namespace {
@@ -23,7 +24,7 @@ std::vector<Triangle> pieces_of(const PatchCache& cache, std::uint32_t face) {
   if (n == 3 || first == kNone) return {};
   std::visit(
       [&](const auto& s) {
-        for (std::uint32_t p = first; p < cache.patch_count() && cache.patch_face[p] == face; ++p) {
+        for (std::uint32_t p = first, end = cache.end_of_face(first); p < end; ++p) {
           const std::uint32_t* corner = &cache.corner_of_face[s.side_begin[p]];
           if (s.valence(p) != 3 || std::find(corner, corner + 3, n) != corner + 3)
             return pieces.clear();
@@ -121,11 +122,6 @@ class Nodes {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> cuts_;  // first node
 };
 
-Eigen::Vector2d at_side(std::uint32_t n, std::uint32_t k, double t) {
-  const DomainPoint x = on_side(0, n, k, t);
-  return {x.xi, x.eta};
-}
-
 // The triangles of a tessellation, and where its nodes lie.
 class Tessellation {
  public:
@@ -152,8 +148,8 @@ class Tessellation {
     nodes_.begin_face(face);
     for (std::uint32_t k = 0; k < n; ++k) {
       poll_();
-      const Eigen::Vector2d corner = at_side(n, k, 0), after = at_side(n, k, 0.5),
-                            before = at_side(n, (k + n - 1) % n, 0.5);
+      const Eigen::Vector2d corner = on_side(n, k, 0), after = on_side(n, k, 0.5),
+                            before = on_side(n, (k + n - 1) % n, 0.5);
       for (std::uint32_t j = 0; j <= cells_; ++j) {
         for (std::uint32_t i = 0; i <= cells_; ++i) {
           const double s = i / static_cast<double>(cells_), t = j / static_cast<double>(cells_);
@@ -174,8 +170,8 @@ class Tessellation {
     for (const Triangle& piece : pieces) {
       poll_();
       nodes_.begin_piece(piece);
-      const Eigen::Vector2d a = at_side(n, piece[0], 0), b = at_side(n, piece[1], 0),
-                            c = at_side(n, piece[2], 0);
+      const Eigen::Vector2d a = on_side(n, piece[0], 0), b = on_side(n, piece[1], 0),
+                            c = on_side(n, piece[2], 0);
       for (std::uint32_t j = 0; j <= last; ++j) {
         for (std::uint32_t i = 0; i + j <= last; ++i) {
           const std::uint32_t node = nodes_.id_in_piece(i, j);

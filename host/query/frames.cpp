@@ -75,8 +75,8 @@ PatchPlace place_of(const PatchCache& cache, const Surface<Real>& s, const Domai
   place.eta = point.eta;
   if (!is_part(cache, place.patch)) return place;
   double best = -1;
-  const std::uint32_t first = place.patch;
-  for (std::uint32_t p = first; p < cache.patch_count() && cache.patch_face[p] == point.face; ++p) {
+  const std::uint32_t first = place.patch, end = cache.end_of_face(first);
+  for (std::uint32_t p = first; p < end; ++p) {
     const PartDomain<Real> part(cache, s, p);
     const Vec3 at = part.in_face.inverse() * Vec3(point.xi, point.eta, 1);
     if (at.minCoeff() <= best && p != first) continue;

@@ -45,7 +45,7 @@ struct TraceStatistics : ForceStatistics {
 };
 
 // Takes steps in order, all methods of a tick together (steps[i] belongs to options.methods[i]).
-// What it throws ends the trace.
+// It ends the trace by throwing.
 using TraceSink = std::function<void(std::size_t tick, std::span<const TraceStep> steps)>;
 
 // HIPs in the mesh's unit. The force at one that is not finite is NaN, and nothing else comes of

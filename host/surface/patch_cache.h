@@ -113,6 +113,13 @@ struct GLISS_EXPORT PatchCache {
     const bool is_built = at != patch_face.end() && *at == face;
     return is_built ? static_cast<std::uint32_t>(at - patch_face.begin()) : kNone;
   }
+  // The end of a face's patches, of which this is one; kNone stays what it is.
+  std::uint32_t end_of_face(std::uint32_t patch) const {
+    if (patch == kNone) return kNone;
+    const std::uint32_t face = patch_face[patch];
+    while (patch < patch_count() && patch_face[patch] == face) ++patch;
+    return patch;
+  }
   // True if the patch's part has no open border: where it is nearest, its normal says what is
   // inside.
   bool is_closed_at(std::uint32_t patch) const { return open.empty() || !open[patch_face[patch]]; }

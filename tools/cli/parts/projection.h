@@ -24,7 +24,7 @@ struct ProjectionOptions {
   std::vector<std::string> keep;    // columns of the input, which it has
 };
 
-// What rows are made of: the contacts of HIPs that begin with this one of a table.
+// Rows are made of it: the contacts of HIPs that begin with this one of a table.
 struct ProjectedHips {
   std::span<const Contact> contacts;
   const InputTable& table;
