@@ -16,13 +16,13 @@ FN mask has_tangents(crease_tangents t) { return dot3(t.start, t.start) > splat(
 // The in-plane vector r as k c + h m.
 typedef struct {
   real k, h;
-} ribbon_part;
+} ribbon_coefficients;
 
-FN ribbon_part ribbon_part_of(real3 r, real3 c, real3 m) {
+FN ribbon_coefficients ribbon_coefficients_of(real3 r, real3 c, real3 m) {
   const real3 across = cross3(c, m);
   const real inverse = K(1) / larger(dot3(across, across), splat(TINY));
-  const ribbon_part p = {dot3(cross3(r, m), across) * inverse,
-                         dot3(cross3(c, r), across) * inverse};
+  const ribbon_coefficients p = {dot3(cross3(r, m), across) * inverse,
+                                 dot3(cross3(c, r), across) * inverse};
   return p;
 }
 

@@ -19,7 +19,7 @@ typedef struct {
   // From tick to tick only, never in memory that devices share: the foot's bend, and how far the
   // last tick moved the SCP in the patch's domain.
   int warm;  // whether they are there
-  sym2 bend;
+  sym2 curvature_term;
   domain_vector drift;
   // Points of other parts that a contact on a seam rests against too (union.h).
   int held_count;
@@ -143,7 +143,7 @@ FN contact contact_of_foot(surface_view view, foot f, effort* spent) {
   c.crossings = f.crossings;
   c.flags = f.flags | (f.d.converged ? (uint)FOOT_CONVERGED : 0u);
   c.warm = 1;
-  c.bend = f.d.bend;
+  c.curvature_term = f.d.curvature_term;
   c.drift = make_vector(K(0), K(0));
   // Inside where the way out goes along the normal. Where folds make that wrong the host corrects
   // it (correct_state of host/query/frames.h).
@@ -357,7 +357,7 @@ FN_LARGE contact follow_contact(surface_view view, hip_point h, contact last,
   track_options brief = options;
   brief.max_iterations = options.max_iterations < 8 ? options.max_iterations : 8;
   foot f = start_foot(view, h, ahead_of(view, last), options.spent);
-  f.d.bend = last.bend;
+  f.d.curvature_term = last.curvature_term;
   track_foot(view, h, &f, brief, none);
   if (may_be_top(view, &f)) leave_top(view, h, &f, options, none);
   if (!f.d.converged)  // the hand did something else

@@ -87,17 +87,18 @@ typedef struct {
   // Principal curvatures, positive where the surface bends away from its normal: the range of the
   // lesser ones and that of the others.
   real low, low_most, high_least, high;
-  real slack2;         // squared distance that the surface may leave its triangles by
-  real3 same, turned;  // sums of n . (G_uu, G_uv, G_vv) along the sides of either kind
-} tile_bends;
+  real slack2;           // squared distance that the surface may leave its triangles by
+  real3 same, opposite;  // sums of n . (G_uu, G_uv, G_vv) along the sides of either kind
+} tile_curvatures;
 
 // By the turn of the normals along two sides (Rusinkiewicz 2004).
-FN tile_bends add_bend(tile_bends t, int is_same, cut_sample a, cut_sample b, cut_sample c) {
-  const real3 u = sub3(b.p, a.p), v = sub3(c.p, a.p), turn_u = sub3(b.n, a.n),
-              turn_v = sub3(c.n, a.n);
+FN tile_curvatures add_curvature(tile_curvatures t, int is_same, cut_sample a, cut_sample b,
+                                 cut_sample c) {
+  const real3 u = sub3(b.p, a.p), v = sub3(c.p, a.p), change_u = sub3(b.n, a.n),
+              change_v = sub3(c.n, a.n);
   const real e = dot3(u, u), f = dot3(u, v), g = dot3(v, v), det = e * g - f * f;
-  const real l = dot3(turn_u, u), m = K(0.5f) * (dot3(turn_u, v) + dot3(turn_v, u)),
-             n = dot3(turn_v, v);
+  const real l = dot3(change_u, u), m = K(0.5f) * (dot3(change_u, v) + dot3(change_v, u)),
+             n = dot3(change_v, v);
   const real inverse = K(1) / det;
   const real mean = K(0.5f) * (e * n - K(2) * f * m + g * l) * inverse,
              gauss = (l * n - m * m) * inverse;
@@ -117,20 +118,20 @@ FN tile_bends add_bend(tile_bends t, int is_same, cut_sample a, cut_sample b, cu
   if (is_same) {
     t.same = sub3(t.same, second);
   } else {
-    t.turned = sub3(t.turned, second);
+    t.opposite = sub3(t.opposite, second);
   }
   return t;
 }
 
-FN tile_bends bends_of(const cut_sample* s, int rings) {
+FN tile_curvatures curvatures_of(const cut_sample* s, int rings) {
   const real zero = splat(K(0)), far = splat(K(INFINITY));
   const real3 none = zero3();
-  tile_bends t = {far, -far, far, -far, zero, none, none};
+  tile_curvatures t = {far, -far, far, -far, zero, none, none};
   for (int a = 0; a < rings; ++a) {
     for (int b = 0; b <= a; ++b) {
       const cut_sample *here = s + a * (a + 1) / 2 + b, *next = s + (a + 1) * (a + 2) / 2 + b;
-      t = add_bend(t, 1, here[0], next[0], next[1]);
-      if (b < a) t = add_bend(t, 0, here[0], here[1], next[1]);
+      t = add_curvature(t, 1, here[0], next[0], next[1]);
+      if (b < a) t = add_curvature(t, 0, here[0], here[1], next[1]);
     }
   }
   return t;
@@ -162,7 +163,7 @@ FN axis_code axis_code_of(real3 axis) {
 
 // The tangent of an angle that no normal exceeds, where `least` is the least cosine: five quarters
 // of what the samples turn, and a little. Infinite from a right angle on.
-FN real turn_tangent(real least) {
+FN real lean_tangent_of(real least) {
   const real zero = splat(K(0)), one = splat(K(1));
   const real c = smaller(larger(least, zero), one), s = sqrt((one - c) * (one + c));
   // The tangents of the angle and of a quarter of it.
@@ -173,8 +174,8 @@ FN real turn_tangent(real least) {
   return pick((under > zero) & (rest > zero), (turn + CUT_LEAST_TURN) / rest, splat(K(INFINITY)));
 }
 
-FN real turn_bits(real tangent) {
-  return whole_above(limit_code(sqrt(K(1 << TILE_TURN_SHIFT) * tangent), K(TILE_ANY_TURN)));
+FN real lean_bits_of(real tangent) {
+  return whole_above(limit_code(sqrt(K(1 << TILE_LEAN_SHIFT) * tangent), K(TILE_ANY_LEAN)));
 }
 
 // The largest whole b, 255 at most, with b^3 <= x.
@@ -248,11 +249,11 @@ FN real centre_code(real at, real low, real step) {
 }
 
 // Words but for the curvatures and for how far normals lean, which have to wait for the largest
-// curvature: `low` and `high` are the tile's, `turn` the tangent of an angle that no normal
-// exceeds, `rest` what leans differ by from what the mean of `low` and `high` says, `radius` the
-// cylinder's, below 0 where the axis is turned over.
+// curvature: `low` and `high` are the tile's, `lean` the tangent of an angle that no normal
+// exceeds, `residual` what leans differ by from what the mean of `low` and `high` says, `radius`
+// the cylinder's, below 0 where the axis is turned over.
 typedef struct {
-  real word[TILE_UINTS], low, high, turn, rest, radius, most;
+  real word[TILE_UINTS], low, high, lean, residual, radius, most;
 } cut_tile;
 
 FN cut_tile cut_tile_of(const cut_sample* s, int rings, cut_frame f, GLOBAL scalar* transform,
@@ -282,29 +283,30 @@ FN cut_tile cut_tile_of(const cut_sample* s, int rings, cut_frame f, GLOBAL scal
             centre_code(at.z, f.low.z, f.step.z));
   const real3 centre = make3(fma(code.x, f.step.x, f.low.x), fma(code.y, f.step.y, f.low.y),
                              fma(code.z, f.step.z, f.low.z));
-  const tile_bends bends = bends_of(s, rings);
+  const tile_curvatures curvatures = curvatures_of(s, rings);
   // The outermost samples are not quite on the sides.
-  const real slack = sqrt(bends.slack2) + K(2e-5f) * f.stretch;
-  const real low = bends.low - CUT_MORE_CURVATURE * (bends.low_most - bends.low),
-             high = bends.high + CUT_MORE_CURVATURE * (bends.high - bends.high_least);
+  const real slack = sqrt(curvatures.slack2) + K(2e-5f) * f.stretch;
+  const real low = curvatures.low - CUT_MORE_CURVATURE * (curvatures.low_most - curvatures.low),
+             high =
+                 curvatures.high + CUT_MORE_CURVATURE * (curvatures.high - curvatures.high_least);
   cut_tile r;
-  r.most = larger(-bends.low, bends.high);
+  r.most = larger(-curvatures.low, curvatures.high);
   r.low = pick(is_down, -high, low);
   r.high = pick(is_down, -low, high);
   const real mean = K(0.5f) * (r.low + r.high);
-  real half = zero, radius2 = zero, rest2 = zero;
+  real half = zero, radius2 = zero, residual2 = zero;
   for (int i = 0; i < points; ++i) {
     const real3 away = sub3(s[i].p, centre);
     const real height = dot3(away, axis.axis);
     const real3 aside = fma3(-height, axis.axis, away);
     const real3 normal = mul3(K(1) / dot3(s[i].n, axis.axis), s[i].n),
-                rest = sub3(normal, fma3(mean, aside, axis.axis));
+                residual = sub3(normal, fma3(mean, aside, axis.axis));
     half = larger(fabs(height), half);
     radius2 = larger(dot3(aside, aside), radius2);
-    rest2 = larger(dot3(rest, rest), rest2);
+    residual2 = larger(dot3(residual, residual), residual2);
   }
-  r.turn = turn_tangent(least);
-  r.rest = sqrt(rest2);
+  r.lean = lean_tangent_of(least);
+  r.residual = sqrt(residual2);
   r.radius = sqrt(radius2) + slack;
   const real radius = whole_above(limit_code(r.radius / f.unit, K(65535))),
              above = whole_above(limit_code((half + slack) / f.unit, K(65535)));
@@ -313,11 +315,11 @@ FN cut_tile cut_tile_of(const cut_sample* s, int rings, cut_frame f, GLOBAL scal
   r.radius = pick(is_down, -r.radius, r.radius);
   r.word[TILE_AXIS] = fma(axis.y, splat(K(4096)), axis.x);
   r.word[TILE_HALF_CURVES] = above;
-  const real3 second = add3(along_domain_of(bends.same, transform, stride),
-                            along_domain_of(bends.turned, transform + 4 * stride, stride));
+  const real3 second = add3(along_domain_of(curvatures.same, transform, stride),
+                            along_domain_of(curvatures.opposite, transform + 4 * stride, stride));
   // The mean of rings^2 small triangles, whose sides are CUT_RINGS / rings of those that the
   // transforms are for.
-  r.word[TILE_BEND] = second_bits(mul3(splat(K(1) / K(CUT_RINGS * CUT_RINGS)), second));
+  r.word[TILE_SECOND_FORM] = second_bits(mul3(splat(K(1) / K(CUT_RINGS * CUT_RINGS)), second));
   return r;
 }
 
@@ -335,7 +337,7 @@ FN scalar cut_by(int rings, GLOBAL scalar* rows, int stride, GLOBAL uint* index,
     }
     const cut_tile t = cut_tile_of(s, rings, frame, transforms + first, (ulong)tiles);
     for (int i = 0; i < TILE_UINTS; ++i) store_lanes(out + i * tiles + first, t.word[i]);
-    const real later[] = {t.low, t.high, t.turn, t.rest, t.radius};
+    const real later[] = {t.low, t.high, t.lean, t.residual, t.radius};
     for (int i = 0; i < CUT_OUT_ROWS - (int)TILE_UINTS; ++i)
       store_lanes(out + (TILE_UINTS + i) * tiles + first, later[i]);
     most = larger(t.most, most);
@@ -359,13 +361,14 @@ FN_LARGE scalar cut_patch(GLOBAL scalar* rows, int stride, GLOBAL uint* index, i
 // says, if beneath the patch that bounds them better.
 FN real lean_bits(cut_tile t, real mean) {
   const real zero = splat(K(0)), radius = larger(t.radius, -t.radius);
-  const real rest = fma(radius, fabs(mean - K(0.5f) * (t.low + t.high)), t.rest);
-  const real more =
-      larger((K(1) + CUT_MORE_TURN) * rest, fma(splat(K(0.5f) * CUT_MORE_TURN), t.turn, rest)) +
-      CUT_LEAST_TURN;
+  const real residual = fma(radius, fabs(mean - K(0.5f) * (t.low + t.high)), t.residual);
+  const real more = larger((K(1) + CUT_MORE_TURN) * residual,
+                           fma(splat(K(0.5f) * CUT_MORE_TURN), t.lean, residual)) +
+                    CUT_LEAST_TURN;
   const mask bends =
-      (t.turn < splat(K(INFINITY))) & (more < t.turn) & (fma(-t.radius, mean, more) < t.turn);
-  return turn_bits(pick(bends, more, t.turn)) + pick(bends, splat(K(TILE_BENDS)), zero);
+      (t.lean < splat(K(INFINITY))) & (more < t.lean) & (fma(-t.radius, mean, more) < t.lean);
+  return lean_bits_of(pick(bends, more, t.lean)) +
+         pick(bends, splat(K(TILE_LEANS_BY_CURVATURE)), zero);
 }
 
 // Adds what the words lack to those that are in `out`; curvatures are relative to `curvature`.
@@ -376,8 +379,8 @@ FN_LARGE void write_curves(GLOBAL_OUT scalar* out, int tiles, scalar curvature) 
     cut_tile t;
     t.low = load_lanes(later);
     t.high = load_lanes(later + tiles);
-    t.turn = load_lanes(later + 2 * tiles);
-    t.rest = load_lanes(later + 3 * tiles);
+    t.lean = load_lanes(later + 2 * tiles);
+    t.residual = load_lanes(later + 3 * tiles);
     t.radius = load_lanes(later + 4 * tiles);
     const real low = curve_bits(t.low * over, 0), high = curve_bits(t.high * over, 1);
     const real mean = K(0.5f) * (curvature_of_code(low, splat(curvature)) +

@@ -59,13 +59,13 @@ FN real quadratic(sym2 m, domain_vector v) {
 
 typedef struct {
   real xi, eta;
-  patch_point at;    // local frame
-  real3 r;           // SCP - HIP, local frame
-  real distance2;    // squared, mesh frame
-  sym2 bend;         // estimate of the curvature term sum r . G_ij
-  real last2;        // squared length of the last step, in the same patch; -1: there is none
-  real before2;      // of the last whole step, in any patch
-  real evaluations;  // after the first, but for those that were refused
+  patch_point at;       // local frame
+  real3 r;              // SCP - HIP, local frame
+  real distance2;       // squared, mesh frame
+  sym2 curvature_term;  // estimate of the curvature term sum r . G_ij
+  real last2;           // squared length of the last step, in the same patch; -1: there is none
+  real before2;         // of the last whole step, in any patch
+  real evaluations;     // after the first, but for those that were refused
   mask converged;
   mask refused;  // the last evaluation was no nearer: no step was taken
 } descent;
@@ -97,7 +97,7 @@ FN sym2 first_form(patch_point at) {
 }
 
 // The curvature term as the second fundamental form at the patch's centre has it.
-FN sym2 bend_of(patch_point at, real3 r, sym2 second, int solver) {
+FN sym2 curvature_term_of(patch_point at, real3 r, sym2 second, int solver) {
   const real3 normal = patch_normal(at);
   const real none = splat(K(0));
   const real depth =
@@ -140,8 +140,8 @@ FN real outward(GLOBAL scalar* domain, int side, domain_vector step) {
 
 // A point no farther from a side lies on it.
 FN scalar on_side_within(GLOBAL scalar* domain) {
-  const scalar rounding = K(32) * EPSILON, part = (K(1) - domain[0]) / K(64);
-  return rounding < part ? rounding : part;
+  const scalar rounding = K(32) * EPSILON, share = (K(1) - domain[0]) / K(64);
+  return rounding < share ? rounding : share;
 }
 
 // Steps shrink faster than linearly: what this one leaves is at most its square over the last. Then
@@ -181,10 +181,10 @@ FN sym2 secant_update(sym2 s, sym2 first, domain_vector step, domain_vector y, d
 }
 
 // After a step from `at` to where the surface is `to` and r its distance.
-FN sym2 bend_after(sym2 bend, patch_point at, domain_vector gradient, domain_vector step,
-                   patch_point to, real3 r) {
+FN sym2 curvature_term_after(sym2 curvature_term, patch_point at, domain_vector gradient,
+                             domain_vector step, patch_point to, real3 r) {
   const domain_vector after = gradient_of(to, r), still = gradient_of(at, r);
-  return secant_update(bend, first_form(at), step,
+  return secant_update(curvature_term, first_form(at), step,
                        make_vector(after.xi - still.xi, after.eta - still.eta),
                        make_vector(after.xi - gradient.xi, after.eta - gradient.eta));
 }
@@ -197,9 +197,9 @@ FN descent pick_descent(mask m, descent a, descent b) {
   a.at.g_eta = pick3(m, a.at.g_eta, b.at.g_eta);
   a.r = pick3(m, a.r, b.r);
   a.distance2 = pick(m, a.distance2, b.distance2);
-  a.bend.a = pick(m, a.bend.a, b.bend.a);
-  a.bend.b = pick(m, a.bend.b, b.bend.b);
-  a.bend.c = pick(m, a.bend.c, b.bend.c);
+  a.curvature_term.a = pick(m, a.curvature_term.a, b.curvature_term.a);
+  a.curvature_term.b = pick(m, a.curvature_term.b, b.curvature_term.b);
+  a.curvature_term.c = pick(m, a.curvature_term.c, b.curvature_term.c);
   a.last2 = pick(m, a.last2, b.last2);
   a.before2 = pick(m, a.before2, b.before2);
   a.evaluations = pick(m, a.evaluations, b.evaluations);
@@ -217,7 +217,7 @@ FN void copy_descent(descent* to, const descent* from) {
   to->at.g_eta = from->at.g_eta;
   to->r = from->r;
   to->distance2 = from->distance2;
-  to->bend = from->bend;
+  to->curvature_term = from->curvature_term;
   to->last2 = from->last2;
   to->before2 = from->before2;
   to->evaluations = from->evaluations;
@@ -236,7 +236,7 @@ FN void descend(GLOBAL scalar* domain, control_data control, uint form, int n, r
   while (any(going)) {
     const domain_vector gradient = gradient_of(d.at, d.r);
     const sym2 first = first_form(d.at);
-    const newton_model model = model_of(first, d.bend);
+    const newton_model model = model_of(first, d.curvature_term);
     const domain_vector step = solve(model.m, model.det, gradient);
     const real length2 = quadratic(first, step);
     // A patch away the curvature is another.
@@ -268,7 +268,8 @@ FN void descend(GLOBAL scalar* domain, control_data control, uint form, int n, r
     const domain_vector x = make_vector(pick(going, ahead.xi, d.xi), pick(going, ahead.eta, d.eta));
     move_descent(&next, x, evaluate_form(domain, control, form, n, x.xi, x.eta), hip, unscale);
     if (options.solver == SOLVER_NEWTON)
-      next.bend = bend_after(d.bend, d.at, gradient, step, next.at, next.r);
+      next.curvature_term =
+          curvature_term_after(d.curvature_term, d.at, gradient, step, next.at, next.r);
     next.last2 = next.before2 = length2;
     next.evaluations = d.evaluations + K(1);
     const mask fell = going & ((next.distance2 < d.distance2) | at_rounding);

@@ -26,8 +26,8 @@ FN int probe_count(int n) {
 }
 
 typedef struct {
-  real3 low, high, along_low, along_high, bend;
-  real turn, curvature, stretch2, sag2, finite;
+  real3 low, high, along_low, along_high, second_form;
+  real least_cosine, curvature, stretch2, sag2, finite;
   int rings;  // that were sampled
 } patch_shape;
 
@@ -75,15 +75,16 @@ FN real zero_if_finite(real3 a) { return (a.x - a.x) + (a.y - a.y) + (a.z - a.z)
 // fast (of a polygon in [-1, 1]^3) that it has no direction there. `reals`: numbers of a side, of
 // the forms that blend sides; the others have boundaries that were examined so before.
 #define TWIST_MOST K(32)
-FN real corner_turn(GLOBAL scalar* control, int reals, GLOBAL scalar* corner, int n, real3 along) {
+FN real least_corner_cosine(GLOBAL scalar* control, int reals, GLOBAL scalar* corner, int n,
+                            real3 along) {
   real least = splat(K(1));
   for (int k = 0; k < n; ++k) {
     GLOBAL scalar* side = control + k * reals;
     GLOBAL scalar* before = control + wrap(k - 1, n) * reals;
     const real3 in = cubic_at(before, SIDE_C, splat(K(1))).d, out = load3(side, SIDE_C + 1),
                 normal = cross3(in, out);
-    const real turns_over = K(-1e-9f) * norm3(in) * norm3(out);
-    least = pick(dot3(normal, load3(corner, 2 * k + 1)) < turns_over,
+    const real inverted_below = K(-1e-9f) * norm3(in) * norm3(out);
+    least = pick(dot3(normal, load3(corner, 2 * k + 1)) < inverted_below,
                  smaller(dot3(unit3(normal), along), least), least);
     const real twist = larger(norm3(load3(side, SIDE_TWIST_0)), norm3(load3(before, SIDE_TWIST_1)));
     least = pick(twist > TWIST_MOST, splat(K(-1)), least);
@@ -216,7 +217,7 @@ FN int is_gentle(patch_shape s, uint form, int n, int rings) {
   if (n == 3 && BLENDS_SIDES(form)) return 0;
   const scalar curvature = largest_lane(s.curvature),
                stretch2 = largest_lane(s.stretch2) / (scalar)(rings * rings);
-  return least_lane(s.turn) > K(GENTLE_COSINE) && least_lane(s.finite) > K(0) &&
+  return least_lane(s.least_cosine) > K(GENTLE_COSINE) && least_lane(s.finite) > K(0) &&
          stretch2 * curvature * curvature < GENTLE_TURN * GENTLE_TURN;
 }
 
@@ -239,7 +240,7 @@ FN_LARGE patch_shape examine(GLOBAL scalar* domain, GLOBAL scalar* probe, int co
     r = widen(r, p, along_frame(p, normal, tangent));
   }
   if (count > 0 && (IS_FORM(form, FORM_PAPER) || IS_FORM(form, FORM_RIBBON)))
-    r.turn = corner_turn(control, side_reals(form), corner, n, normal);
+    r.least_cosine = least_corner_cosine(control, side_reals(form), corner, n, normal);
   for (int first = 0; first < count; first += GLISS_LANES) {
     if (first > 0 && first == coarse && is_gentle(r, form, n, r.rings / 2)) {
       r.rings /= 2;
@@ -249,9 +250,9 @@ FN_LARGE patch_shape examine(GLOBAL scalar* domain, GLOBAL scalar* probe, int co
     const patch_probe at =
         probe_patch(domain, control, form, n, xi, eta, table ? table + first : 0);
     const real3 along = along_frame(at.p.g, normal, tangent);
-    if (first == 0) r.bend = at.second;
+    if (first == 0) r.second_form = at.second;
     r = widen(r, at.p.g, along);
-    r.turn = smaller(dot3(at.normal, normal), r.turn);
+    r.least_cosine = smaller(dot3(at.normal, normal), r.least_cosine);
     r.curvature = larger(largest_curvature(at.p, at.second), r.curvature);
     r.stretch2 = larger(dot3(at.p.g_xi, at.p.g_xi), r.stretch2);
     r.stretch2 = larger(dot3(at.p.g_eta, at.p.g_eta), r.stretch2);
@@ -282,10 +283,10 @@ FN void store_shape(GLOBAL_OUT scalar* out, patch_shape s) {
   store_largest(out, SHAPE_HIGH, s.high);
   store_least(out, SHAPE_ALONG_LOW, s.along_low);
   store_largest(out, SHAPE_ALONG_HIGH, s.along_high);
-  out[3 * SHAPE_BEND] = lane(s.bend.x, 0);  // probe 0 is the centre
-  out[3 * SHAPE_BEND + 1] = lane(s.bend.y, 0);
-  out[3 * SHAPE_BEND + 2] = lane(s.bend.z, 0);
-  out[SHAPE_TURN] = least_lane(s.turn);
+  out[3 * SHAPE_SECOND_FORM] = lane(s.second_form.x, 0);  // probe 0 is the centre
+  out[3 * SHAPE_SECOND_FORM + 1] = lane(s.second_form.y, 0);
+  out[3 * SHAPE_SECOND_FORM + 2] = lane(s.second_form.z, 0);
+  out[SHAPE_LEAST_COSINE] = least_lane(s.least_cosine);
   out[SHAPE_CURVATURE] = largest_lane(s.curvature);
   out[SHAPE_STRETCH2] = largest_lane(s.stretch2);
   out[SHAPE_SAG2] = largest_lane(s.sag2);

@@ -6,7 +6,7 @@
 // a vertex all sides have the curvature and the twist of one shape operator (solve_fit), so that
 // their curves are of degree 5 and their normals of degree 3 (fair_side). Between two quads curves
 // are cubic and normals quadratic: there the shape operators say how the normal turns at mid-side
-// (smooth_turn). Normals along a side are those of C' x T for T = k C' + h m, as in ribbon.h, so
+// (mid_normal_of). Normals along a side are those of C' x T for T = k C' + h m, as in ribbon.h, so
 // that patches join with G1 continuity whatever k and h are.
 
 // How much sides bend and twist for the vertex's sake: beyond, they do more harm than good. A shape
@@ -69,7 +69,7 @@ typedef struct {
   real reach;       // the length of the shortest side that it was fit to
 } shape_operator;
 
-FN real3 turn_along(shape_operator s, real3 t) {
+FN real3 normal_change_along(shape_operator s, real3 t) {
   const real x = dot3(t, s.x), y = dot3(t, s.y);
   return fma3(fma(s.xx, x, s.xy * y), s.x, mul3(fma(s.xy, x, s.yy * y), s.y));
 }
@@ -151,7 +151,7 @@ FN fair_change fair_change_of(fair_curve c, shape_operator s, int end, real3 e, 
   const real3 own = sub3(c.n1, c.n0);
   const real3 n = end ? c.n1 : c.n0, t = end ? c.t1 : c.t0,
               second = end ? second_at_end(c) : second_at_start(c);
-  const real3 asked = turn_along(s, t), m = cross3(n, e);
+  const real3 asked = normal_change_along(s, t), m = cross3(n, e);
   const real length = norm3(t), held = smaller(splat(K(1)), FAIR_REACH * s.reach / length),
              most_bend = FAIR_MOST_BEND * length;
   const fair_change r = {
@@ -164,7 +164,7 @@ FN fair_change fair_change_of(fair_curve c, shape_operator s, int end, real3 e, 
 
 // The `turn` of a side between two quads, for whose normals there is no more than degree 2: that of
 // the shape operators of its ends at mid-side.
-FN real3 smooth_turn(fair_curve c, shape_operator s0, shape_operator s1) {
+FN real3 mid_normal_of(fair_curve c, shape_operator s0, shape_operator s1) {
   const real3 e = unit3(c.edge), sum = add3(c.n0, c.n1);
   const real lean = lean_of(c, e), most_twist = splat(FAIR_MOST_TWIST);
   const real a = fair_change_of(c, s0, 0, e, lean, most_twist).twist,
@@ -252,8 +252,8 @@ FN fair_tangent fair_tangent_of(control_data side, real3 start, real3 end, GLOBA
     r.m[i] = cross3(load3(side, FAIR_NORMAL + i), e);
     m1 = add3(m1, r.m[i]);
   }
-  const ribbon_part a = ribbon_part_of(start, r.curve[1], r.m[0]),
-                    b = ribbon_part_of(end, last, m1);
+  const ribbon_coefficients a = ribbon_coefficients_of(start, r.curve[1], r.m[0]),
+                            b = ribbon_coefficients_of(end, last, m1);
   const real dk = b.k - a.k, dh = b.h - a.h;
   for (int i = 0; i < 6; ++i) r.t[i] = zero3();
   for (int i = 0; i < 5; ++i) {
@@ -341,8 +341,9 @@ FN_LARGE real fair_polygon(control_data sides, int n, scalar apothem, control_ou
     const real3 start = f.t[0], end = power_sum(f.t, 6, one);
     const real3 slope = power_sum(f.slope, 5, half), m = power_sum(f.m, 4, half),
                 away = sub3(middle, power_sum(f.curve, 6, half));
-    const ribbon_part straight = ribbon_part_of(power_sum(f.t, 6, half), slope, m),
-                      wanted = ribbon_part_of(mul3(splat(K(1) / way), away), slope, m);
+    const ribbon_coefficients straight = ribbon_coefficients_of(power_sum(f.t, 6, half), slope, m),
+                              wanted =
+                                  ribbon_coefficients_of(mul3(splat(K(1) / way), away), slope, m);
     // 4 t (1 - t) of the difference, which keeps h above 0.
     const real dk = K(4) * (wanted.k - straight.k),
                dh = K(4) * (larger(wanted.h, half * straight.h) - straight.h);

@@ -80,16 +80,16 @@ enum {
   SHAPE_ALONG_LOW = 2,   // the same along tangent, normal x tangent, normal: 1 triple
   SHAPE_ALONG_HIGH = 3,  // 1 triple
   // Second fundamental form n . (G_xixi, G_xieta, G_etaeta) at the centre: 1 triple.
-  SHAPE_BEND = 4,
-  SHAPE_TURN = 15,       // least cosine between the patch's normal and the base polygon's
-  SHAPE_CURVATURE = 16,  // largest |principal curvature|
-  SHAPE_STRETCH2 = 17,   // largest squared length of G_xi and G_eta
-  SHAPE_SAG2 = 18,       // largest squared distance to the base polygon
-  SHAPE_FINITE = 19,     // 1: every probe has a position and a normal; else 0
-  SHAPE_RINGS = 20,      // of probes that were sampled
+  SHAPE_SECOND_FORM = 4,
+  SHAPE_LEAST_COSINE = 15,  // least cosine between the patch's normal and the base polygon's
+  SHAPE_CURVATURE = 16,     // largest |principal curvature|
+  SHAPE_STRETCH2 = 17,      // largest squared length of G_xi and G_eta
+  SHAPE_SAG2 = 18,          // largest squared distance to the base polygon
+  SHAPE_FINITE = 19,        // 1: every probe has a position and a normal; else 0
+  SHAPE_RINGS = 20,         // of probes that were sampled
   SHAPE_REALS = 21,
 };
-// The least SHAPE_TURN of a gentle patch.
+// The least SHAPE_LEAST_COSINE of a gentle patch.
 #define GENTLE_COSINE 0.75f
 
 // Numbers of a patch besides its sides. ORIGIN, NORMAL, TANGENT, LOW and HIGH count in triples.
@@ -105,7 +105,7 @@ enum {
   PATCH_LOW = 4,
   PATCH_HIGH = 5,  // triple 5
   // Second fundamental form n . (G_xixi, G_xieta, G_etaeta) at the centre, local frame.
-  PATCH_BEND = 18,
+  PATCH_SECOND_FORM = 18,
   PATCH_CURVATURE = 21,  // largest |principal curvature|, local frame
   PATCH_REALS = 22,
 };
@@ -159,20 +159,20 @@ enum {
   TILE_CENTRE_XY = 0,        // 16 bits each, from the low to the high corner of the patch's box
   TILE_CENTRE_Z_RADIUS = 1,  // the same, and of the cylinder in 2 / 65535 of the box's length
   // x and y of the unit axis, (12 bits - 2048) / 2048 each; z is not negative. Then 7 bits: their
-  // square is 2^TILE_TURN_SHIFT times the tangent of an angle that no normal's to the axis exceeds;
-  // with TILE_BENDS so long is at most what its lean, its part aside over that along the axis,
-  // differs by from the mean of both curvatures times the way aside from the centre. TILE_ANY_TURN:
-  // a nearest point may lie there though its normal does not lead to the HIP.
+  // square is 2^TILE_LEAN_SHIFT times the tangent of an angle that no normal's to the axis exceeds;
+  // with TILE_LEANS_BY_CURVATURE so long is at most what its lean, its part aside over that along
+  // the axis, differs by from the mean of both curvatures times the way aside from the centre.
+  // TILE_ANY_LEAN: a nearest point may lie there though its normal does not lead to the HIP.
   TILE_AXIS = 2,
-  TILE_TURN_SHIFT = 13,
-  TILE_ANY_TURN = 127,
-  TILE_BENDS = 128,
+  TILE_LEAN_SHIFT = 13,
+  TILE_ANY_LEAN = 127,
+  TILE_LEANS_BY_CURVATURE = 128,
   // Half the height, as the radius; 8 bits each: least and largest curvature, ((bits - 128) /
   // 127)^3 of PATCH_CURVATURE.
   TILE_HALF_CURVES = 3,
   // Mean second fundamental form n . (G_xixi, G_xieta, G_etaeta): (9 bits - 256) each, times
   // 2^(the highest 5 bits - 24).
-  TILE_BEND = 4,
+  TILE_SECOND_FORM = 4,
   TILE_UINTS = 5,
 };
 

@@ -65,14 +65,14 @@ FN real curvature_of(tile_places t, uints bits) {
 FN real reach_of_normals(tile_places t, int i, uints curves, real height, real radius,
                          real half_height) {
   const uints bits = tile_words(t, TILE_AXIS, i) >> 24;
-  const real turn = reals_of(bits & (uint)TILE_ANY_TURN),
-             lean = turn * turn * (K(1) / K(1 << TILE_TURN_SHIFT));
+  const real root = reals_of(bits & (uint)TILE_ANY_LEAN),
+             lean = root * root * (K(1) / K(1 << TILE_LEAN_SHIFT));
   const real mean = K(0.5f) * (curvature_of(t, curves) + curvature_of(t, curves >> 8));
-  const real bent = fma(half_height, fabs(mean), fabs(fma(height, mean, splat(K(1)))));
-  const mask bends = reals_of(bits & (uint)TILE_BENDS) > splat(K(0));
+  const real spread = fma(half_height, fabs(mean), fabs(fma(height, mean, splat(K(1)))));
+  const mask bends = reals_of(bits & (uint)TILE_LEANS_BY_CURVATURE) > splat(K(0));
   const real reach =
-      fma(radius, pick(bends, bent, splat(K(1))), lean * (fabs(height) + half_height));
-  return pick(turn == splat(K(TILE_ANY_TURN)), splat(K(INFINITY)), reach);
+      fma(radius, pick(bends, spread, splat(K(1))), lean * (fabs(height) + half_height));
+  return pick(root == splat(K(TILE_ANY_LEAN)), splat(K(INFINITY)), reach);
 }
 
 FN tile_reach reach_of(tile_places t, int i) {

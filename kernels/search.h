@@ -171,7 +171,7 @@ FN_LARGE base_point track_base(surface_view view, hip_point h, uint patch, int m
 // (descent.h).
 FN foot begin_foot(surface_view view, hip_point h, domain_point at, track_options options) {
   foot f = start_foot(view, h, at, options.spent);
-  f.d.bend = start_bend(view, f, options);
+  f.d.curvature_term = start_curvature_term(view, f, options);
   return f;
 }
 
@@ -197,7 +197,7 @@ FN void track_for(surface_view view, hip_point h, foot* f, track_options options
   f->d.evaluations = last.evaluations;
   move_descent(&f->d, make_vector(last.xi, last.eta), last.at, local_hip(view, h, f->patch),
                numbers_of(view, f->patch)[PATCH_UNSCALE]);
-  f->d.bend = start_bend(view, *f, options);
+  f->d.curvature_term = start_curvature_term(view, *f, options);
   track_foot(view, h, f, options, known);
 }
 
@@ -262,7 +262,7 @@ FN foot better_foot(foot best, foot f) {
 typedef struct {
   int count, left;  // left: those that are neither started from nor settled
   int tile[OPEN_TILES];
-  int is_settled[OPEN_TILES];
+  int is_closed[OPEN_TILES];
   real distance2[OPEN_TILES];  // no point of it is nearer
   real height[OPEN_TILES];
   domain_vector middle[OPEN_TILES];
@@ -288,7 +288,7 @@ FN int gather_tiles(surface_view view, patch_tiles tiles, int next, real distanc
       const int at = open->count++;
       ++open->left;
       open->tile[at] = tile;
-      open->is_settled[at] = 0;
+      open->is_closed[at] = 0;
       open->distance2[at] = least2;
       open->height[at] = reach.height;
       open->middle[at] = middle_of(tiles, domain, tile);
@@ -299,16 +299,16 @@ FN int gather_tiles(surface_view view, patch_tiles tiles, int next, real distanc
 
 // Settles the open tiles in sight of where a descent began or ended, no farther than `most` in the
 // domain: those to which the squared distance is convex all the way.
-FN_LARGE void settle_tiles(surface_view view, patch_tiles tiles, domain_vector at, real most,
-                           real distance, open_tiles* open) {
+FN_LARGE void rule_out_tiles(surface_view view, patch_tiles tiles, domain_vector at, real most,
+                             real distance, open_tiles* open) {
   GLOBAL scalar* domain = domain_of(view, tiles.n);
   for (int i = 0; i < open->count; ++i) {
     const real xi = open->middle[i].xi - at.xi, eta = open->middle[i].eta - at.eta;
-    if (open->is_settled[i] || fma(xi, xi, eta * eta) > most * most ||
+    if (open->is_closed[i] || fma(xi, xi, eta * eta) > most * most ||
         !is_convex(tiles, open->tile[i], open->height[i], distance) ||
         !is_convex_between(tiles, domain, at, open->middle[i], distance))
       continue;
-    open->is_settled[i] = 1;
+    open->is_closed[i] = 1;
     --open->left;
   }
 }
@@ -319,7 +319,7 @@ FN int nearest_open(const open_tiles* open, real distance2) {
   int found = -1;
   real least = open_below(distance2);
   for (int i = 0; i < open->count; ++i) {
-    if (open->is_settled[i] || !(open->distance2[i] < least)) continue;
+    if (open->is_closed[i] || !(open->distance2[i] < least)) continue;
     least = open->distance2[i];
     found = i;
   }
@@ -430,7 +430,7 @@ FN_LARGE foot descend_from_tile(surface_view view, hip_point h, foot f, track_op
     end_foot(view, h, &f, some, known);
     if (f.d.converged || f.d.evaluations == from.d.evaluations) break;
     const sym2 first = first_form(f.d.at);
-    const newton_model model = model_of(first, f.d.bend);
+    const newton_model model = model_of(first, f.d.curvature_term);
     const int fell = f.d.distance2 < from.d.distance2;
     if (fell && !model.is_sound) f = leap_ahead(view, h, from, f, options);
     if (f.d.distance2 < best.d.distance2) continue;
@@ -458,18 +458,18 @@ FN foot search_tile(surface_view view, hip_point h, patch_tiles tiles, int from,
   const int tile = open->tile[from];
   const domain_point middle = {patch, at.xi, at.eta};
   foot f = start_foot(view, h, middle, options.spent);
-  f.d.bend = bend_of(f.d.at, f.d.r, second_of(tiles, tile), options.solver);
+  f.d.curvature_term = curvature_term_of(f.d.at, f.d.r, second_of(tiles, tile), options.solver);
   f = descend_from_tile(view, h, f, options, best);
   best = better_foot(best, f);
-  open->is_settled[from] = 1;
+  open->is_closed[from] = 1;
   --open->left;
   const real distance = sqrt(best.d.distance2) * scale;
   if (open->left == 0) return best;
   if (f.patch != patch) {  // out of a convex tile: out of its neighbours as well
     if (is_convex(tiles, tile, open->height[from], distance))
-      settle_tiles(view, tiles, at, K(0.7f) / (real)tiles.levels, distance, open);
+      rule_out_tiles(view, tiles, at, K(0.7f) / (real)tiles.levels, distance, open);
   } else if (f.d.converged) {
-    settle_tiles(view, tiles, make_vector(f.d.xi, f.d.eta), K(2), distance, open);
+    rule_out_tiles(view, tiles, make_vector(f.d.xi, f.d.eta), K(2), distance, open);
   }
   return best;
 }
@@ -484,8 +484,8 @@ FN_LARGE foot search_tiles(surface_view view, hip_point h, uint patch, track_opt
   for (int next = 0; next < tiles.at.count;) {
     next = gather_tiles(view, tiles, next, best.d.distance2, &open);
     if (best.patch == patch && open.left > 0 && best.d.converged)
-      settle_tiles(view, tiles, make_vector(best.d.xi, best.d.eta), K(2),
-                   sqrt(best.d.distance2) * scale, &open);
+      rule_out_tiles(view, tiles, make_vector(best.d.xi, best.d.eta), K(2),
+                     sqrt(best.d.distance2) * scale, &open);
     while (open.left > 0) {
       const int from = nearest_open(&open, best.d.distance2);
       if (from < 0) break;

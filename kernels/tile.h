@@ -49,7 +49,7 @@ FN int is_convex(patch_tiles t, int i, real height, real distance) {
 }
 
 FN sym2 second_of(patch_tiles t, int i) {
-  const uint word = tile_words(t.at, TILE_BEND, i);
+  const uint word = tile_words(t.at, TILE_SECOND_FORM, i);
   const real scale = (real)(int)(1u << (word >> 27)) * K(0x1p-24f);
   const sym2 s = {scale * ((real)(int)(word & 511u) - K(256)),
                   scale * ((real)(int)(word >> 9 & 511u) - K(256)),
@@ -66,9 +66,9 @@ FN domain_vector middle_of(patch_tiles t, GLOBAL scalar* domain, int i) {
   const int up = j % 2 == 0;
   // In thirds of a row: of its corners' sums.
   const real ring = (real)(3 * row + (up ? 2 : 1)), along = (real)(3 * (j / 2) + (up ? 1 : 2));
-  const real part = K(1) / (real)(3 * t.levels);
+  const real height = K(1) / (real)(3 * t.levels);
   const domain_vector a = domain_corner(domain, k), b = domain_corner(domain, wrap(k + 1, t.n));
-  const real u = (ring - along) * part, v = along * part;
+  const real u = (ring - along) * height, v = along * height;
   return make_vector(fma(u, a.xi, v * b.xi), fma(u, a.eta, v * b.eta));
 }
 
@@ -115,9 +115,9 @@ FN_LARGE int is_convex_between(patch_tiles t, GLOBAL scalar* domain, domain_vect
   const int steps = 1 + (int)(length * (real)(2 * t.levels));
   int last = -1;
   for (int i = 0; i <= steps; ++i) {
-    const real part = (real)i / (real)steps;
+    const real share = (real)i / (real)steps;
     const int tile =
-        tile_at(t, domain, make_vector(fma(part, way.xi, a.xi), fma(part, way.eta, a.eta)));
+        tile_at(t, domain, make_vector(fma(share, way.xi, a.xi), fma(share, way.eta, a.eta)));
     if (tile == last) continue;
     last = tile;
     const real height = dot3(away_from(t.at, tile), axis_of(t.at, tile));

@@ -44,8 +44,9 @@ FN side_lerp lerp_of(GLOBAL scalar* corners, int n, int k) {
 }
 
 // The same of a cross tangent at t.
-FN ribbon_part ribbon_part_at(GLOBAL scalar* side, side_lerp m, real t, real3 tangent) {
-  return ribbon_part_of(tangent, cubic_at(side, SIDE_C, t).d, fma3(t, m.m1, m.m0));
+FN ribbon_coefficients ribbon_coefficients_at(GLOBAL scalar* side, side_lerp m, real t,
+                                              real3 tangent) {
+  return ribbon_coefficients_of(tangent, cubic_at(side, SIDE_C, t).d, fma3(t, m.m1, m.m0));
 }
 
 // C''(t).
@@ -55,13 +56,14 @@ FN real3 second_at(GLOBAL scalar* side, real t) {
 
 // k, h and their derivatives at one end of a side, so that T and T' are those of the paper.
 typedef struct {
-  ribbon_part f, d;
+  ribbon_coefficients f, d;
 } ribbon_end;
 
 FN ribbon_end ribbon_end_of(GLOBAL scalar* side, side_lerp m, real t, real3 tangent, real3 twist) {
   ribbon_end r;
-  r.f = ribbon_part_at(side, m, t, tangent);
-  r.d = ribbon_part_at(side, m, t, fma3(-r.f.k, second_at(side, t), fma3(-r.f.h, m.m1, twist)));
+  r.f = ribbon_coefficients_at(side, m, t, tangent);
+  r.d = ribbon_coefficients_at(side, m, t,
+                               fma3(-r.f.k, second_at(side, t), fma3(-r.f.h, m.m1, twist)));
   return r;
 }
 
@@ -77,7 +79,8 @@ FN void to_ribbon(GLOBAL scalar* corners, GLOBAL scalar* exact, int n, GLOBAL_OU
         ribbon_end_of(from, m, K(1), load3(from, SIDE_T_1), load3(from, SIDE_TWIST_1));
     // k and h are the cubics of their ends plus a multiple of t^2 (1-t)^2.
     const real half = K(0.5f), eighth = K(0.125f);
-    const ribbon_part middle = ribbon_part_at(from, m, half, side_at(from, half, half).t);
+    const ribbon_coefficients middle =
+        ribbon_coefficients_at(from, m, half, side_at(from, half, half).t);
     const real k4 = K(16) * (middle.k - half * (a.f.k + b.f.k) - eighth * (a.d.k - b.d.k));
     const real h4 = K(16) * (middle.h - half * (a.f.h + b.f.h) - eighth * (a.d.h - b.d.h));
     // The cubics' coefficients, and those of t^4 and t^5 in their part of T.
@@ -97,9 +100,10 @@ FN bezier_side bezier_side_of(GLOBAL scalar* corners, GLOBAL scalar* exact, int 
   GLOBAL scalar* from = exact + side * SIDE_REALS;
   const side_lerp m = lerp_of(corners, n, side);
   const real half = K(0.5f);
-  const ribbon_part a = ribbon_part_at(from, m, K(0), load3(from, SIDE_T_0)),
-                    b = ribbon_part_at(from, m, K(1), load3(from, SIDE_T_1)),
-                    middle = ribbon_part_at(from, m, half, side_at(from, half, half).t);
+  const ribbon_coefficients a = ribbon_coefficients_at(from, m, K(0), load3(from, SIDE_T_0)),
+                            b = ribbon_coefficients_at(from, m, K(1), load3(from, SIDE_T_1)),
+                            middle =
+                                ribbon_coefficients_at(from, m, half, side_at(from, half, half).t);
   const real k1 = b.k - a.k;
   const real h1 = K(4) * middle.h - K(3) * a.h - b.h, h2 = K(2) * (a.h + b.h) - K(4) * middle.h;
   bezier_side r;

@@ -272,8 +272,8 @@ FN domain_vector newton_step(sym2 first, sym2 second, domain_vector gradient) {
 
 // Best step along a side that holds the point, away from the corner where there is one; (0, 0) if
 // none descends.
-FN domain_vector edge_step(GLOBAL scalar* domain, int n, held_sides held, sym2 first, sym2 bend,
-                           domain_vector gradient) {
+FN domain_vector edge_step(GLOBAL scalar* domain, int n, held_sides held, sym2 first,
+                           sym2 curvature_term, domain_vector gradient) {
   domain_vector best = make_vector(K(0), K(0));
   real gain = K(0);
   for (int which = 0; which < 2; ++which) {
@@ -284,7 +284,7 @@ FN domain_vector edge_step(GLOBAL scalar* domain, int n, held_sides held, sym2 f
     const real slope = fma(gradient.xi, along.xi, gradient.eta * along.eta);
     // At corner b only side b may be followed forwards and side a backwards.
     if (held.b >= 0 && (which == 0 ? slope < K(0) : slope > K(0))) continue;
-    const real flat = quadratic(first, along), whole = flat + quadratic(bend, along);
+    const real flat = quadratic(first, along), whole = flat + quadratic(curvature_term, along);
     const real t = -slope / larger(whole > flat / K(16) ? whole : flat, TINY);
     if (-t * slope > gain) {
       gain = -t * slope;
@@ -315,24 +315,24 @@ FN cut_step cut_at_sides(GLOBAL scalar* domain, int n, held_sides held, real xi,
   return r;
 }
 
-FN sym2 start_bend(surface_view view, foot f, track_options options) {
-  GLOBAL scalar* numbers = numbers_of(view, f.patch) + PATCH_BEND;
+FN sym2 start_curvature_term(surface_view view, foot f, track_options options) {
+  GLOBAL scalar* numbers = numbers_of(view, f.patch) + PATCH_SECOND_FORM;
   const sym2 second = {numbers[0], numbers[1], numbers[2]};
-  return bend_of(f.d.at, f.d.r, second, options.solver);
+  return curvature_term_of(f.d.at, f.d.r, second, options.solver);
 }
 
 // The curvature term of `from` in the domain of `to`, across an edge or a corner where the tangent
 // planes are the same.
-FN sym2 carry_bend(surface_view view, foot from, foot to, track_options options) {
+FN sym2 carry_curvature_term(surface_view view, foot from, foot to, track_options options) {
   const real3 u = from.d.at.g_xi, v = from.d.at.g_eta;
   const real a = dot3(u, u), b = dot3(u, v), c = dot3(v, v), det = a * c - b * b;
   if (options.solver != SOLVER_NEWTON || !(det > EPSILON * (a + c) * (a + c)))
-    return start_bend(view, to, options);
+    return start_curvature_term(view, to, options);
   const real over = K(1) / det;
   const real3 du = mul3(over, fma3(c, u, mul3(-b, v))), dv = mul3(over, fma3(a, v, mul3(-b, u)));
   const domain_vector x = make_vector(dot3(du, to.d.at.g_xi), dot3(dv, to.d.at.g_xi)),
                       y = make_vector(dot3(du, to.d.at.g_eta), dot3(dv, to.d.at.g_eta));
-  const sym2 s = from.d.bend;
+  const sym2 s = from.d.curvature_term;
   sym2 r = {quadratic(s, x),
             fma(x.xi, fma(s.a, y.xi, s.b * y.eta), x.eta * fma(s.b, y.xi, s.c * y.eta)),
             quadratic(s, y)};
@@ -393,13 +393,13 @@ FN foot_step choose_step(surface_view view, foot f) {
   foot_step s;
   s.first = first_form(f.d.at);
   s.gradient = gradient_of(f.d.at, f.d.r);
-  s.way = newton_step(s.first, f.d.bend, s.gradient);
+  s.way = newton_step(s.first, f.d.curvature_term, s.gradient);
   s.length2 = quadratic(s.first, s.way);
   s.held = sides_at(domain_of(view, n), n, f.d.xi, f.d.eta);
   s.along = none;
   if (s.length2 > K(1)) {
-    const sym2 no_bend = {K(0), K(0), K(0)};
-    const domain_vector flat = newton_step(s.first, no_bend, s.gradient);
+    const sym2 no_curvature_term = {K(0), K(0), K(0)};
+    const domain_vector flat = newton_step(s.first, no_curvature_term, s.gradient);
     const real flat2 = quadratic(s.first, flat);
     if (flat2 < s.length2) {
       s.way = flat;
@@ -458,7 +458,7 @@ FN domain_point leave_patch(surface_view view, foot* f, held_sides held, int las
 FN int go_on_in_patch(surface_view view, foot from, foot* f, track_options options,
                       known_minimum known) {
   if (f->patch == known.patch && f->d.distance2 >= known.distance2) return STEP_ENDS;
-  f->d.bend = carry_bend(view, from, *f, options);
+  f->d.curvature_term = carry_curvature_term(view, from, *f, options);
   return STEP_CROSSES;
 }
 
@@ -544,7 +544,8 @@ FN int take_step(surface_view view, foot* f, foot_step s, trial t, track_options
   if (t.crossed) return go_on_in_patch(view, from, f, options, known);
   if (options.solver == SOLVER_NEWTON) {
     const domain_vector taken = make_vector(t.length * s.way.xi, t.length * s.way.eta);
-    f->d.bend = bend_after(from.d.bend, from.d.at, s.gradient, taken, f->d.at, f->d.r);
+    f->d.curvature_term =
+        curvature_term_after(from.d.curvature_term, from.d.at, s.gradient, taken, f->d.at, f->d.r);
   }
   return STEP_STAYS;
 }
@@ -565,7 +566,7 @@ FN int step_foot(surface_view view, hip_point h, foot* f, int last, track_option
     }
     const int n = valence_of(view, f->patch);
     s.along = s.held;
-    s.way = edge_step(domain_of(view, n), n, s.held, s.first, f->d.bend, s.gradient);
+    s.way = edge_step(domain_of(view, n), n, s.held, s.first, f->d.curvature_term, s.gradient);
     if (is_short(s, K(1), options)) return converge(f);
   }
   if (is_at_rounding(s.gradient, s.way, f->d.r) && f->d.before2 > K(0) && s.length2 >= f->d.before2)

@@ -10,16 +10,16 @@ typedef struct {
   real3 normal;  // outward, unit
   real3 out;     // point - HIP, mesh frame
   real weight;   // of its normal in the push
-} union_rest;
+} union_support;
 
-#define UNION_RESTS 4
-#define UNION_STEPS 48  // at most, to settle
+#define UNION_SUPPORTS 4
+#define UNION_STEPS 48  // at most, to relax
 typedef struct {
   int count;
-  union_rest rest[UNION_RESTS];
+  union_support support[UNION_SUPPORTS];
   real3 push;   // contact point - HIP, mesh frame
   int state;    // CONTACT_*, or UNION_LOST
-  foot only;    // of the HIP, where there is one rest
+  foot only;    // of the HIP, where there is one support
   real3 known;  // push of the nearest contact point found before
   real known2;  // its square; INFINITY: there is none
   uint beside;  // the patch last found on a burying part; NONE: there is none
@@ -137,9 +137,9 @@ FN_LARGE int is_in_partner(surface_view view, hip_point h, uint patch, uint* bes
 }
 
 // The foot of the HIP moved by `push`. Held by an edge or corner, the way out is that to the point.
-FN union_rest rest_of(surface_view view, foot f, real3 push, track_options options) {
+FN union_support support_of(surface_view view, foot f, real3 push, track_options options) {
   const real unscale = numbers_of(view, f.patch)[PATCH_UNSCALE];
-  union_rest r;
+  union_support r;
   r.at = f;
   r.normal = normal_of_foot(view, f);
   r.out = fma3(unscale, f.d.r, push);
@@ -151,11 +151,11 @@ FN union_rest rest_of(surface_view view, foot f, real3 push, track_options optio
 }
 
 // Says whether a solid part buries the contact point, as seen from a patch that it lies on with an
-// outward direction there, and adds a rest on it. With adds_nearest the nearest part that does not
-// bury it is added instead where none does.
+// outward direction there, and adds a support on it. With adds_nearest the nearest part that does
+// not bury it is added instead where none does.
 FN_LARGE int join_burier(surface_view view, hip_point h, uint patch, real3 outward, union_search* u,
                          int adds_nearest, track_options options) {
-  if (is_exposed(view, patch) || u->count == UNION_RESTS) return BURIED_NO;
+  if (is_exposed(view, patch) || u->count == UNION_SUPPORTS) return BURIED_NO;
   const real3 push = fma3(UNION_GAP, outward, u->push);
   const hip_point x = moved_hip(h, push);
   GLOBAL uint* table = view.part_table + PART_UINTS * (ulong)part_of(view, patch);
@@ -164,62 +164,63 @@ FN_LARGE int join_burier(surface_view view, hip_point h, uint patch, real3 outwa
     const uint part = view.partner[i];
     int is_held = !in_part_box(view, x, part);
     for (int k = 0; k < u->count; ++k)
-      is_held = is_held || part_of(view, u->rest[k].at.patch) == part;
+      is_held = is_held || part_of(view, u->support[k].at.patch) == part;
     if (is_held) continue;
     if (is_cut(options.spent)) return BURIED_UNKNOWN;
     const foot f = nearest_on_part(view, x, part, &u->beside, options);
     const int answer = is_in_part(view, f, options.spent);
-    if (answer == BURIED_YES) u->rest[u->count++] = rest_of(view, f, push, options);
+    if (answer == BURIED_YES) u->support[u->count++] = support_of(view, f, push, options);
     if (answer != BURIED_NO) return answer;
     if (adds_nearest && (nearest2 < K(0) || f.d.distance2 < nearest2)) {
       nearest2 = f.d.distance2;
-      u->rest[u->count] = rest_of(view, f, push, options);
+      u->support[u->count] = support_of(view, f, push, options);
     }
   }
   if (nearest2 >= K(0)) ++u->count;
   return BURIED_NO;
 }
 
-FN int holds_rests(const union_search* u, real3 push) {
+FN int clears_supports(const union_search* u, real3 push) {
   for (int i = 0; i < u->count; ++i) {
-    const real3 n = u->rest[i].normal;
-    const real needed = dot3(n, u->rest[i].out);
+    const real3 n = u->support[i].normal;
+    const real needed = dot3(n, u->support[i].out);
     const real slack = K(256) * EPSILON * (norm3(push) + fabs(needed));
     if (!(dot3(n, push) >= needed - slack)) return 0;
   }
   return 1;
 }
 
-// The push out of the planes of two rests, which it rests on; false where those are nearly one, do
-// not both press, or others hold it.
+// The push out of the planes of two supports, which it rests on; false where those are nearly one,
+// do not both press, or others hold it.
 FN int push_of_two(union_search* u, int i, int j, real3* push) {
-  const real3 n = u->rest[i].normal, m = u->rest[j].normal;
-  const real b = dot3(n, u->rest[i].out), c = dot3(m, u->rest[j].out), along = dot3(n, m);
+  const real3 n = u->support[i].normal, m = u->support[j].normal;
+  const real b = dot3(n, u->support[i].out), c = dot3(m, u->support[j].out), along = dot3(n, m);
   const real3 across = cross3(n, m);
   const real apart = dot3(across, across);
   if (!(apart > K(0x1p-24f))) return 0;
   const real v = (b - along * c) / apart, w = (c - along * b) / apart;
   *push = fma3(v, n, mul3(w, m));
-  if (!(v > K(0) && w > K(0) && holds_rests(u, *push))) return 0;
-  u->rest[i].weight = v;
-  u->rest[j].weight = w;
+  if (!(v > K(0) && w > K(0) && clears_supports(u, *push))) return 0;
+  u->support[i].weight = v;
+  u->support[j].weight = w;
   return 1;
 }
 
 // The same out of those of three.
 FN int push_of_three(union_search* u, int i, int j, int k, real3* push) {
-  const real3 a = u->rest[i].normal, b = u->rest[j].normal, c = u->rest[k].normal;
+  const real3 a = u->support[i].normal, b = u->support[j].normal, c = u->support[k].normal;
   const real3 bc = cross3(b, c), ca = cross3(c, a), ab = cross3(a, b);
   const real det = dot3(a, bc);
   if (!(det * det > K(0x1p-24f))) return 0;
   const real over = K(1) / det;
-  *push = mul3(over, fma3(dot3(a, u->rest[i].out), bc,
-                          fma3(dot3(b, u->rest[j].out), ca, mul3(dot3(c, u->rest[k].out), ab))));
+  *push =
+      mul3(over, fma3(dot3(a, u->support[i].out), bc,
+                      fma3(dot3(b, u->support[j].out), ca, mul3(dot3(c, u->support[k].out), ab))));
   const real v = over * dot3(*push, bc), w = over * dot3(*push, ca), x = over * dot3(*push, ab);
-  if (!(v > K(0) && w > K(0) && x > K(0) && holds_rests(u, *push))) return 0;
-  u->rest[i].weight = v;
-  u->rest[j].weight = w;
-  u->rest[k].weight = x;
+  if (!(v > K(0) && w > K(0) && x > K(0) && clears_supports(u, *push))) return 0;
+  u->support[i].weight = v;
+  u->support[j].weight = w;
+  u->support[k].weight = x;
   return 1;
 }
 
@@ -227,19 +228,19 @@ FN int push_of_three(union_search* u, int i, int j, int k, real3* push) {
 // where there is none.
 FN_LARGE int shortest_push(union_search* u, real3* push) {
   const real none = K(0);
-  int rests = 0;
+  int pressed = 0;
   for (int i = 0; i < u->count; ++i) {
-    u->rest[i].weight = none;
-    rests += dot3(u->rest[i].normal, u->rest[i].out) > none;
+    u->support[i].weight = none;
+    pressed += dot3(u->support[i].normal, u->support[i].out) > none;
   }
   *push = make3(none, none, none);
-  if (rests == 0) return 1;
+  if (pressed == 0) return 1;
   for (int i = 0; i < u->count; ++i) {
-    const real3 n = u->rest[i].normal;
-    const real b = dot3(n, u->rest[i].out);
+    const real3 n = u->support[i].normal;
+    const real b = dot3(n, u->support[i].out);
     *push = mul3(b, n);
-    if (b > none && holds_rests(u, *push)) {
-      u->rest[i].weight = b;
+    if (b > none && clears_supports(u, *push)) {
+      u->support[i].weight = b;
       return 1;
     }
   }
@@ -259,13 +260,13 @@ FN_LARGE int shortest_push(union_search* u, real3* push) {
 
 FN int count_pressed(const union_search* u) {
   int count = 0;
-  for (int i = 0; i < u->count; ++i) count += u->rest[i].weight > K(0);
+  for (int i = 0; i < u->count; ++i) count += u->support[i].weight > K(0);
   return count;
 }
 FN void keep_pressed(union_search* u) {
   int count = 0;
   for (int i = 0; i < u->count; ++i) {
-    if (u->rest[i].weight > K(0)) u->rest[count++] = u->rest[i];
+    if (u->support[i].weight > K(0)) u->support[count++] = u->support[i];
   }
   u->count = count;
 }
@@ -274,11 +275,11 @@ FN void keep_pressed(union_search* u) {
 FN real3 along_seam(const union_search* u) {
   int first = -1, second = -1;
   for (int i = 0; i < u->count; ++i) {
-    if (!(u->rest[i].weight > K(0))) continue;
+    if (!(u->support[i].weight > K(0))) continue;
     if (first < 0) first = i;
     second = i;
   }
-  return unit3(cross3(u->rest[first].normal, u->rest[second].normal));
+  return unit3(cross3(u->support[first].normal, u->support[second].normal));
 }
 
 // The domain point of a foot, and that point as a foot of another HIP. One of -1 evaluations is a
@@ -298,53 +299,53 @@ FN foot foot_seen_from(surface_view view, hip_point h, foot f, track_options opt
   move_descent(&f.d, make_vector(f.d.xi, f.d.eta), f.d.at, local_hip(view, h, f.patch),
                numbers_of(view, f.patch)[PATCH_UNSCALE]);
   options.spent->fan_begin = options.spent->fan_steps;
-  f.d.bend = start_bend(view, f, options);
+  f.d.curvature_term = start_curvature_term(view, f, options);
   return f;
 }
 
-// Moves the rests towards the feet of the HIP moved by the push, by as many steps each as options
-// say; true if they are there. After one step their planes are as good as the push is.
-FN int move_rests(surface_view view, hip_point h, union_search* u, track_options options) {
+// Moves the supports towards the feet of the HIP moved by the push, by as many steps each as
+// options say; true if they are there. After one step their planes are as good as the push is.
+FN int move_supports(surface_view view, hip_point h, union_search* u, track_options options) {
   const hip_point x = moved_hip(h, u->push);
   const known_minimum none = {NONE, K(0)};
   int are_there = 1;
   for (int i = 0; i < u->count; ++i) {
-    const real weight = u->rest[i].weight;
-    foot f = foot_seen_from(view, x, u->rest[i].at, options);
+    const real weight = u->support[i].weight;
+    foot f = foot_seen_from(view, x, u->support[i].at, options);
     end_foot(view, x, &f, options, none);
     are_there = are_there && f.d.converged;
-    u->rest[i] = rest_of(view, f, u->push, options);
-    u->rest[i].weight = weight;
+    u->support[i] = support_of(view, f, u->push, options);
+    u->support[i].weight = weight;
   }
   return are_there;
 }
 
-// Says whether another part buries the contact on a seam, and adds its rest.
+// Says whether another part buries the contact on a seam, and adds its support.
 FN int is_seam_buried(surface_view view, hip_point h, union_search* u, track_options options) {
-  if (u->count == UNION_RESTS) keep_pressed(u);
+  if (u->count == UNION_SUPPORTS) keep_pressed(u);
   const int count = u->count;
   const real3 outward = unit3(u->push);
   for (int i = 0; i < count; ++i) {
-    if (!(u->rest[i].weight > K(0))) continue;
-    const int answer = join_burier(view, h, u->rest[i].at.patch, outward, u, 0, options);
+    if (!(u->support[i].weight > K(0))) continue;
+    const int answer = join_burier(view, h, u->support[i].at.patch, outward, u, 0, options);
     if (answer != BURIED_NO) return answer;
   }
   return BURIED_NO;
 }
 
 // With one part pressed the contact is the HIP's own foot on it. False if another part buries that:
-// its rest is added. It is kept where that is unknown.
-FN int settle_on_one(surface_view view, hip_point h, union_search* u, track_options options) {
+// its support is added. It is kept where that is unknown.
+FN int relax_on_one(surface_view view, hip_point h, union_search* u, track_options options) {
   const known_minimum none = {NONE, K(0)};
   keep_pressed(u);
-  u->only = foot_seen_from(view, h, u->rest[0].at, options);
+  u->only = foot_seen_from(view, h, u->support[0].at, options);
   end_foot(view, h, &u->only, options, none);
   if (u->only.d.distance2 > u->known2) return 1;  // nor is anything nearer that it leads to
-  u->rest[0] = rest_of(view, u->only, make3(K(0), K(0), K(0)), options);
-  u->push = u->rest[0].out;
+  u->support[0] = support_of(view, u->only, make3(K(0), K(0), K(0)), options);
+  u->push = u->support[0].out;
   u->state = is_within(view, u->only, options.spent) ? CONTACT_TOUCHING : CONTACT_FREE;
-  if (u->state == CONTACT_FREE ||
-      join_burier(view, h, u->rest[0].at.patch, u->rest[0].normal, u, 0, options) != BURIED_YES)
+  if (u->state == CONTACT_FREE || join_burier(view, h, u->support[0].at.patch, u->support[0].normal,
+                                              u, 0, options) != BURIED_YES)
     return 1;
   u->state = UNION_LOST;
   return 0;
@@ -359,13 +360,13 @@ FN int leads_nowhere_new(const union_search* u, real length) {
          K(64) * dot3(apart, apart) < length * length;
 }
 
-// True if `out` of each rest is the way from the HIP to its point: what planes are made of.
+// True if `out` of each support is the way from the HIP to its point: what planes are made of.
 FN int are_seen_from(surface_view view, hip_point h, const union_search* u) {
   for (int i = 0; i < u->count; ++i) {
-    const foot f = u->rest[i].at;
+    const foot f = u->support[i].at;
     const real unscale = numbers_of(view, f.patch)[PATCH_UNSCALE];
     const real3 out = mul3(unscale, sub3(f.d.at.g, local_hip(view, h, f.patch)));
-    const real error = norm3(sub3(out, u->rest[i].out));
+    const real error = norm3(sub3(out, u->support[i].out));
     if (!(error <= K(1024) * EPSILON * (reach_of_hip(h) + K(1)))) return 0;
   }
   return 1;
@@ -381,20 +382,20 @@ typedef struct {
 FN real3 push_along_seam(const union_search* u, real3 push, real most, seam_secant* s) {
   const real3 along = along_seam(u);
   const real slope = dot3(along, u->push);
-  real bend = K(1);
+  real secant = K(1);
   if (s->step != K(0)) {
     // In the middle of a round seam it is hardly bent, as seen from the HIP.
-    bend = fabs((slope - s->slope) / s->step);
-    bend = smaller(larger(bend, K(0x1p-7f)), K(4));
+    secant = fabs((slope - s->slope) / s->step);
+    secant = smaller(larger(secant, K(0x1p-7f)), K(4));
   }
   s->slope = slope;
-  s->step = smaller(larger(-slope / bend, -most), most);
+  s->step = smaller(larger(-slope / secant, -most), most);
   return fma3(slope + s->step, along, push);
 }
 
-// From rests and a push to a contact point that no part buries; it is given up where what is known
-// is as near.
-FN_LARGE void settle(surface_view view, hip_point h, union_search* u, track_options options) {
+// From supports and a push to a contact point that no part buries; it is given up where what is
+// known is as near.
+FN_LARGE void relax(surface_view view, hip_point h, union_search* u, track_options options) {
   seam_secant seam = {K(0), K(0), 0};
   real3 before = u->push, mark = u->push;
   track_options brief = options;
@@ -412,10 +413,10 @@ FN_LARGE void settle(surface_view view, hip_point h, union_search* u, track_opti
     if (pressed != seam.pressed) seam.step = K(0);
     seam.pressed = pressed;
     if (pressed == 0) u->state = CONTACT_FREE;
-    if (pressed == 0 || (pressed == 1 && settle_on_one(view, h, u, options))) return;
+    if (pressed == 0 || (pressed == 1 && relax_on_one(view, h, u, options))) return;
     if (pressed == 1) continue;
     // A patch away the surfaces are others, and the seam.
-    const real most = numbers_of(view, u->rest[0].at.patch)[PATCH_UNSCALE];
+    const real most = numbers_of(view, u->support[0].at.patch)[PATCH_UNSCALE];
     const int is_guess = pressed == 2 && seam.step == K(0);  // that step may be far too short
     if (pressed == 2) push = push_along_seam(u, push, most / K(2), &seam);
     const real3 step = sub3(push, u->push);
@@ -425,13 +426,13 @@ FN_LARGE void settle(surface_view view, hip_point h, union_search* u, track_opti
       seam.step = K(0);
     }
     u->push = push;
-    const int are_there = move_rests(view, h, u, brief);
+    const int are_there = move_supports(view, h, u, brief);
     if (!is_guess && leads_nowhere_new(u, length)) return;
     const real close =
-        larger(options.tolerance * numbers_of(view, u->rest[0].at.patch)[PATCH_UNSCALE],
+        larger(options.tolerance * numbers_of(view, u->support[0].at.patch)[PATCH_UNSCALE],
                K(16) * EPSILON * norm3(push));
     if (length > close) continue;
-    if (!are_there && !move_rests(view, h, u, options)) return;
+    if (!are_there && !move_supports(view, h, u, options)) return;
     if (!are_there) continue;
     if (is_seam_buried(view, h, u, options) == BURIED_YES) {
       seam.pressed = 0;
@@ -451,14 +452,14 @@ FN contact contact_of_union(surface_view view, hip_point h, const union_search* 
   } else {
     int most = 0;
     for (int i = 1; i < u->count; ++i) {
-      if (u->rest[i].weight > u->rest[most].weight) most = i;
+      if (u->support[i].weight > u->support[most].weight) most = i;
     }
-    const foot at = u->rest[most].at;
+    const foot at = u->support[most].at;
     c = contact_at(METHOD_GREGORY, at.patch, at.d.xi, at.d.eta, at.d.at.g, unit3(u->push), u->push);
     c.clear = norm3(u->push);
     c.flags |= FOOT_CREASE;
     for (int i = 0; i < u->count; ++i) {
-      if (i != most && c.held_count < 2) c.held[c.held_count++] = point_of(u->rest[i].at);
+      if (i != most && c.held_count < 2) c.held[c.held_count++] = point_of(u->support[i].at);
     }
   }
   c.state = CONTACT_TOUCHING;
@@ -477,14 +478,14 @@ FN union_search start_union(void) {
 FN union_search start_union_at(contact c) {
   union_search u = start_union();
   u.count = 1;
-  begin_foot_of(&u.rest[0].at, c.patch);
-  u.rest[0].at.d.evaluations = K(-1);
-  u.rest[0].at.d.xi = c.xi;
-  u.rest[0].at.d.eta = c.eta;
-  u.rest[0].at.d.at.g = c.scp;
-  u.rest[0].normal = c.normal;
-  u.rest[0].out = u.push = c.offset;
-  u.rest[0].weight = K(1);
+  begin_foot_of(&u.support[0].at, c.patch);
+  u.support[0].at.d.evaluations = K(-1);
+  u.support[0].at.d.xi = c.xi;
+  u.support[0].at.d.eta = c.eta;
+  u.support[0].at.d.at.g = c.scp;
+  u.support[0].normal = c.normal;
+  u.support[0].out = u.push = c.offset;
+  u.support[0].weight = K(1);
   return u;
 }
 
@@ -506,23 +507,23 @@ FN_LARGE void seek_on_patch(surface_view view, hip_point h, base_point base, uni
     u->only = first;
     end_foot(view, h, &u->only, options, none);
     u->only = search_patch(view, h, base.patch, options, u->only);
-    u->rest[0] = rest_of(view, u->only, make3(K(0), K(0), K(0)), options);
-    u->push = u->rest[0].out;
+    u->support[0] = support_of(view, u->only, make3(K(0), K(0), K(0)), options);
+    u->push = u->support[0].out;
     if (u->only.d.distance2 < u->known2 &&
-        join_burier(view, h, u->only.patch, u->rest[0].normal, u, 0, options) == BURIED_NO)
+        join_burier(view, h, u->only.patch, u->support[0].normal, u, 0, options) == BURIED_NO)
       u->state = CONTACT_TOUCHING;
     return;
   }
-  u->rest[0] = rest_of(view, first, make3(K(0), K(0), K(0)), options);
-  u->push = u->rest[0].out;
-  if (join_burier(view, h, base.patch, u->rest[0].normal, u, 1, options) == BURIED_YES) {
+  u->support[0] = support_of(view, first, make3(K(0), K(0), K(0)), options);
+  u->push = u->support[0].out;
+  if (join_burier(view, h, base.patch, u->support[0].normal, u, 1, options) == BURIED_YES) {
     // So deep that all of the patch is.
     GLOBAL scalar* numbers = numbers_of(view, base.patch);
     const real size =
         numbers[PATCH_UNSCALE] * norm3(sub3(load3(numbers, PATCH_HIGH), load3(numbers, PATCH_LOW)));
-    if (norm3(sub3(u->rest[u->count - 1].out, u->push)) > size) return;
+    if (norm3(sub3(u->support[u->count - 1].out, u->push)) > size) return;
   }
-  settle(view, h, u, options);
+  relax(view, h, u, options);
 }
 
 // The nearest point of the union, given that of all parts: no point of the union is nearer.
@@ -535,7 +536,7 @@ FN_ONCE contact unite_nearest(surface_view view, hip_point h, contact c, track_o
   if (buried == BURIED_YES && !was_touching)
     buried = is_in_partner(view, h, c.patch, &u.beside, options);
   if (buried != BURIED_YES) return c;
-  settle(view, h, &u, options);
+  relax(view, h, &u, options);
   union_search best = u;
   if (u.state == CONTACT_TOUCHING) know_push(&u);
   walk w = start_walk(view);
@@ -582,10 +583,10 @@ FN_LARGE contact follow_seam(surface_view view, hip_point h, contact last, track
   for (int i = 0; i <= last.held_count; ++i) {
     const domain_point own = {last.patch, last.xi, last.eta};
     const foot f = start_foot(view, h, i == 0 ? own : last.held[i - 1], options.spent);
-    u.rest[u.count++] = rest_of(view, f, make3(K(0), K(0), K(0)), options);
+    u.support[u.count++] = support_of(view, f, make3(K(0), K(0), K(0)), options);
   }
-  u.push = u.rest[0].out;
-  settle(view, h, &u, options);
+  u.push = u.support[0].out;
+  relax(view, h, &u, options);
   return end_union(view, h, &u, options);
 }
 
@@ -596,7 +597,7 @@ FN_LARGE contact hand_over(surface_view view, hip_point h, contact last, contact
   if (is_in_partner(view, h, last.patch, &u.beside, options) != BURIED_YES) return c;
   const domain_point was = {last.patch, last.xi, last.eta};
   const foot f = start_foot(view, h, was, options.spent);
-  const union_rest left = rest_of(view, f, make3(K(0), K(0), K(0)), options);
+  const union_support left = support_of(view, f, make3(K(0), K(0), K(0)), options);
   const real3 above = mul3(larger(dot3(left.normal, left.out), K(0)), left.normal);
   const hip_point x = moved_hip(h, above);
   GLOBAL uint* table = view.part_table + PART_UINTS * (ulong)part_of(view, last.patch);
@@ -606,10 +607,10 @@ FN_LARGE contact hand_over(surface_view view, hip_point h, contact last, contact
     if (is_cut(options.spent)) break;
     const foot on = nearest_on_part(view, x, part, &u.beside, options);
     u.push = above;
-    u.rest[0] = rest_of(view, on, above, options);
+    u.support[0] = support_of(view, on, above, options);
     u.count = 1;
-    if (!(dot3(u.rest[0].normal, u.rest[0].out) > K(0))) continue;
-    settle(view, h, &u, options);
+    if (!(dot3(u.support[0].normal, u.support[0].out) > K(0))) continue;
+    relax(view, h, &u, options);
     if (u.state == CONTACT_TOUCHING) break;
   }
   return end_union(view, h, &u, options);
@@ -625,6 +626,6 @@ FN_LARGE contact unite_tracked(surface_view view, hip_point h, contact last, con
   if (c.state != CONTACT_TOUCHING) return hand_over(view, h, last, c, options);
   union_search u = start_union_at(c);
   if (join_burier(view, h, c.patch, c.normal, &u, 0, options) != BURIED_YES) return c;
-  settle(view, h, &u, options);
+  relax(view, h, &u, options);
   return end_union(view, h, &u, options);
 }

@@ -60,7 +60,7 @@ FN int is_smooth_side(surface_view view, uint side) {
              of_side = count / (uint)valence_of(view, patch);
   const uint last =
       view.tile[TILE_UINTS * (ulong)first + TILE_AXIS * count + (k + 1) * of_side - 1];
-  return (last >> 24 & TILE_ANY_TURN) != TILE_ANY_TURN;
+  return (last >> 24 & TILE_ANY_LEAN) != TILE_ANY_LEAN;
 }
 
 FN real3 local_hip(surface_view view, hip_point h, uint patch) {

@@ -15,6 +15,6 @@ struct Wrench {
 };
 
 // A rotation of a tool or device, unit. Eigen never aligns it, as Pose.
-using Turn = Eigen::Quaternion<double, Eigen::DontAlign>;
+using Rotation = Eigen::Quaternion<double, Eigen::DontAlign>;
 
 }  // namespace gliss

@@ -269,7 +269,7 @@ class CacheBuilder {
     PatchBatch& b = c.batch;
     double* corner = &b.corner[b.side_begin[p] * 6];
     std::uint32_t* triangle = &b.triangle[3 * b.first_triangle(p)];
-    b.turned[p] = 1;
+    b.inward_share[p] = 1;
     corners_of(face, corners);
     if (p < b.to_build || is_fair(face)) {
       c.frame[p] = place_polygon(corners, all_corners(b.valence(p)), corner, triangle);
@@ -281,7 +281,7 @@ class CacheBuilder {
       std::copy(draft.triangle.begin(), draft.triangle.end(), triangle);
       std::copy(draft.control.begin(), draft.control.end(), &b.control[b.control_begin[p]]);
       b.soundness[p] = draft.soundness;
-      b.turned[p] = draft.turned;
+      b.inward_share[p] = draft.inward_share;
     }
     c.frame[p].store(&b.frame[p * kFrameReals]);
   }
@@ -316,7 +316,7 @@ class CacheBuilder {
       };
       for (next = i + 1; follows(next);) ++next;
       kernels<double>().fair_controls(side, next - i, n, nullptr, 1, &b.control[b.control_begin[p]],
-                                      &b.turned[p]);
+                                      &b.inward_share[p]);
       side += (next - i) * n * kFairReals;
     }
   }
@@ -342,14 +342,14 @@ class CacheBuilder {
     formed.form = kNone;
     if (base_only_) {
       drafted.shape = base_shape(b, p);
-    } else if (b.shape.empty() && b.turned[p] > 0 && !is_degenerate(b.soundness[p]) &&
+    } else if (b.shape.empty() && b.inward_share[p] > 0 && !is_degenerate(b.soundness[p]) &&
                is_gentle_at_level(plain, formed)) {
       drafted.shape = formed.shape;
     } else {
       PatchShape shape = b.shape.empty() ? examine(c.frame[p], plain.corner, plain.triangle,
                                                    plain.control_data(), sampler(), &samples)
                                          : examined(b, p, samples);
-      if (!(b.turned[p] > 0)) shape.turn = -1;
+      if (!(b.inward_share[p] > 0)) shape.least_cosine = -1;
       judge(face, c.frame[p], shape, b.soundness[p], drafted);
       its_samples = &samples;
     }
@@ -394,7 +394,8 @@ class CacheBuilder {
              DraftedFace& d) const {
     d.shape = shape;
     if (may_fold_unseen(d.shape) || (mesh_.valence(face) > kFewSides && !is_folded(d.shape)))
-      d.shape.turn = std::min(d.shape.turn, closer_turn(draft(face_of(face)), sampler()));
+      d.shape.least_cosine =
+          std::min(d.shape.least_cosine, least_cosine_closely(draft(face_of(face)), sampler()));
     d.folded = is_folded(d.shape);
     d.degenerate = is_degenerate(soundness);
     const double most = most_sag(face);
@@ -607,7 +608,7 @@ class CacheBuilder {
     put(kPatchTangent, d.frame->tangent);
     put(kPatchLow, d.shape.low);
     put(kPatchHigh, d.shape.high);
-    put(kPatchBend, d.shape.bend);
+    put(kPatchSecondForm, d.shape.second_form);
     numbers[kPatchScale] = static_cast<Real>(d.frame->scale);
     numbers[kPatchUnscale] = static_cast<Real>(1 / d.frame->scale);
     numbers[kPatchSag] = static_cast<Real>(d.shape.sag);

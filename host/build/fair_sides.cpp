@@ -178,7 +178,7 @@ void FairSides::sides_of(std::span<const std::uint32_t> faces, std::vector<doubl
       if (from == nullptr || to == nullptr) continue;
       s.from = *from;
       s.to = *to;
-      (joined == 4 ? s.turns : s.bends) = 1;
+      (joined == 4 ? s.has_mid_normal : s.bends) = 1;
       s.twist_share = twist_share(side);
     }
   }

@@ -82,7 +82,7 @@ void PatchBatch::resize(std::span<const std::uint32_t> valences,
   corner.resize(sides * 6);
   triangle.resize(3 * (sides - 2 * patches));
   frame.resize(patches * kFrameReals);
-  turned.resize(patches);
+  inward_share.resize(patches);
   control.resize(control_begin.back());
   soundness.resize(patches);
   shape.clear(), sample.clear();

@@ -52,8 +52,8 @@ struct GLISS_EXPORT PatchBatch {
   std::vector<std::uint32_t> form;              // [patch]
   std::vector<double> corner;                   // [side][2][3]: position (local frame), unit normal
   std::vector<std::uint32_t> triangle;          // [side_begin[p] - 2 p][3]
-  std::vector<double> frame;   // [patch][kFrameReals]: unit normal, tangent of the base polygon
-  std::vector<double> turned;  // [patch], as PatchDraft has it
+  std::vector<double> frame;  // [patch][kFrameReals]: unit normal, tangent of the base polygon
+  std::vector<double> inward_share;  // [patch], as PatchDraft has it
   // Computed by a backend, the first two up to `to_build`:
   std::vector<double> control;    // [control_begin[patch]], in its form
   std::vector<double> soundness;  // [patch], of its weakest ribbon

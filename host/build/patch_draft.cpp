@@ -20,7 +20,7 @@ constexpr std::uint32_t kCloser = 3;  // times as many samples along a line
 }  // namespace
 
 bool may_fold_unseen(const PatchShape& s) {
-  return !is_folded(s) && std::acos(s.turn) + s.unseen / 2 > std::numbers::pi / 2;
+  return !is_folded(s) && std::acos(s.least_cosine) + s.unseen / 2 > std::numbers::pi / 2;
 }
 
 std::vector<std::uint32_t> all_corners(std::uint32_t n) {
@@ -100,8 +100,8 @@ PatchShape shape_from(const double* reals) {
   shape.box = {triple(kShapeLow) - margin, triple(kShapeHigh) + margin};
   shape.low = triple(kShapeAlongLow) - margin;
   shape.high = triple(kShapeAlongHigh) + margin;
-  shape.bend = triple(kShapeBend);
-  if (!shape.bend.allFinite()) shape.bend.setZero();
+  shape.second_form = triple(kShapeSecondForm);
+  if (!shape.second_form.allFinite()) shape.second_form.setZero();
   shape.sampled_sag = std::sqrt(reals[kShapeSag2]);
   shape.sag = shape.sampled_sag + slack;
   shape.unseen = std::sqrt(spacing2) * curvature;
@@ -110,7 +110,8 @@ PatchShape shape_from(const double* reals) {
   // shoot out of it.
   const double reach =
       triple(kShapeLow).cwiseAbs().cwiseMax(triple(kShapeHigh).cwiseAbs()).maxCoeff();
-  shape.turn = reals[kShapeFinite] > 0 && reach <= kFarthestReach ? reals[kShapeTurn] : -1;
+  shape.least_cosine =
+      reals[kShapeFinite] > 0 && reach <= kFarthestReach ? reals[kShapeLeastCosine] : -1;
   return shape;
 }
 
@@ -166,7 +167,7 @@ void place(const FaceCorners& face, PatchDraft& d) {
   const std::size_t n = d.face_corner.size();
   d.kind = PatchKind::kPlain;
   d.form = kFormPaper;
-  d.soundness = d.turned = 1;
+  d.soundness = d.inward_share = 1;
   d.side.clear();
   d.corner.resize(n * 6);
   d.triangle.resize(3 * (n - 2));
@@ -186,7 +187,8 @@ void draft_fair(const FaceCorners& face, PatchDraft& d) {
     d.soundness = std::min(d.soundness, side[kFairSound]);
   }
   d.control.resize(kernels<double>().control_reals(d.form, n));
-  kernels<double>().fair_controls(d.side.data(), 1, n, nullptr, 1, d.control.data(), &d.turned);
+  kernels<double>().fair_controls(d.side.data(), 1, n, nullptr, 1, d.control.data(),
+                                  &d.inward_share);
 }
 
 }  // namespace
@@ -257,16 +259,16 @@ std::vector<Vec3> normals_of(const PatchDraft& d, const Sampler& sampler,
 
 double least_turn(const PatchDraft& d, const Sampler& sampler,
                   std::span<const Eigen::Vector2d> at) {
-  double turn = 1;
+  double cosine = 1;
   for (const Vec3& normal : normals_of(d, sampler, at))
-    turn = std::min(turn, normal.normalized().dot(d.frame.normal));
-  return turn;
+    cosine = std::min(cosine, normal.normalized().dot(d.frame.normal));
+  return cosine;
 }
 
 PatchShape examine(const PatchDraft& d, const Sampler& sampler, PatchSamples* samples) {
   PatchShape shape =
       examine(d.frame, d.corner.data(), d.triangle.data(), d.control_data(), sampler, samples);
-  if (!(d.turned > 0)) shape.turn = -1;
+  if (!(d.inward_share > 0)) shape.least_cosine = -1;
   return shape;
 }
 
@@ -297,7 +299,7 @@ bool keeps_direction(const PatchFrame& frame, const ControlData& control, const 
                      [](double cosine) { return cosine > kGentleCosine; });
 }
 
-double closer_turn(const PatchDraft& d, const Sampler& sampler) {
+double least_cosine_closely(const PatchDraft& d, const Sampler& sampler) {
   const std::uint32_t n = d.valence(), levels = kCloser * kernels<double>().probe_levels(n);
   std::vector<Eigen::Vector2d> at;
   at.reserve(n * levels * (levels + 1) / 2);

@@ -49,12 +49,12 @@ struct PatchShape {
   Box box{Vec3::Zero(), Vec3::Zero()};  // of the patch and its base polygon
   // The same along tangent, normal x tangent, normal of its frame.
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();
-  Vec3 bend = Vec3::Zero();  // n . (G_xixi, G_xieta, G_etaeta) at the centre
-  double sag = 0;            // distance from the base polygon that no point of the patch exceeds
-  double sampled_sag = 0;    // the same of the samples alone
-  double rho_min = 0;        // least radius of curvature
-  double turn = 1;           // least cosine between the patch's normal and the base polygon's
-  double unseen = 0;         // rad, by which the normal may turn between two samples
+  Vec3 second_form = Vec3::Zero();  // n . (G_xixi, G_xieta, G_etaeta) at the centre
+  double sag = 0;           // distance from the base polygon that no point of the patch exceeds
+  double sampled_sag = 0;   // the same of the samples alone
+  double rho_min = 0;       // least radius of curvature
+  double least_cosine = 1;  // least cosine between the patch's normal and the base polygon's
+  double unseen = 0;        // rad, by which the normal may turn between two samples
 
   void hold(const Vec3& point, const PatchFrame& frame);  // makes the boxes hold a point too
 };
@@ -84,7 +84,7 @@ PatchShape shape_from(const double* reals);
 inline constexpr double kDegenerate = 1e-2;
 
 // A patch's normal turns against its face, or its ribbons vanish.
-inline bool is_folded(const PatchShape& shape) { return !(shape.turn > 0); }
+inline bool is_folded(const PatchShape& shape) { return !(shape.least_cosine > 0); }
 // ... or may between the samples.
 bool may_fold_unseen(const PatchShape& shape);
 inline bool is_degenerate(double soundness) { return !(soundness > kDegenerate); }
@@ -104,7 +104,7 @@ struct PatchDraft {
   std::vector<double> side;     // [corner][kFairReals], local frame; of the fair construction
   std::vector<double> control;  // in its form
   double soundness = 1;         // of its weakest ribbon
-  double turned = 1;            // 0 or less: a fair patch that doubles back along a side
+  double inward_share = 1;      // 0 or less: a fair patch that doubles back along a side
   PatchShape shape;
 
   std::uint32_t valence() const { return static_cast<std::uint32_t>(face_corner.size()); }
@@ -152,7 +152,7 @@ PatchShape examine(const PatchFrame& frame, const double* corner, const std::uin
 // patch's. False for triangles that blend sides and where there are no such probes.
 bool keeps_direction(const PatchFrame& frame, const ControlData& control, const Sampler& sampler);
 // PatchShape::turn of more samples.
-double closer_turn(const PatchDraft& draft, const Sampler& sampler);
+double least_cosine_closely(const PatchDraft& draft, const Sampler& sampler);
 
 // The control data of a patch in another form, with room in `out` (Kernels::to_form).
 void take_to_form(const double* corner, const ControlData& control, std::uint32_t form,

@@ -13,19 +13,19 @@ namespace gliss {
 namespace {
 
 // A patch whose normal stays within 84 degrees of its polygon's neither folds nor nearly does.
-constexpr double kSafeTurn = 0.1;
+constexpr double kSafeCosine = 0.1;
 constexpr double kRounding = 1e-9;     // far above that of a cosine
 constexpr double kMostSag = 4;         // mesh frame: no sound patch goes farther
 constexpr std::uint32_t kMaxFan = 64;  // faces of more sides are not cut from their centre: slivers
 static_assert(kMaxFan <= kFanCorner);
 constexpr double kFarthestCentre = 2;  // from the middle of a polygon in [-1, 1]^3
 // Cross tangents of weaker ribbons turn about within less of their side than floats tell apart.
-constexpr double kTurnsAbout = 1e-6;
+constexpr double kNoDirection = 1e-6;
 constexpr double kInside = 1 - 1e-5;  // how far from the centre to a side counts as just inside
 
 // PatchShape::turn of the outermost probes alone, where most patches that fold do so: examine()
 // finds no more than that. It takes a tenth of the time.
-double turn_at_rim(const PatchDraft& d, const Sampler& sampler) {
+double least_cosine_at_rim(const PatchDraft& d, const Sampler& sampler) {
   const std::uint32_t n = d.valence(), levels = kernels<double>().probe_levels(n);
   const double *xi = sampler.tables.probes_of(n), *eta = xi + kernels<double>().probe_reals(n) / 2;
   std::vector<Eigen::Vector2d> at;
@@ -40,7 +40,7 @@ double turn_at_rim(const PatchDraft& d, const Sampler& sampler) {
 // where a vertex normal points against the face, the ribbon may turn over, and the surface would
 // double back along the edge.
 bool keeps_normals(const PatchDraft& d, const PatchDraft& exact, const Sampler& sampler) {
-  if (!d.side.empty()) return d.turned > 0;
+  if (!d.side.empty()) return d.inward_share > 0;
   const std::uint32_t n = d.valence();
   const std::uint32_t steps = n > 32 ? 2 : 8;
   std::vector<Eigen::Vector2d> at;
@@ -62,7 +62,8 @@ bool keeps_normals(const PatchDraft& d, const PatchDraft& exact, const Sampler& 
 // that is flat may fold in its plane between them though it curves nowhere.
 void examine_closely(PatchDraft& d, const Sampler& sampler) {
   d.shape = examine(d, sampler);
-  if (d.shape.turn > kSafeTurn) d.shape.turn = std::min(d.shape.turn, closer_turn(d, sampler));
+  if (d.shape.least_cosine > kSafeCosine)
+    d.shape.least_cosine = std::min(d.shape.least_cosine, least_cosine_closely(d, sampler));
 }
 
 // The same boundary, with cross tangents shortened; not examined.
@@ -76,13 +77,13 @@ PatchDraft eased(const PatchDraft& draft, double amount) {
 // The same boundary, with cross tangents shortened until the patch is safe; none where it never is.
 // Cross tangents stay as they were where they have no direction to speak of.
 std::optional<PatchDraft> ease(const PatchDraft& draft, const Sampler& sampler) {
-  if (draft.shape.turn > kSafeTurn) return draft;
-  if (draft.soundness < kTurnsAbout || draft.form != kFormPaper) return std::nullopt;
+  if (draft.shape.least_cosine > kSafeCosine) return draft;
+  if (draft.soundness < kNoDirection || draft.form != kFormPaper) return std::nullopt;
   for (const double amount : {0.25, 0.5, 0.75, 0.9}) {
     PatchDraft d = eased(draft, amount);
-    if (!(turn_at_rim(d, sampler) > kSafeTurn)) continue;
+    if (!(least_cosine_at_rim(d, sampler) > kSafeCosine)) continue;
     examine_closely(d, sampler);
-    if (d.shape.turn > kSafeTurn) return d;
+    if (d.shape.least_cosine > kSafeCosine) return d;
   }
   return std::nullopt;
 }
@@ -98,7 +99,7 @@ std::vector<PatchDraft> relaxed(const PatchDraft& exact, const Sampler& sampler)
   take_to_form(d.corner.data(), {exact.control.data(), kFormPaper, n}, d.form, sampler,
                d.control.data());
   examine_closely(d, sampler);
-  if (!(d.shape.turn > kSafeTurn) || !keeps_normals(d, exact, sampler)) return {};
+  if (!(d.shape.least_cosine > kSafeCosine) || !keeps_normals(d, exact, sampler)) return {};
   return {std::move(d)};
 }
 
@@ -106,26 +107,27 @@ std::vector<PatchDraft> relaxed(const PatchDraft& exact, const Sampler& sampler)
 // polygons, for without the boundary's normals nothing else holds them there; others by how they
 // turn.
 struct Quality {
-  double turn = -2;  // the worst
-  double sag = 0;    // the largest, mesh frame
+  double least_cosine = -2;  // the worst
+  double sag = 0;            // the largest, mesh frame
 
-  bool is_safe() const { return turn > kSafeTurn; }
+  bool is_safe() const { return least_cosine > kSafeCosine; }
   // A change has to be worth it.
   bool is_better(const Quality& than) const {
     if (is_safe() != than.is_safe()) return is_safe();
-    return is_safe() ? sag < 0.5 * than.sag : turn > than.turn;
+    return is_safe() ? sag < 0.5 * than.sag : least_cosine > than.least_cosine;
   }
 };
 // One whose slopes shoot out between samples is as bad as any.
 Quality quality_of(const PatchDraft& d) {
   const double sag = d.shape.sag / d.frame.scale;
-  return {sag < kMostSag ? d.shape.turn : -1, sag};
+  return {sag < kMostSag ? d.shape.least_cosine : -1, sag};
 }
 
 // The same boundary curves, with cross tangents in the plane of the polygon, shorter and shorter:
 // without any, a corner interpolator is the sum of its two curves. The best, if it is better than
 // `worst`.
-std::optional<PatchDraft> bend(const PatchDraft& draft, Quality worst, const Sampler& sampler) {
+std::optional<PatchDraft> bent_patch(const PatchDraft& draft, Quality worst,
+                                     const Sampler& sampler) {
   std::optional<PatchDraft> best;
   for (const double length : {1.0, 0.5, 0.0}) {
     PatchDraft d = draft;
@@ -134,19 +136,19 @@ std::optional<PatchDraft> bend(const PatchDraft& draft, Quality worst, const Sam
     const std::uint32_t n = d.valence();
     if (!d.side.empty()) {
       kernels<double>().fair_controls(d.side.data(), 1, n, d.frame.normal.data(), length,
-                                      d.control.data(), &d.turned);
+                                      d.control.data(), &d.inward_share);
     } else {
       for (std::size_t k = 0; k < n; ++k) {
         for (const std::size_t at : {kSideLength, kSideLength + 1})
           d.control[k * kSideReals + at] *= length;
       }
-      kernels<double>().bend_patch(d.control.data(), n, d.frame.normal.data());
+      kernels<double>().flatten_tangents(d.control.data(), n, d.frame.normal.data());
     }
-    if (turn_at_rim(d, sampler) < std::min(worst.turn, kSafeTurn)) continue;
+    if (least_cosine_at_rim(d, sampler) < std::min(worst.least_cosine, kSafeCosine)) continue;
     d.shape = examine(d, sampler);
     const Quality quality = quality_of(d);
     // The shorter one wins if two are as bad.
-    const bool is_as_bad = best && !quality.is_safe() && quality.turn == worst.turn;
+    const bool is_as_bad = best && !quality.is_safe() && quality.least_cosine == worst.least_cosine;
     if (!is_as_bad && !quality.is_better(worst)) continue;
     worst = quality;
     best = std::move(d);
@@ -204,8 +206,8 @@ std::vector<PatchDraft> split(const FaceCorners& face, const Cuts& cuts, const S
   for (const auto& t : cuts) {
     PatchDraft d = draft_patch(face, {t[0], t[1], t[2]});
     d.kind = PatchKind::kSplit;
-    d.shape.turn = -1;
-    if (!is_degenerate(d.soundness) && turn_at_rim(d, sampler) > kSafeTurn)
+    d.shape.least_cosine = -1;
+    if (!is_degenerate(d.soundness) && least_cosine_at_rim(d, sampler) > kSafeCosine)
       d.shape = examine(d, sampler);
     std::optional<PatchDraft> safe = ease(d, sampler);
     if (!safe || !keeps_normals(*safe, *safe, sampler)) return {};
@@ -222,9 +224,9 @@ std::vector<PatchDraft> split_bent(const FaceCorners& face, const Cuts& cuts,
   std::vector<PatchDraft> parts;
   for (const auto& t : cuts) {
     PatchDraft d = draft_patch(face, {t[0], t[1], t[2]});
-    if (!(d.frame.normal.dot(face_normal) > kSafeTurn)) return {};
+    if (!(d.frame.normal.dot(face_normal) > kSafeCosine)) return {};
     straighten_cuts(d, face_valence);
-    std::optional<PatchDraft> bent = bend(d, worst, sampler);
+    std::optional<PatchDraft> bent = bent_patch(d, worst, sampler);
     if (!bent) return {};
     parts.push_back(*std::move(bent));
   }
@@ -263,7 +265,7 @@ Quality quality_of(const std::vector<PatchDraft>& drafts) {
   Quality all{1, 0};
   for (const PatchDraft& d : drafts) {
     const Quality one = quality_of(d);
-    all.turn = std::min(all.turn, one.turn);
+    all.least_cosine = std::min(all.least_cosine, one.least_cosine);
     all.sag = std::max(all.sag, one.sag);
   }
   return all;
@@ -277,8 +279,8 @@ std::vector<PatchDraft> find_tamer(const FaceCorners& face, PatchDraft exact,
     exact.kind = PatchKind::kEased;
     examine_closely(exact, sampler);
   }
-  if (is_degenerate(exact.soundness)) exact.shape.turn = -1;
-  if (is_curved && exact.shape.turn > kSafeTurn) return {std::move(exact)};
+  if (is_degenerate(exact.soundness)) exact.shape.least_cosine = -1;
+  if (is_curved && exact.shape.least_cosine > kSafeCosine) return {std::move(exact)};
   const std::uint32_t n = exact.valence();
   std::vector<FaceCorners> fans;
   if (n <= kMaxFan) fans = with_centres(face, exact, sampler);
@@ -299,7 +301,7 @@ std::vector<PatchDraft> find_tamer(const FaceCorners& face, PatchDraft exact,
   if (!parts.empty()) return parts;
 
   // Without them otherwise: the best.
-  std::vector<PatchDraft> best{*bend(exact, {}, sampler)};
+  std::vector<PatchDraft> best{*bent_patch(exact, {}, sampler)};
   const auto offer = [&](const FaceCorners& corners, const Cuts& cuts) {
     parts = split_bent(corners, cuts, n, exact.frame.normal, quality_of(best), sampler);
     if (!parts.empty()) best = std::move(parts);
@@ -320,7 +322,7 @@ std::vector<PatchDraft> draft_flatter(const FaceCorners& face, PatchDraft exact,
   for (const double amount : {0.0, 0.25, 0.5, 0.75, 0.9}) {
     PatchDraft d = eased(exact, amount);
     d.shape = examine(d, sampler);
-    if (!(d.shape.turn > kSafeTurn) || !keeps_normals(d, exact, sampler)) continue;
+    if (!(d.shape.least_cosine > kSafeCosine) || !keeps_normals(d, exact, sampler)) continue;
     best = {std::move(d)};
     if (best.front().shape.sag <= most * best.front().frame.scale) break;
   }

@@ -11,9 +11,11 @@
 // - PatchShape::turn: the least at all probes, n r (r + 1) / 2 of probe_levels r. These samples;
 //   patches that are not gentle.
 // - may_fold_unseen: that curvature allows a fold between probes. Nothing; the same.
-// - closer_turn: the least at nine times as many points. These; what may fold unseen, faces of many
+// - least_cosine_closely: the least at nine times as many points. These; what may fold unseen,
+// faces of many
 //   sides, and substitutes.
-// - turn_at_rim: the least at the n r outermost probes. These; substitutes, before examine().
+// - least_cosine_at_rim: the least at the n r outermost probes. These; substitutes, before
+// examine().
 // - keeps_normals: the outside is out all along the boundary. 8 samples a side; substitutes.
 #pragma once
 

@@ -16,7 +16,7 @@ constexpr double kMostTurn = 0.2;       // rad, of a normal from the mean of its
 constexpr double kLittleTurn = 0.05;    // the same where a tile goes from the centre to a side
 constexpr double kMostCurvature = 1e4;  // local: what curves more has no end of it
 constexpr double kLeastTurn = 2e-3;  // rad: more than what two patches that meet smoothly differ by
-constexpr std::uint32_t kTurnShift = 24;  // of its bits in a tile's axis
+constexpr std::uint32_t kLeanBit = 24;  // of its bits in a tile's axis
 
 // Those of many sides are made for each patch that follows one of others: tables of all valences
 // might take more memory than the surface.
@@ -158,7 +158,7 @@ void free_sharp_sides(Surface<Real>& s, const ValenceTables& tables, const Paral
         const std::uint32_t twin = s.side_twin[first + k];
         if (twin != kNone && is_smooth(normals, first + k, twin)) continue;
         for (std::uint32_t i = (levels - 1) * (levels - 1); i < of_fan; ++i)
-          axes[k * of_fan + i] |= kTileAnyTurn << kTurnShift;
+          axes[k * of_fan + i] |= kTileAnyLean << kLeanBit;
       }
     }
   });

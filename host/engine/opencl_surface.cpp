@@ -1,5 +1,5 @@
 // Queries on an OpenCL device. The host places points and HIPs in the frames of the kernels and
-// takes results back, in pieces on all cores; two queues take turns, so that one's transfers and
+// takes results back, in pieces on all cores; two queues take flights, so that one's transfers and
 // host work overlap the other's kernels.
 #include <algorithm>
 #include <array>
@@ -40,7 +40,7 @@ class OpenClSurface final : public ResidentSurface {
         lanes_(static_cast<std::size_t>(shared.lanes(kPrecision<Real>))),
         is_mixed_(has_many_valences(s)),
         there_(shared.device, s),
-        turns_{Turn(shared), Turn(shared)} {}
+        flights_{Flight(shared), Flight(shared)} {}
 
   void evaluate(const PointArrays<double>& points,
                 const SurfaceArrays<double>& out) const override {
@@ -81,11 +81,11 @@ class OpenClSurface final : public ResidentSurface {
   void evaluate_there(const PointArrays<T>& points, const SurfaceArrays<T>& out) const {
     on_device(
         points.count, kPoints, 11 * sizeof(Real) * lanes_,
-        [&](Turn& turn, std::size_t begin, std::size_t count) {
-          start_evaluate(turn, points, begin, count);
+        [&](Flight& flight, std::size_t begin, std::size_t count) {
+          start_evaluate(flight, points, begin, count);
         },
-        [&](Turn& turn, std::size_t begin, std::size_t count) {
-          finish_evaluate(turn, out.from(begin), count);
+        [&](Flight& flight, std::size_t begin, std::size_t count) {
+          finish_evaluate(flight, out.from(begin), count);
         },
         [&] { host_->evaluate(points, out); });
   }
@@ -123,19 +123,19 @@ class OpenClSurface final : public ResidentSurface {
     const TrackOptions<Real> track = track_options<Real>(options);
     on_device(
         hips.count, kHips, hip_bytes(methods.size()),
-        [&](Turn& turn, std::size_t begin, std::size_t count) {
-          start_hips(turn, hips, begin, count, methods.size());
-          turn.ran(kernel(nearest_)(
-              turn.queue, count, turn.in.buffer(), packed, static_cast<cl_uint>(methods.size()),
+        [&](Flight& flight, std::size_t begin, std::size_t count) {
+          start_hips(flight, hips, begin, count, methods.size());
+          flight.ran(kernel(nearest_)(
+              flight.queue, count, flight.in.buffer(), packed, static_cast<cl_uint>(methods.size()),
               static_cast<cl_int>(track.solver), static_cast<cl_int>(track.max_iterations),
-              track.tolerance, static_cast<cl_int>(track.budget), turn.out.buffer(),
-              turn.out_index.buffer()));
-          turn.out.download();
-          turn.out_index.download();
+              track.tolerance, static_cast<cl_int>(track.budget), flight.out.buffer(),
+              flight.out_index.buffer()));
+          flight.out.download();
+          flight.out_index.download();
         },
-        [&](Turn& turn, std::size_t begin, std::size_t count) {
+        [&](Flight& flight, std::size_t begin, std::size_t count) {
           for (std::size_t m = 0; m < methods.size(); ++m)
-            finish_contacts(turn, m * count, row_stride(methods.size() * count), count,
+            finish_contacts(flight, m * count, row_stride(methods.size() * count), count,
                             out[m].from(begin));
         },
         [&] { host_->nearest(hips, methods, options, out); });
@@ -148,30 +148,31 @@ class OpenClSurface final : public ResidentSurface {
     const TrackOptions<Real> track = track_options<Real>(options);
     on_device(
         hips.count, kHips, hip_bytes(1) + 2 * sizeof(Real) + sizeof(cl_uint),
-        [&](Turn& turn, std::size_t begin, std::size_t count) {
-          start_hips(turn, hips, begin, count, 1);
-          turn.start.resize(2 * count);
-          turn.in_index.resize(count);
-          Real* start = turn.start.data();
-          cl_uint* patch = turn.in_index.data();
+        [&](Flight& flight, std::size_t begin, std::size_t count) {
+          start_hips(flight, hips, begin, count, 1);
+          flight.start.resize(2 * count);
+          flight.in_index.resize(count);
+          Real* start = flight.start.data();
+          cl_uint* patch = flight.in_index.data();
           for_pieces(count, [&](std::size_t i) {
             const PatchPlace place = place_of(cache_, surface_, point_at(starts, begin + i));
             patch[i] = place.patch;
             start[i] = static_cast<Real>(place.xi);
             start[count + i] = static_cast<Real>(place.eta);
           });
-          turn.start.upload();
-          turn.in_index.upload();
-          turn.ran(kernel(track_)(
-              turn.queue, count, turn.in.buffer(), turn.in_index.buffer(), turn.start.buffer(),
-              static_cast<cl_int>(options.method), static_cast<cl_int>(track.solver),
-              static_cast<cl_int>(track.max_iterations), track.tolerance,
-              static_cast<cl_int>(track.budget), turn.out.buffer(), turn.out_index.buffer()));
-          turn.out.download();
-          turn.out_index.download();
+          flight.start.upload();
+          flight.in_index.upload();
+          flight.ran(kernel(track_)(
+              flight.queue, count, flight.in.buffer(), flight.in_index.buffer(),
+              flight.start.buffer(), static_cast<cl_int>(options.method),
+              static_cast<cl_int>(track.solver), static_cast<cl_int>(track.max_iterations),
+              track.tolerance, static_cast<cl_int>(track.budget), flight.out.buffer(),
+              flight.out_index.buffer()));
+          flight.out.download();
+          flight.out_index.download();
         },
-        [&](Turn& turn, std::size_t begin, std::size_t count) {
-          finish_contacts(turn, 0, row_stride(count), count, out.from(begin));
+        [&](Flight& flight, std::size_t begin, std::size_t count) {
+          finish_contacts(flight, 0, row_stride(count), count, out.from(begin));
         },
         [&] { host_->track(hips, starts, options, out); });
   }
@@ -187,7 +188,7 @@ class OpenClSurface final : public ResidentSurface {
   };
 
   // One of the two queues with its arrays.
-  struct Turn {
+  struct Flight {
     const OpenClShared& shared;
     cl::CommandQueue queue;
     Staging<Real> in, start, out;
@@ -196,7 +197,7 @@ class OpenClSurface final : public ResidentSurface {
     std::vector<cl::Event> kernels;    // not yet timed
     std::size_t begin = 0, count = 0;  // of what is under way
 
-    explicit Turn(const OpenClShared& s)
+    explicit Flight(const OpenClShared& s)
         : shared(s),
           queue(s.device.context(), s.device.id(), CL_QUEUE_PROFILING_ENABLE),
           in(s.device, queue, "the input"),
@@ -244,37 +245,37 @@ class OpenClSurface final : public ResidentSurface {
     shared_.run(
         [&] {
           const std::lock_guard lock(mutex_);
-          const Idle idle{turns_};
+          const Idle idle{flights_};
           const std::size_t chunk = chunk_of(count, at_once, bytes);
-          const auto settle = [&](Turn& turn) {
-            if (turn.count == 0) return;
-            turn.wait();
-            finish(turn, turn.begin, std::exchange(turn.count, 0));
+          const auto collect = [&](Flight& flight) {
+            if (flight.count == 0) return;
+            flight.wait();
+            finish(flight, flight.begin, std::exchange(flight.count, 0));
           };
           for (std::size_t begin = 0, i = 0; begin < count; begin += chunk, ++i) {
-            Turn& turn = turns_[i % 2];
-            settle(turn);
-            turn.begin = begin;
+            Flight& flight = flights_[i % 2];
+            collect(flight);
+            flight.begin = begin;
             const std::size_t size = std::min(chunk, count - begin);
-            start(turn, begin, size);
-            turn.queue.flush();
-            turn.count = size;
+            start(flight, begin, size);
+            flight.queue.flush();
+            flight.count = size;
           }
-          const bool second = turns_[0].begin > turns_[1].begin;
-          settle(turns_[second]);
-          settle(turns_[!second]);
+          const bool second = flights_[0].begin > flights_[1].begin;
+          collect(flights_[second]);
+          collect(flights_[!second]);
         },
         on_host);
   }
 
   // Nothing is under way when work ends, however it ends.
   struct Idle {
-    std::array<Turn, 2>& turns;
+    std::array<Flight, 2>& flights;
     ~Idle() {
-      for (Turn& turn : turns) {
-        clFinish(turn.queue());
-        turn.kernels.clear();
-        turn.count = 0;
+      for (Flight& flight : flights) {
+        clFinish(flight.queue());
+        flight.kernels.clear();
+        flight.count = 0;
       }
     }
   };
@@ -313,31 +314,31 @@ class OpenClSurface final : public ResidentSurface {
   }
 
   template <class T>
-  void start_evaluate(Turn& turn, const PointArrays<T>& points, std::size_t from,
+  void start_evaluate(Flight& flight, const PointArrays<T>& points, std::size_t from,
                       std::size_t size) const {
     const std::size_t pieces = (size + kPointBlock - 1) / kPointBlock;
-    turn.blocks.resize(pieces);
+    flight.blocks.resize(pieces);
     shared_.host->for_each(size, kPointBlock, [&](std::size_t begin, std::size_t end) {
-      block_points(points, from + begin, end - begin, turn.blocks[begin / kPointBlock]);
+      block_points(points, from + begin, end - begin, flight.blocks[begin / kPointBlock]);
     });
     std::vector<std::size_t> first(pieces + 1, 0);  // block of each piece
     for (std::size_t i = 0; i < pieces; ++i)
-      first[i + 1] = first[i] + turn.blocks[i].block_patch.size();
+      first[i + 1] = first[i] + flight.blocks[i].block_patch.size();
     const std::size_t count = first.back(), slots = count * lanes_;
-    turn.in_index.resize(count);
-    turn.in.resize(2 * slots);
-    turn.out.resize(9 * row_stride(slots));
-    cl_uint* patch = turn.in_index.data();
-    Real* in = turn.in.data();
+    flight.in_index.resize(count);
+    flight.in.resize(2 * slots);
+    flight.out.resize(9 * row_stride(slots));
+    cl_uint* patch = flight.in_index.data();
+    Real* in = flight.in.data();
     shared_.host->for_each(pieces, 1, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i)
-        copy_blocks(turn.blocks[i], patch + first[i], in + first[i] * lanes_, slots);
+        copy_blocks(flight.blocks[i], patch + first[i], in + first[i] * lanes_, slots);
     });
-    turn.in_index.upload();
-    turn.in.upload();
-    turn.ran(kernel(evaluate_)(turn.queue, count, turn.in_index.buffer(), turn.in.buffer(),
-                               turn.out.buffer()));
-    turn.out.download();
+    flight.in_index.upload();
+    flight.in.upload();
+    flight.ran(kernel(evaluate_)(flight.queue, count, flight.in_index.buffer(), flight.in.buffer(),
+                                 flight.out.buffer()));
+    flight.out.download();
   }
 
   // Rows of xi and eta, `stride` apart.
@@ -359,14 +360,14 @@ class OpenClSurface final : public ResidentSurface {
   }
 
   template <class T>
-  void finish_evaluate(Turn& turn, const SurfaceArrays<T>& out, std::size_t count) const {
-    std::vector<std::size_t> first(turn.blocks.size() + 1, 0);  // slot of each piece
-    for (std::size_t i = 0; i < turn.blocks.size(); ++i)
-      first[i + 1] = first[i] + turn.blocks[i].block_patch.size() * lanes_;
-    const Real* all = turn.out.data();
+  void finish_evaluate(Flight& flight, const SurfaceArrays<T>& out, std::size_t count) const {
+    std::vector<std::size_t> first(flight.blocks.size() + 1, 0);  // slot of each piece
+    for (std::size_t i = 0; i < flight.blocks.size(); ++i)
+      first[i + 1] = first[i] + flight.blocks[i].block_patch.size() * lanes_;
+    const Real* all = flight.out.data();
     const std::size_t stride = row_stride(first.back());
     shared_.host->for_each(count, kPointBlock, [&](std::size_t begin, std::size_t end) {
-      const Blocks& b = turn.blocks[begin / kPointBlock];
+      const Blocks& b = flight.blocks[begin / kPointBlock];
       const Real* there = all + first[begin / kPointBlock];
       constexpr std::size_t kRows = 256, kStride = row_stride(kRows);
       Real rows[9 * kStride];
@@ -383,25 +384,25 @@ class OpenClSurface final : public ResidentSurface {
   }
 
   template <class T>
-  void start_hips(Turn& turn, const HipArrays<T>& hips, std::size_t begin, std::size_t count,
+  void start_hips(Flight& flight, const HipArrays<T>& hips, std::size_t begin, std::size_t count,
                   std::size_t methods) const {
-    turn.in.resize(6 * count);
-    turn.out.resize(CONTACT_REALS * row_stride(methods * count));
-    turn.out_index.resize(CONTACT_UINTS * row_stride(methods * count));
-    Real* in = turn.in.data();
+    flight.in.resize(6 * count);
+    flight.out.resize(CONTACT_REALS * row_stride(methods * count));
+    flight.out_index.resize(CONTACT_UINTS * row_stride(methods * count));
+    Real* in = flight.in.data();
     for_pieces(count, [&](std::size_t i) {
       const RawHip<Real> hip = raw_hip<Real>(cache_, hip_at(hips, begin + i));
       for (std::size_t r = 0; r < 6; ++r) in[r * count + i] = hip.parts[r];
     });
-    turn.in.upload();
+    flight.in.upload();
   }
 
   // Contacts from column `first` on of rows of `stride`.
   template <class T>
-  void finish_contacts(Turn& turn, std::size_t first, std::size_t stride, std::size_t count,
+  void finish_contacts(Flight& flight, std::size_t first, std::size_t stride, std::size_t count,
                        const ContactArrays<T>& out) const {
-    const Real* reals = turn.out.data() + first;
-    const cl_uint* uints = turn.out_index.data() + first;
+    const Real* reals = flight.out.data() + first;
+    const cl_uint* uints = flight.out_index.data() + first;
     for_pieces(count, [&](std::size_t i) {
       RawContact<Real> raw;
       for (std::size_t r = 0; r < CONTACT_REALS; ++r) raw.reals[r] = reals[r * stride + i];
@@ -420,7 +421,7 @@ class OpenClSurface final : public ResidentSurface {
   mutable std::mutex mutex_;
   mutable Kernel evaluate_{kEvaluateProgram, "evaluate_blocks", static_cast<int>(lanes_), {}};
   mutable Kernel nearest_{kNearestProgram, "nearest", 1, {}}, track_{kTrackProgram, "track", 1, {}};
-  mutable std::array<Turn, 2> turns_;
+  mutable std::array<Flight, 2> flights_;
 };
 
 }  // namespace

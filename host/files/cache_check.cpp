@@ -155,13 +155,13 @@ class Check {
       require(!first || c_.face_patch[face] == p, "face_patch", face,
               "not the first patch of the face");
       built += first;
-      const bool part = !first || (p + 1 < patches_ && c_.patch_face[p + 1] == face);
+      const bool is_piece = !first || (p + 1 < patches_ && c_.patch_face[p + 1] == face);
       const std::uint32_t n = c_.face_valence[face];
-      require(s_.valence(p) == (part ? 3 : n), "side_begin", p, "not the valence of the face");
+      require(s_.valence(p) == (is_piece ? 3 : n), "side_begin", p, "not the valence of the face");
       for (std::uint32_t k = 0; k < s_.valence(p); ++k) {
         const std::size_t side = s_.side_begin[p] + k;
         const std::uint32_t corner = c_.corner_of_face[side];
-        require(part ? corner <= n : corner == k, "corner_of_face", side,
+        require(is_piece ? corner <= n : corner == k, "corner_of_face", side,
                 "not a corner of the face");
       }
       const std::uint32_t* corner = &c_.corner_of_face[s_.side_begin[p]];

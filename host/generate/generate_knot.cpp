@@ -156,10 +156,10 @@ class KnotTube : public ExactSurface {
       const KnotCurve::Jet jet = curve_.jet(t);
       const Vec3 offset = jet.position - point;
       const double slope = offset.dot(jet.first);
-      const double bend = jet.first.squaredNorm() + offset.dot(jet.second);
+      const double second = jet.first.squaredNorm() + offset.dot(jet.second);
       (slope > 0 ? high : low) = t;
-      double next = t - slope / bend;
-      if (!(bend > 0 && next >= low && next <= high)) next = (low + high) / 2;
+      double next = t - slope / second;
+      if (!(second > 0 && next >= low && next <= high)) next = (low + high) / 2;
       if (next == t) break;
       t = next;
     }

@@ -51,7 +51,7 @@ CreaseSpread::CreaseSpread(const Mesh& mesh, const Topology& topology, const Cre
     on_crease_[vertex] = walk_.on_crease(side);
   }
   place_corners();
-  turned_over_ = turned_over();
+  inverted_count_ = inverted_count();
 }
 
 bool CreaseSpread::widen(double radius) {
@@ -74,7 +74,7 @@ bool CreaseSpread::widen(double radius) {
     place_corners();
   }
   list_sectors();
-  if (turned_over() > turned_over_) return false;
+  if (inverted_count() > inverted_count_) return false;
   room_ = room_of_creases(mesh_, steps_, tried_);
   const CreaseRoom now = fits();
   idle_ = now.radius > kGain * best_.radius ? 0 : idle_ + 1;
@@ -83,7 +83,7 @@ bool CreaseSpread::widen(double radius) {
 }
 
 // Counts the triangles that are turned over where their corners are placed.
-std::size_t CreaseSpread::turned_over() const {
+std::size_t CreaseSpread::inverted_count() const {
   std::size_t count = 0;
   for (std::uint32_t face = 0; face < mesh_.face_count(); ++face) {
     if (mesh_.valence(face) != 3) continue;

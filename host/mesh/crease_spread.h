@@ -57,7 +57,7 @@ class CreaseSpread {
   template <class Visit>
   void for_each_corner(std::uint32_t vertex, Visit visit) const;
   void place_corners();
-  std::size_t turned_over() const;
+  std::size_t inverted_count() const;
   void list_sectors();
   void find_kinds();
   bool is_smooth(std::uint32_t vertex) const;
@@ -88,9 +88,9 @@ class CreaseSpread {
   CreaseSteps steps_;
   CreaseRoom room_;  // from where corners are placed
   CreaseRoom best_;
-  std::size_t turned_over_ = 0;  // at first
-  int idle_ = 0;                 // steps since the best room grew
-  double tried_ = 0;             // the radius by which corners are placed now
+  std::size_t inverted_count_ = 0;  // at first
+  int idle_ = 0;                    // steps since the best room grew
+  double tried_ = 0;                // the radius by which corners are placed now
 
   std::vector<Vec3> place_;                                // [corner], at that radius
   std::vector<Kind> kind_;                                 // [vertex]

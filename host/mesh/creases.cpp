@@ -187,8 +187,8 @@ class Turns {
 };
 
 // Finds plain_crease_angle from turns_of.
-std::optional<double> parting_angle(const Mesh& mesh, const Topology& topology,
-                                    const std::vector<double>& turns_of_sides) {
+std::optional<double> separating_angle(const Mesh& mesh, const Topology& topology,
+                                       const std::vector<double>& turns_of_sides) {
   constexpr std::size_t kDegrees = Turns::kDegrees, kApart = 30, kLeast = 5, kRound = 40;
   Turns turns(mesh, topology, turns_of_sides);
   const std::size_t all = turns.below(kDegrees);
@@ -384,7 +384,7 @@ std::uint32_t find_inner_edge(const Mesh& mesh, const Topology& topology,
 }
 
 std::optional<double> plain_crease_angle(const Mesh& mesh, const Topology& topology) {
-  return parting_angle(mesh, topology, turns_of(mesh, topology));
+  return separating_angle(mesh, topology, turns_of(mesh, topology));
 }
 
 void mark_creases(Mesh& mesh, const Topology& topology, const CreaseRules& rules,
@@ -405,7 +405,7 @@ void mark_creases(Mesh& mesh, const Topology& topology, const CreaseRules& rules
   std::vector<double> turns;
   if (rules.angle || rules.plain) turns = turns_of(mesh, topology);
   if (is_usual && !by_normals) SharpEdges(mesh, topology, turns_of(mesh, topology)).find();
-  if (rules.plain) least = std::min(least, parting_angle(mesh, topology, turns).value_or(none));
+  if (rules.plain) least = std::min(least, separating_angle(mesh, topology, turns).value_or(none));
   for (std::uint32_t side = 0; side < topology.side_twin.size(); ++side) {
     const std::uint32_t twin = topology.side_twin[side];
     if (twin == kNone || twin < side) continue;

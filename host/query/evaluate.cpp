@@ -127,7 +127,7 @@ void evaluate_grid_points(const PatchCache& cache, std::span<const std::uint32_t
     for (std::size_t i = 0; i < faces.size(); ++i) {
       const std::uint32_t patch = cache.first_patch(faces[i]);
       const SurfaceArrays<T> there = out.from(i * xi.size());
-      if (is_part(cache, patch)) {
+      if (is_piece_of_face(cache, patch)) {
         PointArrays<T> points{xi.size(), {&faces[i], 0}, {xi.data()}, {eta.data()}};
         evaluate_points(cache, points, there);
         continue;

@@ -9,7 +9,7 @@
 
 namespace gliss {
 
-bool is_part(const PatchCache& cache, std::uint32_t patch) {
+bool is_piece_of_face(const PatchCache& cache, std::uint32_t patch) {
   const std::uint32_t face = cache.patch_face[patch], next = patch + 1;
   return cache.first_patch(face) != patch ||
          (next < cache.patch_count() && cache.patch_face[next] == face);
@@ -25,9 +25,9 @@ namespace {
 
 // The corners of a part in the domain of its face, and in its own.
 template <class Real>
-struct PartDomain {
+struct PieceDomain {
   Eigen::Matrix3d in_face, in_patch;  // columns: corners, homogeneous
-  PartDomain(const PatchCache& cache, const Surface<Real>& s, std::uint32_t patch) {
+  PieceDomain(const PatchCache& cache, const Surface<Real>& s, std::uint32_t patch) {
     const std::uint32_t n = cache.face_valence[cache.patch_face[patch]];
     for (std::uint32_t k = 0; k < 3; ++k) {
       const std::uint32_t corner = cache.corner_of_face[s.side_begin[patch] + k];
@@ -41,9 +41,9 @@ template <class Real>
 DomainPoint face_point(const PatchCache& cache, const Surface<Real>& s, std::uint32_t patch,
                        double xi, double eta) {
   DomainPoint point{cache.patch_face[patch], xi, eta};
-  if (!is_part(cache, patch)) return point;
-  const PartDomain<Real> part(cache, s, patch);
-  const Vec3 at = part.in_face * part.in_patch.inverse() * Vec3(xi, eta, 1);
+  if (!is_piece_of_face(cache, patch)) return point;
+  const PieceDomain<Real> piece(cache, s, patch);
+  const Vec3 at = piece.in_face * piece.in_patch.inverse() * Vec3(xi, eta, 1);
   point.xi = at.x();
   point.eta = at.y();
   return point;
@@ -73,15 +73,15 @@ PatchPlace place_of(const PatchCache& cache, const Surface<Real>& s, const Domai
   place.patch = cache.first_patch(point.face);
   place.xi = point.xi;
   place.eta = point.eta;
-  if (!is_part(cache, place.patch)) return place;
+  if (!is_piece_of_face(cache, place.patch)) return place;
   double best = -1;
   const std::uint32_t first = place.patch, end = cache.end_of_face(first);
   for (std::uint32_t p = first; p < end; ++p) {
-    const PartDomain<Real> part(cache, s, p);
-    const Vec3 at = part.in_face.inverse() * Vec3(point.xi, point.eta, 1);
+    const PieceDomain<Real> piece(cache, s, p);
+    const Vec3 at = piece.in_face.inverse() * Vec3(point.xi, point.eta, 1);
     if (at.minCoeff() <= best && p != first) continue;
     best = at.minCoeff();
-    const Vec3 own = part.in_patch * at;
+    const Vec3 own = piece.in_patch * at;
     place = {p, own.x(), own.y()};
   }
   return place;
@@ -103,15 +103,15 @@ void place_points(const PatchCache& cache, const Surface<Real>& s,
   Eigen::Matrix<double, 2, 2> map;  // d(patch xi, eta) / d(face xi, eta), of a part
   double per = 0;
   bool maps = false;
-  if (points.patch_step == 0 && !is_part(cache, *points.patch)) return;
+  if (points.patch_step == 0 && !is_piece_of_face(cache, *points.patch)) return;
   for (std::size_t i = 0; i < points.count; ++i) {
     const std::uint32_t p = points.patch_of(i);
     if (p != last) {
       last = p;
-      maps = is_part(cache, p);
+      maps = is_piece_of_face(cache, p);
       if (maps) {
-        const PartDomain<Real> part(cache, s, p);
-        map = (part.in_patch * part.in_face.inverse()).template topLeftCorner<2, 2>();
+        const PieceDomain<Real> piece(cache, s, p);
+        map = (piece.in_patch * piece.in_face.inverse()).template topLeftCorner<2, 2>();
         per = static_cast<double>(s.patch[p * kPatchReals + kPatchUnscale]) * mesh.per;
       }
     }

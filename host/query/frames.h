@@ -19,7 +19,7 @@ GLISS_EXPORT PatchPlace place_of(const PatchCache& cache, const Surface<Real>& s
                                  const DomainPoint& point);
 
 // True if the patch is one triangle of its face rather than all of it.
-GLISS_EXPORT bool is_part(const PatchCache& cache, std::uint32_t patch);
+GLISS_EXPORT bool is_piece_of_face(const PatchCache& cache, std::uint32_t patch);
 
 // Places points as Kernels::place_double does, with derivatives by the coordinates of the face
 // where a patch is but a part of it.

@@ -44,7 +44,7 @@ void PlacedPoints<Real>::take(const PatchCache& cache, const Surface<Real>& s,
       end = skip_equal(face.first, end, count);
     while (end < count && face[end] == face[run]) ++end;
     const std::uint32_t patch = cache.first_patch(face[run]);
-    if (!is_part(cache, patch)) {
+    if (!is_piece_of_face(cache, patch)) {
       runs.push_back({patch, static_cast<std::uint32_t>(run), static_cast<std::uint32_t>(end)});
       continue;
     }

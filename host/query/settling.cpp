@@ -12,7 +12,7 @@ namespace {
 
 // Where HIPs go by 1 % of their depth in a tick, as in walks, a jump is 20 ways of the HIP. The way
 // and a stride are 9 of them. A hand at rest has a share that is as much at 64 depths.
-constexpr double kWays = 8, kAtRest = 1.0 / 32;
+constexpr double kWays = 8, kStillShare = 1.0 / 32;
 // The error of a force that is held for a tick, over the way squared: half of the largest
 // curvature of the energy, which is 1, and 5 / 3 on a rim (kernels/contact.h, past_border).
 constexpr double kError = 1.0 / 2, kRimError = 5.0 / 6;
@@ -58,7 +58,7 @@ double Settling::share(double size) const {
 }
 
 double Settling::stride(double size) const {
-  return std::min(share(size), std::max(kWays * pace_, kAtRest * share(size)));
+  return std::min(share(size), std::max(kWays * pace_, kStillShare * share(size)));
 }
 
 double Settling::stride_to(const Vec3& to) const {

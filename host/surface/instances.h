@@ -85,7 +85,7 @@ template <class Real>
 struct FairSide {
   FairEdge<Real> edge;
   FairVertex<Real> from, to;
-  Real bends = {}, turns = {};
+  Real bends = {}, has_mid_normal = {};
   Real twist_share = {};  // of the most that its normals may turn for them, 0 to 1
 };
 
@@ -159,7 +159,7 @@ struct Kernels {
   // Shortens the cross tangents to (1 - ease) of their length at mid-side.
   void (*ease_patch)(Real* control, std::uint32_t n, Real ease);
   // Turns the cross tangents into the plane across `normal` (unit, 3 numbers).
-  void (*bend_patch)(Real* control, std::uint32_t n, const Real* normal);
+  void (*flatten_tangents)(Real* control, std::uint32_t n, const Real* normal);
   // Numbers of a patch's control data in a form, and these from those of another one: ribbon and
   // bezier (of 3 and 4 sides) from the exact ones; of a table one corner's part, from any.
   std::size_t (*control_reals)(std::uint32_t form, std::uint32_t n);
@@ -175,12 +175,12 @@ struct Kernels {
   // Sides, [count][kFairReals].
   void (*fair_sides)(const FairSide<Real>* sides, std::size_t count, Real* out);
   // Control data from the sides [count][n][kFairReals] of triangles (FORM_SEXTIC), quads
-  // (FORM_BEZIER) or other polygons (FORM_CURVED). `turned` [count]: the least share of a cross
-  // tangent that points into the face, 0 or less where the patch doubles back. `flat`, of triangles
-  // and quads: null, or a unit normal that the cross tangents shall lie across, `length` times as
-  // long.
+  // (FORM_BEZIER) or other polygons (FORM_CURVED). `inward_share` [count]: the least share of a
+  // cross tangent that points into the face, 0 or less where the patch doubles back. `flat`, of
+  // triangles and quads: null, or a unit normal that the cross tangents shall lie across, `length`
+  // times as long.
   void (*fair_controls)(const Real* sides, std::size_t count, std::uint32_t n, const Real* flat,
-                        Real length, Real* control, Real* turned);
+                        Real length, Real* control, Real* inward_share);
   // G, G_xi, G_eta as nine rows of `stride` numbers, at `count` points of one patch.
   void (*evaluate)(const Real* domain, const Real* control, std::uint32_t form, std::uint32_t n,
                    const Real* xi, const Real* eta, std::size_t count, std::size_t stride,

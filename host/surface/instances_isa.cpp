@@ -64,7 +64,7 @@ const Kernels<GLISS_SCALAR>& GLISS_TABLE() {
       .build_patches = instance::build_patches,
       .build_sharp_patch = instance::build_sharp_patch,
       .ease_patch = instance::ease_patch,
-      .bend_patch = instance::bend_patch,
+      .flatten_tangents = instance::flatten_tangents,
       .control_reals = instance::control_reals_of,
       .to_form = instance::to_form_of,
       .to_table = instance::to_table,

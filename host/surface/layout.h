@@ -30,7 +30,8 @@ inline constexpr std::size_t kPatchOrigin = 3 * PATCH_ORIGIN, kPatchNormal = 3 *
                              kPatchScale = PATCH_SCALE, kPatchUnscale = PATCH_UNSCALE,
                              kPatchSag = PATCH_SAG, kPatchTangent = 3 * PATCH_TANGENT,
                              kPatchLow = 3 * PATCH_LOW, kPatchHigh = 3 * PATCH_HIGH,
-                             kPatchBend = PATCH_BEND, kPatchCurvature = PATCH_CURVATURE;
+                             kPatchSecondForm = PATCH_SECOND_FORM,
+                             kPatchCurvature = PATCH_CURVATURE;
 inline constexpr std::size_t kDomainHead = DOMAIN_HEAD, kDomainStride = DOMAIN_STRIDE,
                              kDomainCorner = DOMAIN_CORNER;
 constexpr bool spans_a_plane(double across, double longest2, double epsilon) {
@@ -41,10 +42,12 @@ inline constexpr std::size_t kFairReals = FAIR_REALS, kFairCurve = FAIR_NORMAL -
 inline constexpr std::size_t kFrameReals = FRAME_REALS, kShapeReals = SHAPE_REALS;
 inline constexpr std::size_t kShapeLow = 3 * SHAPE_LOW, kShapeHigh = 3 * SHAPE_HIGH,
                              kShapeAlongLow = 3 * SHAPE_ALONG_LOW,
-                             kShapeAlongHigh = 3 * SHAPE_ALONG_HIGH, kShapeBend = 3 * SHAPE_BEND,
-                             kShapeTurn = SHAPE_TURN, kShapeCurvature = SHAPE_CURVATURE,
-                             kShapeStretch2 = SHAPE_STRETCH2, kShapeSag2 = SHAPE_SAG2,
-                             kShapeFinite = SHAPE_FINITE, kShapeRings = SHAPE_RINGS;
+                             kShapeAlongHigh = 3 * SHAPE_ALONG_HIGH,
+                             kShapeSecondForm = 3 * SHAPE_SECOND_FORM,
+                             kShapeLeastCosine = SHAPE_LEAST_COSINE,
+                             kShapeCurvature = SHAPE_CURVATURE, kShapeStretch2 = SHAPE_STRETCH2,
+                             kShapeSag2 = SHAPE_SAG2, kShapeFinite = SHAPE_FINITE,
+                             kShapeRings = SHAPE_RINGS;
 inline constexpr double kGentleCosine = static_cast<double>(GENTLE_COSINE);
 inline constexpr std::uint32_t kHasCreases = SURFACE_CREASES, kHasFans = SURFACE_FANS;
 inline constexpr std::uint32_t kFanPiece = FAN_PIECE, kFanBits = FAN_BITS, kFanCorner = FAN_CORNER;
@@ -58,8 +61,9 @@ inline constexpr std::uint32_t kCutRings = CUT_RINGS, kCutFewRings = CUT_FEW_RIN
                                kCutPad = CUT_PAD;
 inline constexpr std::size_t kCutRows = CUT_ROWS, kCutTransforms = CUT_TRANSFORMS,
                              kCutOutRows = CUT_OUT_ROWS;
-inline constexpr std::uint32_t kTileAnyTurn = TILE_ANY_TURN, kTileBends = TILE_BENDS;
-inline constexpr int kTileTurnShift = TILE_TURN_SHIFT;
+inline constexpr std::uint32_t kTileAnyLean = TILE_ANY_LEAN,
+                               kTileLeansByCurvature = TILE_LEANS_BY_CURVATURE;
+inline constexpr int kTileLeanShift = TILE_LEAN_SHIFT;
 // instances.h tells these to users without the macros.
 static_assert(kContactReals >= CONTACT_REALS && kContactUints >= CONTACT_UINTS);
 static_assert(kConverged == FOOT_CONVERGED && kOnBorder == FOOT_BORDER &&

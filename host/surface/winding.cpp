@@ -20,22 +20,22 @@ double width_of(const Surface<Real>& s, std::uint32_t patch) {
   if (piece == nullptr) return 0;
   const std::uint32_t own = s.side_begin[patch], first = piece[1];
   const Vec3 centre = start_of(s, own + 2);
-  std::vector<Vec3> turns;  // of the face's pieces: twice the area long
+  std::vector<Vec3> areas;  // of the face's pieces: twice the area long
   for (std::uint32_t p = s.side_patch[first]; p < s.patch_count(); ++p) {
     const std::uint32_t* other = piece_of(s, p);
     if (other == nullptr || other[1] != first) break;
     const std::uint32_t side = s.side_begin[p];
-    turns.push_back((start_of(s, side) - centre).cross(start_of(s, side + 1) - centre));
+    areas.push_back((start_of(s, side) - centre).cross(start_of(s, side + 1) - centre));
   }
   Vec3 normal = Vec3::Zero();
-  for (const Vec3& turn : turns) normal += turn;
+  for (const Vec3& area : areas) normal += area;
   normal.stableNormalize();
   double low = 0, high = 0;
   bool covers = true;
-  for (std::uint32_t k = 0; k < turns.size(); ++k) {
+  for (std::uint32_t k = 0; k < areas.size(); ++k) {
     const double height = normal.dot(start_of(s, first + 3 * k) - centre);
     low = std::min(low, height), high = std::max(high, height);
-    covers = covers && turns[k].dot(normal) > 0;
+    covers = covers && areas[k].dot(normal) > 0;
   }
   if (covers) return high - low;
   return (centre - 0.5 * (start_of(s, own) + start_of(s, own + 1))).norm();

@@ -55,26 +55,26 @@ std::vector<Vec3> read_vectors(const Hdf5Reader& file, const std::string& prefix
   return vectors;
 }
 
-std::vector<Turn> read_recorded_turns(const Hdf5Reader& file, std::size_t ticks,
-                                      const std::string& action, ItemPoll& poll) {
-  std::vector<Turn> turns;
-  if (!file.has("ticks/qw")) return turns;
+std::vector<Rotation> read_recorded_rotations(const Hdf5Reader& file, std::size_t ticks,
+                                              const std::string& action, ItemPoll& poll) {
+  std::vector<Rotation> rotations;
+  if (!file.has("ticks/qw")) return rotations;
   const auto w = file.numbers("ticks/qw"), x = file.numbers("ticks/qx"),
              y = file.numbers("ticks/qy"), z = file.numbers("ticks/qz");
   if (w.size() != ticks || x.size() != ticks || y.size() != ticks || z.size() != ticks)
     throw std::runtime_error(action + ": qw, qx, qy and qz are not as long as x");
-  turns.reserve(ticks);
+  rotations.reserve(ticks);
   for (std::size_t i = 0; i < ticks; ++i) {
     poll();
-    turns.emplace_back(w[i], x[i], y[i], z[i]);
+    rotations.emplace_back(w[i], x[i], y[i], z[i]);
   }
-  return turns;
+  return rotations;
 }
 
 PointTable read_recording(const Hdf5Reader& file, const std::string& action, ItemPoll& poll) {
   PointTable ticks;
   ticks.points = read_vectors(file, "ticks/", action, poll);
-  ticks.turns = read_recorded_turns(file, ticks.points.size(), action, poll);
+  ticks.rotations = read_recorded_rotations(file, ticks.points.size(), action, poll);
   if (file.has("ticks/time")) ticks.times = times_of(file.numbers("ticks/time"), poll);
   if (file.has("ticks/vx")) ticks.velocities = read_vectors(file, "ticks/v", action, poll);
   for (const std::size_t length : {ticks.times.size(), ticks.velocities.size()}) {
@@ -94,29 +94,29 @@ void read_motion(const InputTable& table, PointTable& to, ItemPoll& poll) {
 }
 
 // True if a quaternion's length is 1 but for what files round.
-bool is_turn(const Turn& turn) { return std::abs(turn.norm() - 1) < 1e-3; }
+bool is_rotation(const Rotation& rotation) { return std::abs(rotation.norm() - 1) < 1e-3; }
 
 }  // namespace
 
-std::vector<Turn> turns_of(const InputTable& table, const Poll& ask) {
+std::vector<Rotation> rotations_of(const InputTable& table, const Poll& ask) {
   const LargeArray<double>* q[4];
   std::size_t there = 0;
-  for (std::size_t i = 0; i < 4; ++i) there += (q[i] = table.find(kTurnColumns[i])) != nullptr;
+  for (std::size_t i = 0; i < 4; ++i) there += (q[i] = table.find(kRotationColumns[i])) != nullptr;
   if (there == 0 || table.rows == 0) return {};
   if (there < 4) throw std::runtime_error(table.place(0) + ": a rotation has qw, qx, qy and qz");
   ItemPoll poll(ask);
-  std::vector<Turn> turns;
-  turns.reserve(table.rows);
+  std::vector<Rotation> rotations;
+  rotations.reserve(table.rows);
   for (std::size_t i = 0; i < table.rows; ++i) {
     poll();
-    turns.emplace_back((*q[0])[i], (*q[1])[i], (*q[2])[i], (*q[3])[i]);
-    if (!is_turn(turns.back()))
+    rotations.emplace_back((*q[0])[i], (*q[1])[i], (*q[2])[i], (*q[3])[i]);
+    if (!is_rotation(rotations.back()))
       throw std::runtime_error(
           fmt::format("{}: qw, qx, qy and qz have the length {:.3g}, and a rotation has 1",
-                      table.place(i), turns.back().norm()));
-    turns.back().normalize();
+                      table.place(i), rotations.back().norm()));
+    rotations.back().normalize();
   }
-  return turns;
+  return rotations;
 }
 
 PointReader::PointReader(const std::string& path, double unit,
@@ -151,13 +151,13 @@ PointTable PointReader::read(std::size_t begin, std::size_t end) {
       }
     };
     add_rows(recording_.points, result.points);
-    add_rows(recording_.turns, result.turns);
+    add_rows(recording_.rotations, result.rotations);
     add_rows(recording_.times, result.times);
     add_rows(recording_.velocities, result.velocities);
     return result;
   }
   result.table = reader_->read(begin, end);
-  result.turns = turns_of(result.table, poll_);
+  result.rotations = rotations_of(result.table, poll_);
   read_motion(result.table, result, poll);
   const std::size_t chosen = result.table.alternative;
   const std::string named = result.table.unit(kNames[chosen][0]);

@@ -22,8 +22,9 @@ struct PointTable {
   InputTable table;          // the other columns that were asked for; of a recording: none
   double unit = 1;           // m
   std::vector<Vec3> points;  // in `unit`
-  // They hold kTurnColumns and kMotionColumns, where they were asked for and are there; of ticks.
-  std::vector<Turn> turns;
+  // They hold kRotationColumns and kMotionColumns, where they were asked for and are there; of
+  // ticks.
+  std::vector<Rotation> rotations;
   std::vector<std::chrono::nanoseconds> times;
   std::vector<Vec3> velocities;  // m/s
 };
@@ -47,13 +48,13 @@ class GLISS_EXPORT PointReader {
 };
 
 // The columns of a rotation: a unit quaternion.
-inline const std::vector<std::string> kTurnColumns = {"qw", "qx", "qy", "qz"};
+inline const std::vector<std::string> kRotationColumns = {"qw", "qx", "qy", "qz"};
 // When a HIP was there (s), and the velocity that its device told (m/s). The time alone will do.
 inline const std::vector<std::string> kMotionColumns = {"time", "vx", "vy", "vz"};
 // The rotations of a table that was asked for these columns; none where it lacks them all. Throws
 // std::runtime_error, which names the file or the row, where some are missing or the length is not
 // 1 to a thousandth.
-GLISS_EXPORT std::vector<Turn> turns_of(const InputTable& table, const Poll& poll = {});
+GLISS_EXPORT std::vector<Rotation> rotations_of(const InputTable& table, const Poll& poll = {});
 
 // Throws CsvError or RecordingError; NoFileError or std::system_error (host/files/open_file.h)
 // where a CSV file cannot be read.

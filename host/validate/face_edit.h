@@ -38,7 +38,7 @@ inline std::uint64_t vertex_hash(const Mesh& mesh, std::uint32_t face) {
 }
 
 // Turns a face the other way round; its first corner stays the first.
-inline void turn_over(Mesh& mesh, std::uint32_t face) {
+inline void reverse_face(Mesh& mesh, std::uint32_t face) {
   for (std::vector<std::uint32_t>* corners : {&mesh.corner_vertex, &mesh.corner_normal}) {
     if (!corners->empty())
       std::reverse(corners->begin() + mesh.face_begin[face] + 1,

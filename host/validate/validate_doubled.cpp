@@ -9,7 +9,7 @@
 namespace gliss {
 namespace {
 
-bool is_turned_over(const Mesh& mesh, std::uint32_t a, std::uint32_t b) {
+bool is_reversed(const Mesh& mesh, std::uint32_t a, std::uint32_t b) {
   const std::uint32_t n = mesh.valence(a);
   if (mesh.valence(b) != n) return false;
   const auto first = mesh.corner_vertex.begin() + mesh.face_begin[a],
@@ -80,7 +80,7 @@ class DoubledFaces {
       report_.poll();
       const std::uint32_t first = known.find_or_insert(
           face, vertex_hash(mesh_, face), [&](std::uint32_t a, std::uint32_t b) {
-            return twin_[a] == kNone && is_turned_over(mesh_, a, b);
+            return twin_[a] == kNone && is_reversed(mesh_, a, b);
           });
       if (first == face) continue;
       twin_[first] = face;

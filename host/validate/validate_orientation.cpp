@@ -16,16 +16,16 @@ class Orientation {
         report_(report),
         side_face_(side_faces(mesh)),
         other_(pair_sides(mesh, side_face_)),
-        turn_(mesh.face_count(), Turn::kUnknown),
+        flip_(mesh.face_count(), Flip::kUnknown),
         flipped_(mesh.face_count(), false) {}
 
   MeshParts repair() {
     report_borders();
     parts_.of_face.resize(mesh_.face_count());
     for (std::uint32_t face = 0; face < mesh_.face_count(); ++face) {
-      if (turn_[face] != Turn::kUnknown) continue;
+      if (flip_[face] != Flip::kUnknown) continue;
       const bool closed = gather_part(face);
-      settle_part();
+      orient_part();
       for (const std::uint32_t of_part : part_)
         parts_.of_face[of_part] = static_cast<std::uint32_t>(parts_.count());
       parts_.first_face.push_back(face);
@@ -41,16 +41,16 @@ class Orientation {
   }
 
  private:
-  enum class Turn : std::uint8_t { kUnknown, kKeep, kFlip };
+  enum class Flip : std::uint8_t { kUnknown, kKeep, kFlip };
 
-  static Turn opposite(Turn turn) { return turn == Turn::kKeep ? Turn::kFlip : Turn::kKeep; }
+  static Flip opposite(Flip flip) { return flip == Flip::kKeep ? Flip::kFlip : Flip::kKeep; }
 
   // Fills part_ with all faces around the first, each turned to suit it; true if none has a border.
   bool gather_part(std::uint32_t first) {
     bool closed = true;
     orientable_ = true;
     part_.assign(1, first);
-    turn_[first] = Turn::kKeep;
+    flip_[first] = Flip::kKeep;
     // part_ grows on the way. NOLINTNEXTLINE(modernize-loop-convert)
     for (std::size_t done = 0; done < part_.size(); ++done) {
       report_.poll();
@@ -70,11 +70,11 @@ class Orientation {
     const std::uint32_t face = side_face_[side];
     const std::uint32_t neighbour = side_face_[other_[side]];
     const bool agree = mesh_.corner_vertex[side] != mesh_.corner_vertex[other_[side]];
-    const Turn needed = agree ? turn_[face] : opposite(turn_[face]);
-    if (turn_[neighbour] == Turn::kUnknown) {
-      turn_[neighbour] = needed;
+    const Flip needed = agree ? flip_[face] : opposite(flip_[face]);
+    if (flip_[neighbour] == Flip::kUnknown) {
+      flip_[neighbour] = needed;
       part_.push_back(neighbour);
-    } else if (turn_[neighbour] != needed && std::exchange(orientable_, false)) {
+    } else if (flip_[neighbour] != needed && std::exchange(orientable_, false)) {
       const std::uint32_t from = mesh_.corner_vertex[side];
       report_.add(Severity::kError, "non-orientable", {.face = face, .vertex = from},
                   "cannot be turned the way of its neighbour at edge {}-{} and of all others", from,
@@ -82,14 +82,14 @@ class Orientation {
     }
   }
 
-  void settle_part() {
+  void orient_part() {
     if (!orientable_) return;
-    const auto is_flipped = [&](std::uint32_t face) { return turn_[face] == Turn::kFlip; };
+    const auto is_flipped = [&](std::uint32_t face) { return flip_[face] == Flip::kFlip; };
     const auto flipped = std::count_if(part_.begin(), part_.end(), is_flipped);
-    if (2 * static_cast<std::size_t>(flipped) > part_.size()) turn_part();
+    if (2 * static_cast<std::size_t>(flipped) > part_.size()) reverse_part();
     for (const std::uint32_t face : part_) {
       flipped_[face] = is_flipped(face);
-      if (flipped_[face]) turn_over(mesh_, face);
+      if (flipped_[face]) reverse_face(mesh_, face);
     }
   }
 
@@ -111,8 +111,8 @@ class Orientation {
     }
   }
 
-  void turn_part() {
-    for (const std::uint32_t face : part_) turn_[face] = opposite(turn_[face]);
+  void reverse_part() {
+    for (const std::uint32_t face : part_) flip_[face] = opposite(flip_[face]);
   }
 
   std::uint32_t end_vertex(std::uint32_t side) const {
@@ -123,7 +123,7 @@ class Orientation {
   Report& report_;
   std::vector<std::uint32_t> side_face_;
   std::vector<std::uint32_t> other_;  // [side], across the edge; kNone: border
-  std::vector<Turn> turn_;            // [face]
+  std::vector<Flip> flip_;            // [face]
   std::vector<bool> flipped_;         // [face], against most of its part
   std::vector<std::uint32_t> part_;   // faces of the part in hand
   bool orientable_ = true;            // that part, so far

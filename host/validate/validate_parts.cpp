@@ -101,7 +101,7 @@ void PartPairs::turn(const LoadOptions& options) {
       closed.push_back(part);
       is_any_inside_out = is_any_inside_out || parts_.volume[part] < 0;
     } else if (!parts_.closed[part] && options.flip) {
-      turn_part(part);
+      reverse_part(part);
     }
   }
   if (!is_any_inside_out || options.orient == Orient::kFile) return;
@@ -114,23 +114,23 @@ void PartPairs::turn(const LoadOptions& options) {
   for (const std::uint32_t part : closed) {
     // A part that is turned takes all within along.
     const std::uint32_t around = (*container_)[part];
-    bool turns = around != kNone && turned[around] != 0;
-    const bool is_inward = turns != (parts_.volume[part] < 0);
+    bool is_reversed = around != kNone && turned[around] != 0;
+    const bool is_inward = is_reversed != (parts_.volume[part] < 0);
     if (is_inward && !lies_in_solid(part)) {
-      turns = !turns;
-      if (turns)
+      is_reversed = !is_reversed;
+      if (is_reversed)
         report_.add(report_.mended, "inside-out-part", {.face = parts_.first_face[part]},
                     "belongs to a part that is inside out ({} faces); turned outward: a room keeps "
                     "its inside with --orient file",
                     faces_[part].size());
     }
-    if (turns) turn_part(part);
-    turned[part] = turns;
+    if (is_reversed) reverse_part(part);
+    turned[part] = is_reversed;
   }
 }
 
-void PartPairs::turn_part(std::uint32_t part) {
-  for (const std::uint32_t face : faces_[part]) turn_over(mesh_, face);
+void PartPairs::reverse_part(std::uint32_t part) {
+  for (const std::uint32_t face : faces_[part]) reverse_face(mesh_, face);
   parts_.volume[part] = -parts_.volume[part];
 }
 

@@ -29,7 +29,7 @@ class PartPairs {
   void find_boxes();
   void find_meeting();
   void find_containers();
-  void turn_part(std::uint32_t part);
+  void reverse_part(std::uint32_t part);
   void warn_of_place(std::uint32_t part);
   void warn_of_inward(std::uint32_t part);
   bool encloses(std::uint32_t part) const {

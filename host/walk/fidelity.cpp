@@ -16,7 +16,7 @@ bool is_bent(const PatchCache& cache, std::uint32_t face) {
   return cache.kind[cache.first_patch(face)] == PatchKind::kBent;
 }
 
-constexpr double kCrease = 0.866;  // cosine of the least turn at a crease that a path goes round
+constexpr double kCrease = 0.866;  // cosine of the least cosine at a crease that a path goes round
 
 // HIPs about `step` apart, beneath a surface or, where that does not do, as high above it.
 class SlidingPath {
@@ -46,8 +46,8 @@ class SlidingPath {
   // True if the surface nearest to the HIP beneath is another side, up to that across a thin part.
   bool is_beside_crease(const SurfacePoint& on) const {
     const Contact contact = nearest(cache_, on.position - depth_ * on.normal);
-    const double turn = contact.normal.dot(on.normal);
-    return contact.distance > -0.9 * depth_ && turn < kCrease && turn > -0.5;
+    const double cosine = contact.normal.dot(on.normal);
+    return contact.distance > -0.9 * depth_ && cosine < kCrease && cosine > -0.5;
   }
   void lead_to(const Vec3& place) {
     const Vec3 from = hips_.back();

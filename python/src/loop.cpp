@@ -46,7 +46,7 @@ TickRow row_of(const LoopTick& tick) {
   row.missed = tick.missed;
   const auto copy = [](const Vec3& from, double* to) { std::copy_n(from.data(), 3, to); };
   copy(tick.input.position, row.position);
-  const Turn& turn = tick.input.orientation;
+  const Rotation& turn = tick.input.orientation;
   const double parts[] = {turn.w(), turn.x(), turn.y(), turn.z()};
   std::copy_n(parts, 4, row.orientation);
   copy(tick.rendered, row.rendered);

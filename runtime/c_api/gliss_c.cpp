@@ -94,7 +94,7 @@ constexpr char kNoRotation[] = "rotation: is not a unit quaternion w, x, y, z";
 // The rotation of w, x, y, z at a position; nothing where that is invalid, but for numbers that are
 // not finite: these are Tracker::step's to tell.
 std::optional<gliss::Pose> find_pose(const double* rotation, const double* position) noexcept {
-  const gliss::Turn turn(rotation[0], rotation[1], rotation[2], rotation[3]);
+  const gliss::Rotation turn(rotation[0], rotation[1], rotation[2], rotation[3]);
   if (turn.coeffs().allFinite() && !(std::abs(turn.norm() - 1) < 1e-3)) return std::nullopt;
   gliss::Pose pose = gliss::Pose::Identity();
   pose.linear() = turn.normalized().toRotationMatrix();
@@ -443,8 +443,8 @@ std::int32_t gliss_hand_tick_at(gliss_hand* hand, std::int64_t time_ns, const do
     return fail(kBadInput, "hand, position or force: is NULL");
   const gliss::PlainArithmetic plain;
   last_error[0] = 0;
-  constexpr double kNoTurn[] = {1, 0, 0, 0};
-  const auto tool = find_pose(rotation == nullptr ? kNoTurn : rotation, position);
+  constexpr double kIdentity[] = {1, 0, 0, 0};
+  const auto tool = find_pose(rotation == nullptr ? kIdentity : rotation, position);
   if (!tool) return fail(kBadInput, kNoRotation);
   hand->time = gliss::Nanoseconds(time_ns);
   const gliss::Wrench wrench = hand->tracker.step(

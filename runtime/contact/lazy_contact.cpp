@@ -67,7 +67,7 @@ bool LazyContact::holds(const Contact& contact) const {
   return region_->covers(contact.at.face) || !(contact.flags & kOnBorder);
 }
 
-Contact LazyContact::settle(const Contact& contact, Place touched) noexcept {
+Contact LazyContact::keep(const Contact& contact, Place touched) noexcept {
   place_ = contact.touching ? touched : Place::kFree;
   clear_ = 0;
   return contact;
@@ -76,7 +76,7 @@ Contact LazyContact::settle(const Contact& contact, Place touched) noexcept {
 Contact LazyContact::stand_in(const Vec3& hip, Contact base) noexcept {
   if (patches_) patches_->release(hip, 0);
   base.flags |= kNotBuilt;
-  return settle(base, Place::kOnBase);
+  return keep(base, Place::kOnBase);
 }
 
 // The base polygons tell where patches matter, and catch what passes through them in a tick.
@@ -89,7 +89,7 @@ Contact LazyContact::tick_free(const Vec3& hip, double dt) noexcept {
   }
   if (covers(base.at.face)) {
     const Contact contact = patches_->tick(hip, dt);
-    if (holds(contact)) return settle(contact, Place::kOnPatches);
+    if (holds(contact)) return keep(contact, Place::kOnPatches);
   }
   return stand_in(hip, base);
 }
@@ -100,7 +100,7 @@ Contact LazyContact::tick_on_patches(const Vec3& hip, double dt) noexcept {
   if (!holds(contact))
     return stand_in(hip, base_.track(hip, {face_}, &felt, &patches_->friction(), dt));
   if (!contact.touching) base_.release(hip, 0);
-  return settle(contact, Place::kOnPatches);
+  return keep(contact, Place::kOnPatches);
 }
 
 Contact LazyContact::tick_on_base(const Vec3& hip, double dt) noexcept {
@@ -108,7 +108,7 @@ Contact LazyContact::tick_on_base(const Vec3& hip, double dt) noexcept {
   const Contact base = base_.tick(hip, dt);
   if (covers(base.at.face)) {
     const Contact contact = patches_->track(hip, base.at, &felt, &base_.friction(), dt);
-    if (holds(contact)) return settle(contact, Place::kOnPatches);
+    if (holds(contact)) return keep(contact, Place::kOnPatches);
   }
   return stand_in(hip, base);
 }

@@ -37,7 +37,7 @@ class GLISS_EXPORT LazyContact {
   Contact tick_free(const Vec3& hip, double dt) noexcept;
   Contact tick_on_patches(const Vec3& hip, double dt) noexcept;
   Contact tick_on_base(const Vec3& hip, double dt) noexcept;
-  Contact settle(const Contact& contact, Place touched) noexcept;
+  Contact keep(const Contact& contact, Place touched) noexcept;
   Contact stand_in(const Vec3& hip, Contact base) noexcept;
   bool covers(std::uint32_t face) const { return region_ != nullptr && region_->covers(face); }
   bool holds(const Contact& contact) const;

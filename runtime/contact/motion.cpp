@@ -30,7 +30,7 @@ Motion::Motion(std::vector<double> times, const std::vector<Pose>& poses, bool r
     if (!(times_[i] >= 0 && std::isfinite(times_[i]))) refuse(i, "is not at 0 s or later");
     if (i > 0 && !(times_[i] > times_[i - 1])) refuse(i, "is not later than the one before it");
     if (!is_rigid(poses[i])) refuse(i, "is not a rotation and translation");
-    turns_.emplace_back(Eigen::Quaterniond(Eigen::Matrix3d(poses[i].linear())));
+    rotations_.emplace_back(Eigen::Quaterniond(Eigen::Matrix3d(poses[i].linear())));
     places_.push_back(poses[i].translation());
   }
   if (repeats && times_.size() < 2) throw std::invalid_argument("motion: repeats a single pose");
@@ -44,7 +44,7 @@ Pose Motion::at(double time) const noexcept {
              a = after == times_.begin() || after == times_.end() ? b : b - 1;
   const double share = a == b ? 0 : (time - times_[a]) / (times_[b] - times_[a]);
   Pose pose = Pose::Identity();
-  pose.linear() = turns_[a].slerp(share, turns_[b]).toRotationMatrix();
+  pose.linear() = rotations_[a].slerp(share, rotations_[b]).toRotationMatrix();
   pose.translation() = places_[a] + share * (places_[b] - places_[a]);
   return pose;
 }

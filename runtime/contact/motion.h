@@ -30,7 +30,7 @@ class GLISS_EXPORT Motion {
 
  private:
   std::vector<double> times_;
-  std::vector<Eigen::Quaternion<double, Eigen::DontAlign>> turns_;
+  std::vector<Eigen::Quaternion<double, Eigen::DontAlign>> rotations_;
   std::vector<Eigen::Vector3d> places_;
   bool repeats_;
 };

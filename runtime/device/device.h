@@ -33,9 +33,9 @@ struct DeviceState {
   Nanoseconds measured{};      // on the loop's clock; no later than the loop first saw it
   Vec3 position = Vec3::Zero();
   Vec3 velocity = Vec3::Zero();
-  Turn orientation = Turn::Identity();  // of the tool, unit
-  bool fault = false;                   // the device says that it failed; the force is to end
-  bool ended = false;                   // nothing comes after this
+  Rotation orientation = Rotation::Identity();  // of the tool, unit
+  bool fault = false;  // the device says that it failed; the force is to end
+  bool ended = false;  // nothing comes after this
 };
 
 // One thread's, the loop's, which calls read() and then write() in each tick and passes its clock

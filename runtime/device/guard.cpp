@@ -133,7 +133,7 @@ GuardOutput Guard::step(nanoseconds now, const GuardInput& input) noexcept {
   return out();
 }
 
-GuardOutput Guard::out() noexcept { return {sent_.force, state_, settle(), sent_.torque}; }
+GuardOutput Guard::out() noexcept { return {sent_.force, state_, count_reasons(), sent_.torque}; }
 
 void Guard::run(const GuardInput& wanted, nanoseconds age, nanoseconds dt) noexcept {
   ceiling_ *= left();
@@ -200,7 +200,7 @@ void Guard::note(const LimitedForce& limited) noexcept {
 }
 
 // Counts what began in this step and returns its reason.
-GuardReason Guard::settle() noexcept {
+GuardReason Guard::count_reasons() noexcept {
   for (std::uint32_t begun = acts_ & ~acted_; begun != 0; begun &= begun - 1) {
     ++counts_[static_cast<std::size_t>(std::countr_zero(begun))];
   }

@@ -130,7 +130,7 @@ class GLISS_EXPORT Guard {
   void note(GuardReason reason) noexcept;
   void note(const LimitedForce& limited) noexcept;
   GuardOutput out() noexcept;
-  GuardReason settle() noexcept;
+  GuardReason count_reasons() noexcept;
 
   GuardLimits limits_;
   GuardState state_ = GuardState::kStart;

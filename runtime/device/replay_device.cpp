@@ -5,7 +5,7 @@
 namespace gliss {
 
 ReplayDevice::ReplayDevice(std::vector<Vec3> positions, const std::string& name,
-                           std::vector<Turn> orientations, std::vector<Vec3> velocities)
+                           std::vector<Rotation> orientations, std::vector<Vec3> velocities)
     : positions_(std::move(positions)),
       orientations_(std::move(orientations)),
       velocities_(std::move(velocities)) {

@@ -14,7 +14,7 @@ class GLISS_EXPORT ReplayDevice final : public HapticDevice {
  public:
   // Orientations and velocities (m/s): none, or as many as positions, or std::invalid_argument.
   explicit ReplayDevice(std::vector<Vec3> positions, const std::string& name = "replay",
-                        std::vector<Turn> orientations = {}, std::vector<Vec3> velocities = {});
+                        std::vector<Rotation> orientations = {}, std::vector<Vec3> velocities = {});
 
   const DeviceInfo& info() const noexcept override { return info_; }
   DeviceState read(Nanoseconds now) noexcept override;
@@ -23,7 +23,7 @@ class GLISS_EXPORT ReplayDevice final : public HapticDevice {
  private:
   DeviceInfo info_;
   std::vector<Vec3> positions_;  // m
-  std::vector<Turn> orientations_;
+  std::vector<Rotation> orientations_;
   std::vector<Vec3> velocities_;
   std::size_t read_ = 0;
 };

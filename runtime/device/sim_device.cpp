@@ -42,9 +42,9 @@ SimOptions checked(const SimOptions& options) {
 }
 
 // The rotation by a vector of its angle along its axis.
-Turn turn_by(const Vec3& v) {
+Rotation rotation_of(const Vec3& v) {
   const double angle = v.norm();
-  return angle > 0 ? Turn(Eigen::AngleAxisd(angle, v / angle)) : Turn(Turn::Identity());
+  return angle > 0 ? Rotation(Eigen::AngleAxisd(angle, v / angle)) : Rotation(Rotation::Identity());
 }
 
 }  // namespace
@@ -104,7 +104,7 @@ SimDevice::SimDevice(HandPath path, const SimOptions& options)
       random_(options.seed),
       position_(path_.at(0)),
       past_(static_cast<std::size_t>(options.delay / kStep) + 1,
-            {position_, Vec3::Zero(), Turn::Identity()}) {
+            {position_, Vec3::Zero(), Rotation::Identity()}) {
   info_.name = "sim";
   info_.max_force = options.max_force;
   info_.max_stiffness = options.max_stiffness;
@@ -135,15 +135,16 @@ void SimDevice::move() noexcept {
 
 // Likewise, with a wrist for the grip.
 void SimDevice::turn() noexcept {
-  const Turn target = turn_by(static_cast<double>(steps_) * kStepSeconds * *options_.turning);
-  Turn left = target * orientation_.conjugate();
+  const Rotation target =
+      rotation_of(static_cast<double>(steps_) * kStepSeconds * *options_.turning);
+  Rotation left = target * orientation_.conjugate();
   if (left.w() < 0) left.coeffs() *= -1;
   const double half = left.vec().norm();
   const Vec3 to_go =
       half > 0 ? Vec3(2 * std::atan2(half, left.w()) / half * left.vec()) : Vec3::Zero();
   const Vec3 grip = options_.wrist_stiffness * to_go - options_.wrist_damping * spin_;
   spin_ += kStepSeconds / options_.inertia * (grip + torque_);
-  orientation_ = (turn_by(kStepSeconds * spin_) * orientation_).normalized();
+  orientation_ = (rotation_of(kStepSeconds * spin_) * orientation_).normalized();
 }
 
 DeviceState SimDevice::read(Nanoseconds now) noexcept {

@@ -86,10 +86,10 @@ class GLISS_EXPORT SimDevice final : public HapticDevice {
   std::uint64_t steps_ = 0, reads_ = 0;
   Vec3 position_, velocity_ = Vec3::Zero(), force_ = Vec3::Zero();
   Vec3 spin_ = Vec3::Zero(), torque_ = Vec3::Zero();  // rad/s, N m
-  Turn orientation_ = Turn::Identity();
+  Rotation orientation_ = Rotation::Identity();
   struct Moment {
     Vec3 position, velocity;
-    Turn orientation;
+    Rotation orientation;
   };
   std::vector<Moment> past_;  // the last ones, in a ring by steps_
 };

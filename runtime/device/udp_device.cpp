@@ -65,7 +65,7 @@ UdpDevice::UdpDevice(std::uint16_t port, Nanoseconds patience) : port_(port) {
       receive();
     }
   }
-  info_ = udp::info_of(last_, turns_, detail::message("udp:", port));
+  info_ = udp::info_of(last_, has_orientation_, detail::message("udp:", port));
 }
 
 UdpDevice::~UdpDevice() {
@@ -95,11 +95,11 @@ void UdpDevice::receive() noexcept {
   const auto dead = [&] { unreachable_ = true; };
   udp::drain<udp::kLargest>(socket_, kDrain, dead, [&](auto bytes, std::uint16_t) {
     auto datagram = udp::decode<udp::TurningStateDatagram>(bytes);
-    const bool turns = datagram.has_value();
+    const bool has_orientation = datagram.has_value();
     if (const auto state = udp::decode<udp::StateDatagram>(bytes))
       datagram.emplace().state = *state;
     if (datagram && Nanoseconds(datagram->state.measured) <= monotonic_time()) {
-      take(*datagram, turns);
+      take(*datagram, has_orientation);
     } else if (udp::decode<udp::RefusalDatagram>(bytes)) {
       refused_ = true;
     } else {
@@ -109,7 +109,7 @@ void UdpDevice::receive() noexcept {
 }
 
 // The same sequence again may carry other flags.
-void UdpDevice::take(const udp::TurningStateDatagram& turning, bool turns) noexcept {
+void UdpDevice::take(const udp::TurningStateDatagram& turning, bool has_orientation) noexcept {
   const udp::StateDatagram &datagram = turning.state, &last = last_.state;
   const bool older = datagram.session == last.session ? datagram.sequence < last.sequence
                                                       : datagram.session < last.session;
@@ -121,7 +121,7 @@ void UdpDevice::take(const udp::TurningStateDatagram& turning, bool turns) noexc
   state_ = udp::state_of(turning);
   state_.sequence = before_ + datagram.sequence;
   last_ = turning;
-  turns_ = turns;
+  has_orientation_ = has_orientation;
   unreachable_ = refused_ = false;
 }
 
@@ -138,10 +138,11 @@ bool UdpDevice::send(const Wrench& given, Nanoseconds now, std::uint16_t flags) 
     wrench.torque = wanted;
   const udp::Pass* pass = pass_ ? &pass_->pass : nullptr;
   const udp::Outcome outcome =
-      turns_ ? (pass ? socket_.send(udp::encode(udp::PassedWrenchDatagram{wrench, *pass}))
-                     : socket_.send(udp::encode(wrench)))
-             : (pass ? socket_.send(udp::encode(udp::PassedForceDatagram{datagram, *pass}))
-                     : socket_.send(udp::encode(datagram)));
+      has_orientation_
+          ? (pass ? socket_.send(udp::encode(udp::PassedWrenchDatagram{wrench, *pass}))
+                  : socket_.send(udp::encode(wrench)))
+          : (pass ? socket_.send(udp::encode(udp::PassedForceDatagram{datagram, *pass}))
+                  : socket_.send(udp::encode(datagram)));
   if (outcome == udp::Outcome::kRefused) unreachable_ = true;
   return outcome == udp::Outcome::kDone;
 }

@@ -44,7 +44,7 @@ class GLISS_EXPORT UdpDevice final : public HapticDevice {
 
  private:
   void receive() noexcept;
-  void take(const udp::TurningStateDatagram& datagram, bool turns) noexcept;
+  void take(const udp::TurningStateDatagram& datagram, bool has_orientation) noexcept;
   bool send(const Wrench& wrench, Nanoseconds now, std::uint16_t flags) noexcept;
 
   std::uint16_t port_;
@@ -52,7 +52,7 @@ class GLISS_EXPORT UdpDevice final : public HapticDevice {
   std::optional<udp::FoundPass> pass_;
   DeviceInfo info_;
   udp::TurningStateDatagram last_;
-  bool turns_ = false;  // it came with an orientation
+  bool has_orientation_ = false;  // it came with an orientation
   DeviceState state_;
   std::uint64_t before_ = 0;  // sequence that the sessions before this one reached
   std::uint64_t sent_ = 0;

@@ -198,7 +198,7 @@ inline TurningStateDatagram datagram_of(const DeviceInfo& info, const DeviceStat
   d.box_min = triple(info.workspace.min());
   d.box_max = triple(info.workspace.max());
   if (!info.has_orientation) return turning;
-  const Turn& q = state.orientation;
+  const Rotation& q = state.orientation;
   turning.orientation = {q.w(), q.x(), q.y(), q.z()};
   turning.max_torque = sent_limit(info.max_torque);
   return turning;
@@ -212,14 +212,15 @@ inline DeviceState state_of(const TurningStateDatagram& turning) noexcept {
   state.position = vector(d.position);
   if ((d.flags & kHasVelocity) != 0) state.velocity = vector(d.velocity);
   const Quad& q = turning.orientation;
-  state.orientation = Turn(q[0], q[1], q[2], q[3]);
+  state.orientation = Rotation(q[0], q[1], q[2], q[3]);
   state.fault = (d.flags & kFault) != 0;
   state.ended = (d.flags & kEnded) != 0;
   return state;
 }
 
-// `turns`: it came as a TurningStateDatagram.
-inline DeviceInfo info_of(const TurningStateDatagram& turning, bool turns, std::string name) {
+// `has_orientation`: it came as a TurningStateDatagram.
+inline DeviceInfo info_of(const TurningStateDatagram& turning, bool has_orientation,
+                          std::string name) {
   const StateDatagram& d = turning.state;
   DeviceInfo info;
   info.name = std::move(name);
@@ -228,7 +229,7 @@ inline DeviceInfo info_of(const TurningStateDatagram& turning, bool turns, std::
   const Eigen::AlignedBox3d box(vector(d.box_min), vector(d.box_max));
   if (!box.isEmpty()) info.workspace = box;
   info.has_velocity = (d.flags & kHasVelocity) != 0;
-  info.has_orientation = turns;
+  info.has_orientation = has_orientation;
   info.max_torque = read_limit(turning.max_torque);
   return info;
 }

@@ -95,11 +95,12 @@ HapticLoop::HapticLoop(HapticDevice& device, Tracker& tracker, const LoopOptions
 
 void HapticLoop::feel(Nanoseconds now, LoopTick& tick) noexcept {
   const PlainArithmetic plain;
-  const Turn& turn = tick.input.orientation;
-  const bool is_turn = std::abs(turn.norm() - 1) < 1e-3;  // of three degrees of freedom as well
-  if (tick.input.sequence > 0 && is_turn) {
+  const Rotation& rotation = tick.input.orientation;
+  const bool is_rotation = std::abs(rotation.norm() - 1) < 1e-3;  // of three degrees of freedom as
+                                                                  // well
+  if (tick.input.sequence > 0 && is_rotation) {
     Pose tool = Pose::Identity();
-    if (device_.info().has_orientation) tool.linear() = turn.normalized().toRotationMatrix();
+    if (device_.info().has_orientation) tool.linear() = rotation.normalized().toRotationMatrix();
     tool.translation() = tick.input.position;
     const Wrench wrench = tracker_.step(tool, tick.time, tick.input.velocity);
     tick.rendered = wrench.force;

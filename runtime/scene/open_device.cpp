@@ -23,13 +23,13 @@ std::unique_ptr<HapticDevice> open_sim(const Scene& scene, const DeviceOpening& 
 
 std::unique_ptr<HapticDevice> open_replay(const std::string& file, const Poll& poll) {
   try {
-    std::vector<std::string> columns = kTurnColumns;
+    std::vector<std::string> columns = kRotationColumns;
     columns.insert(columns.end(), kMotionColumns.begin(), kMotionColumns.end());
     PointTable path = read_points(file, 1, columns, poll);
-    std::vector<Turn> turns = std::move(path.turns);
+    std::vector<Rotation> rotations = std::move(path.rotations);
     std::vector<Vec3> velocities = std::move(path.velocities);
     return std::make_unique<ReplayDevice>(points_in_metres(std::move(path)), "replay:" + file,
-                                          std::move(turns), std::move(velocities));
+                                          std::move(rotations), std::move(velocities));
   } catch (const std::runtime_error& error) {  // also where there is no such file
     throw std::invalid_argument(error.what());
   }

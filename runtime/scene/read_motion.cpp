@@ -21,19 +21,19 @@ Poses read_table_of_poses(const std::string& path, const Poll& poll) {
   const std::vector<std::vector<std::string>> names = {{"t", "x", "y", "z"},
                                                        {"t", "x_mm", "y_mm", "z_mm"}};
   const InputTable table =
-      read_table(path, {.alternatives = names, .optional = kTurnColumns, .poll = poll});
+      read_table(path, {.alternatives = names, .optional = kRotationColumns, .poll = poll});
   const auto column = [&](std::size_t i) -> const LargeArray<double>& {
     return *table.find(names[table.alternative][i]);
   };
   const UnitChange to_metres(table.alternative == 0 ? 1 : 1e-3, 1);
-  const std::vector<Turn> turns = turns_of(table, poll);
+  const std::vector<Rotation> rotations = rotations_of(table, poll);
   ItemPoll poll_rows(poll);
   Poses all;
   for (std::size_t i = 0; i < table.rows; ++i) {
     poll_rows();
     Pose pose = Pose::Identity();
     pose.translation() = to_metres(Vec3(column(1)[i], column(2)[i], column(3)[i]));
-    if (!turns.empty()) pose.linear() = turns[i].toRotationMatrix();
+    if (!rotations.empty()) pose.linear() = rotations[i].toRotationMatrix();
     if (i > 0 && !(column(0)[i] > all.times.back()))
       throw std::runtime_error(
           fmt::format("{}: its time is not later than that of the row before", table.place(i)));

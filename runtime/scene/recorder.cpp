@@ -9,7 +9,7 @@ constexpr std::uint64_t kFlushedTicks = 4096;  // to disk together: a full one i
 
 using Ticks = std::vector<LoopTick>;
 
-TableColumns<Ticks> recorded_columns(bool turns) {
+TableColumns<Ticks> recorded_columns(bool has_orientation) {
   using enum ColumnType;
   const auto seconds = [](Nanoseconds LoopTick::*time) {
     return [time](const LoopTick& t) { return in_seconds(t.*time); };
@@ -37,7 +37,7 @@ TableColumns<Ticks> recorded_columns(bool turns) {
       .add("iterations", kUint32, "", &LoopTick::iterations)
       .add("crossings", kUint32, "", &LoopTick::crossings)
       .add("flags", kUint32, "", &LoopTick::flags);
-  if (turns)
+  if (has_orientation)
     columns.add("qw", kFloat64, "", [](const LoopTick& t) { return t.input.orientation.w(); })
         .add_vector({"qx", "qy", "qz"}, kFloat64, "",
                     [](const LoopTick& t) { return t.input.orientation.vec(); })
@@ -46,24 +46,24 @@ TableColumns<Ticks> recorded_columns(bool turns) {
   return columns;
 }
 
-const TableColumns<Ticks>& columns_of(bool turns) {
+const TableColumns<Ticks>& columns_of(bool has_orientation) {
   static const TableColumns<Ticks> plain = recorded_columns(false), turned = recorded_columns(true);
-  return turns ? turned : plain;
+  return has_orientation ? turned : plain;
 }
 
 }  // namespace
 
 RecordingFile::RecordingFile(const std::string& path, const std::vector<Attribute>& attributes,
-                             bool turns)
+                             bool has_orientation)
     : many_tables_(!path.ends_with(".csv")),
-      turns_(turns),
+      has_orientation_(has_orientation),
       file_(create_result_file(path)),
-      table_(*file_, "ticks", columns_of(turns).columns(), {}, kFlushedTicks) {
+      table_(*file_, "ticks", columns_of(has_orientation).columns(), {}, kFlushedTicks) {
   for (const Attribute& attribute : attributes) file_->set_attribute(attribute);
 }
 
 void RecordingFile::write(const std::vector<LoopTick>& ticks) {
-  columns_of(turns_).fill(table_, ticks, ticks.size());
+  columns_of(has_orientation_).fill(table_, ticks, ticks.size());
   table_.write();
 }
 

@@ -17,16 +17,16 @@ namespace gliss {
 // recording is a path for a replay and for `gliss trace`.
 class GLISS_EXPORT RecordingFile {
  public:
-  // `turns`: with the orientation of a device that has one, and the torques.
+  // `has_orientation`: with the orientation of a device that has one, and the torques.
   RecordingFile(const std::string& path, const std::vector<Attribute>& attributes,
-                bool turns = false);
+                bool has_orientation = false);
   void write(const std::vector<LoopTick>& ticks);
   // A table "histograms/`name`" of its own. Not in CSV, which holds one table.
   void add_histogram(const std::string& name, const DurationHistogram& durations);
   void close();  // nothing appears under `path` before
 
  private:
-  bool many_tables_, turns_;
+  bool many_tables_, has_orientation_;
   std::unique_ptr<ResultFile> file_;
   ResultTable table_;
 };

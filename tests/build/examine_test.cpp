@@ -52,7 +52,7 @@ double distance_to_base(const PatchDraft& d, const Vec3& p) {
 // Second fundamental form of the oracle's patch, and the larger |eigenvalue| of its shape operator.
 // Differences are those of the kernel: at corners the curvature depends on where it is taken.
 struct Curved {
-  Vec3 bend;
+  Vec3 second_form;
   double largest = 0;
 };
 Curved curved(const Polygon& polygon, double xi, double eta) {
@@ -108,10 +108,10 @@ TEST(Examine, finds_what_the_oracle_finds_at_the_probes) {
     EXPECT_LE((triple(kShapeHigh) - high).norm(), 1e-12);
     EXPECT_LE((triple(kShapeAlongLow) - along_low).norm(), 1e-12);
     EXPECT_LE((triple(kShapeAlongHigh) - along_high).norm(), 1e-12);
-    EXPECT_NEAR(reals[kShapeTurn], turn, 1e-9);
+    EXPECT_NEAR(reals[kShapeLeastCosine], turn, 1e-9);
     EXPECT_NEAR(reals[kShapeStretch2], stretch2, 1e-9 * stretch2);
     EXPECT_NEAR(std::sqrt(reals[kShapeSag2]), sag, 1e-9);
-    EXPECT_LE((triple(kShapeBend) - curved(base, 0, 0).bend).norm(), 1e-6);
+    EXPECT_LE((triple(kShapeSecondForm) - curved(base, 0, 0).second_form).norm(), 1e-6);
     EXPECT_NEAR(reals[kShapeCurvature], curvature, 1e-6 * (1 + curvature));
     EXPECT_EQ(reals[kShapeFinite], 1);
   }
@@ -125,7 +125,7 @@ TEST(Examine, a_patch_of_a_sphere_has_its_radius) {
   }
   const PatchDraft d = examined(polygon);
   EXPECT_NEAR(d.shape.rho_min / d.frame.scale, 5, 0.25);  // a patch is not the sphere itself
-  EXPECT_NEAR(d.shape.turn, polygon.normals[0].z(), 1e-3);
+  EXPECT_NEAR(d.shape.least_cosine, polygon.normals[0].z(), 1e-3);
 }
 
 TEST(Examine, bounds_hold_between_the_probes) {
@@ -156,7 +156,7 @@ TEST(Examine, what_is_not_finite_is_folded_and_leaves_no_nan) {
       d.control[at] = bad;
       const PatchShape s = examine(d, tables());
       EXPECT_TRUE(is_folded(s)) << bad << " at " << at;
-      EXPECT_TRUE(s.bend.allFinite());
+      EXPECT_TRUE(s.second_form.allFinite());
       EXPECT_FALSE(s.low.hasNaN() || s.high.hasNaN() || s.box.low.hasNaN() || s.box.high.hasNaN());
       EXPECT_FALSE(std::isnan(s.sag) || std::isnan(s.rho_min));
     }

@@ -97,7 +97,7 @@ std::array<double, kShapeReals> all_probes(const PatchDraft& d, bool by_second) 
 
 PatchShape by_all_probes(const PatchDraft& d, bool by_second) {
   PatchShape shape = shape_from(all_probes(d, by_second).data());
-  if (!(d.turned > 0)) shape.turn = -1;
+  if (!(d.inward_share > 0)) shape.least_cosine = -1;
   return shape;
 }
 PatchShape by_differences(const PatchDraft& d) { return by_all_probes(d, false); }
@@ -118,7 +118,8 @@ double curvature_inside(const PatchDraft& d, bool by_second) {
 
 // True if a build says so.
 bool folds(const PatchDraft& d, PatchShape shape) {
-  if (may_fold_unseen(shape)) shape.turn = std::min(shape.turn, closer_turn(d, fold_tables()));
+  if (may_fold_unseen(shape))
+    shape.least_cosine = std::min(shape.least_cosine, least_cosine_closely(d, fold_tables()));
   return is_folded(shape);
 }
 
@@ -170,7 +171,7 @@ TEST(FoldSearch, second_derivatives_agree_with_differences) {
     Drafts(mesh).for_each([](const PatchDraft& d, std::uint32_t face) {
       SCOPED_TRACE(face);
       const PatchShape a = by_all_probes(d, true), b = by_differences(d);
-      EXPECT_LE((a.bend - b.bend).norm(), 1e-4 * (1 + b.bend.norm()));
+      EXPECT_LE((a.second_form - b.second_form).norm(), 1e-4 * (1 + b.second_form.norm()));
       ASSERT_NE(fold_tables().second_of(d.form, d.valence()), nullptr);
       const double curvature = curvature_inside(d, false);
       EXPECT_NEAR(curvature_inside(d, true), curvature, 2e-4 * curvature);
@@ -178,7 +179,7 @@ TEST(FoldSearch, second_derivatives_agree_with_differences) {
       // blended.
       const bool is_blend = d.form != kFormSextic && d.form != kFormBezier;
       EXPECT_NEAR(a.rho_min, b.rho_min, (is_blend ? 0.1 : 1e-2) * b.rho_min);
-      EXPECT_NEAR(a.turn, b.turn, is_blend ? 1e-11 : 1e-12);
+      EXPECT_NEAR(a.least_cosine, b.least_cosine, is_blend ? 1e-11 : 1e-12);
       // Widened by what that curvature bends between samples.
       const double bent = is_blend ? 1e-2 : 1e-3;
       EXPECT_NEAR(a.sag, b.sag, bent * b.sag + 1e-9);
@@ -232,14 +233,14 @@ TEST(FoldSearch, fewer_probes_tell_all_of_gentle_patches) {
       const PatchShape all = by_all_probes(d, true);
       ++patches, gentle += samples.is_gentle;
       if (!samples.is_gentle) {
-        EXPECT_EQ(few.turn, all.turn);
+        EXPECT_EQ(few.least_cosine, all.least_cosine);
         EXPECT_EQ(few.rho_min, all.rho_min);
         return;
       }
-      EXPECT_NEAR(few.turn, all.turn, 1e-3);
-      EXPECT_GT(few.turn, 0.7);
+      EXPECT_NEAR(few.least_cosine, all.least_cosine, 1e-3);
+      EXPECT_GT(few.least_cosine, 0.7);
       EXPECT_NEAR(few.rho_min, all.rho_min, 0.15 * all.rho_min);
-      EXPECT_EQ(few.bend, all.bend);
+      EXPECT_EQ(few.second_form, all.second_form);
       const auto triple = [&](std::size_t at) { return Vec3(&reals[at]); };
       EXPECT_TRUE((few.box.low.array() <= triple(kShapeLow).array()).all());
       EXPECT_TRUE((few.box.high.array() >= triple(kShapeHigh).array()).all());

@@ -54,10 +54,10 @@ Tile read(const Cut& c, std::size_t i) {
   t.half = unit * (w[3] & 65535);
   const double x = ((w[2] & 4095) - 2048.0) / 2048, y = ((w[2] >> 12 & 4095) - 2048.0) / 2048;
   t.axis = {x, y, std::sqrt(std::max(1 - x * x - y * y, 0.0))};
-  const double turn = w[2] >> 24 & kTileAnyTurn;
-  t.any_turn = turn == kTileAnyTurn;
-  t.bends = (w[2] >> 24 & kTileBends) != 0;
-  t.tangent = std::ldexp(turn * turn, -kTileTurnShift);
+  const double turn = w[2] >> 24 & kTileAnyLean;
+  t.any_turn = turn == kTileAnyLean;
+  t.bends = (w[2] >> 24 & kTileLeansByCurvature) != 0;
+  t.tangent = std::ldexp(turn * turn, -kTileLeanShift);
   const auto curvature = [&](std::uint32_t bits) {
     return std::pow((bits - 128.0) / 127, 3) * c.tiles.curvature;
   };

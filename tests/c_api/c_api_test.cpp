@@ -221,7 +221,7 @@ TEST(CApi, ticks_as_the_tracker_does_and_allocates_nothing) {
     ASSERT_EQ(gliss_hand_tick_tool(hand, position, rotation, force, torque), 0);
     allocations += test::allocations() - before;
     Pose pose = Pose::Identity();
-    pose.linear() = Turn(rotation[0], 0, 0, rotation[3]).normalized().toRotationMatrix();
+    pose.linear() = Rotation(rotation[0], 0, 0, rotation[3]).normalized().toRotationMatrix();
     pose.translation() = Vec3(position[0], position[1], position[2]);
     const Wrench want = tracker.step(pose);
     ASSERT_EQ(Vec3(force[0], force[1], force[2]), want.force);

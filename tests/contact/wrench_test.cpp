@@ -225,13 +225,13 @@ TEST(Wrench, comes_from_a_replay_with_orientations_through_the_loop) {
   const SceneObject sheet = touched(test::sheet());
   const std::vector<Vec3> hips{{2e-3, 0, 0}, {-2e-3, 0, 0}};
   std::vector<Vec3> path;
-  std::vector<Turn> turns;
+  std::vector<Rotation> turns;
   for (int i = 0; i < 1500; ++i) {
     path.push_back({0, 0, 2e-3 - 4e-6 * std::min(i, 800)});
     turns.emplace_back(Eigen::AngleAxisd(2e-4 * i, Vec3::UnitY()));
   }
   for (const bool has_turns : {true, false}) {
-    ReplayDevice device(path, "replay", has_turns ? turns : std::vector<Turn>{});
+    ReplayDevice device(path, "replay", has_turns ? turns : std::vector<Rotation>{});
     Tracker tracker({&sheet, 1}, hips);
     HapticLoop loop(device, tracker, {.wait = false});
     double torque = 0, sent = 0;
@@ -243,7 +243,7 @@ TEST(Wrench, comes_from_a_replay_with_orientations_through_the_loop) {
     EXPECT_EQ(torque > 1e-3, has_turns);
     EXPECT_EQ(sent > 1e-4, has_turns);
   }
-  EXPECT_THROW(ReplayDevice(path, "replay", {Turn::Identity()}), std::invalid_argument);
+  EXPECT_THROW(ReplayDevice(path, "replay", {Rotation::Identity()}), std::invalid_argument);
 }
 
 TEST(Wrench, of_a_tool_is_felt_at_points_that_are_spread_over_its_mesh) {

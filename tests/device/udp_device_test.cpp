@@ -117,7 +117,7 @@ TEST(UdpDevice, brings_orientations_and_takes_torques) {
     EXPECT_EQ(device.info().max_force, 3);
     const bool done = eventually([&] {
       const DeviceState state = device.read(monotonic_time());
-      EXPECT_EQ(state.orientation.coeffs(), Turn(0, 0, 1, 0).coeffs());
+      EXPECT_EQ(state.orientation.coeffs(), Rotation(0, 0, 1, 0).coeffs());
       // More than the motors give, and a torque that is none.
       const bool is_none = state.sequence % 7 == 0;
       EXPECT_TRUE(

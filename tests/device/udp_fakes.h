@@ -44,7 +44,7 @@ class FakeDevice : public HapticDevice {
   void turn() {
     info_.has_orientation = true;
     info_.max_torque = 0.2;
-    state.orientation = Turn(0, 0, 1, 0);
+    state.orientation = Rotation(0, 0, 1, 0);
   }
 
   DeviceState state;

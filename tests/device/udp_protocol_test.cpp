@@ -144,7 +144,7 @@ TEST(UdpProtocol, carries_an_orientation_and_a_torque) {
   test::FakeDevice device;
   device.turn();
   DeviceState state = some_state();
-  state.orientation = Turn(0.5, -0.5, 0.5, 0.5);
+  state.orientation = Rotation(0.5, -0.5, 0.5, 0.5);
   const TurningStateDatagram sent = datagram_of(device.info(), state, 42);
   const auto got = decode<TurningStateDatagram>(encode(sent));
   ASSERT_TRUE(got);

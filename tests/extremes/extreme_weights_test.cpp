@@ -39,7 +39,7 @@ class Blend {
       Real* side = &control_[k * kSideReals];
       side[kSideLength] = side[kSideLength + 1] = 0;
     }
-    kernels<Real>().bend_patch(control_.data(), n_, up);
+    kernels<Real>().flatten_tangents(control_.data(), n_, up);
     for (std::uint32_t k = 0; k < n_; ++k) std::fill_n(&control_[k * kSideReals], 12, Real(0));
   }
 

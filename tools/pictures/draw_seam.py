@@ -98,7 +98,7 @@ class Panel:
 
 def draw(source):
     union = "kernels/union.h"
-    most, all_steps = (int(source.number(union, name)) for name in ("UNION_RESTS", "UNION_STEPS"))
+    most, all_steps = (int(source.number(union, name)) for name in ("UNION_SUPPORTS", "UNION_STEPS"))
     found = steps()
     (first, push, _), (second, _, _), (_, last, weights) = found[0], found[1], found[-1]
     canvas = Canvas("A contact on the seam of two solids", 900, 372)
@@ -139,7 +139,7 @@ def draw(source):
         canvas.parts.append("</g>")
         canvas.box(x, 40, 276, 250, "group")
 
-    join, push_of, move = (source.name(union, name) for name in ("join_burier", "shortest_push", "move_rests"))
+    join, push_of, move = (source.name(union, name) for name in ("join_burier", "shortest_push", "move_supports"))
     canvas.text(20, 310, join, "code")
     canvas.text(320, 310, push_of, "code")
     canvas.text(620, 310, move, "code")

@@ -132,7 +132,7 @@ WORDS = (
     ("TILE_CENTRE_Z_RADIUS", ((16, "centre z"), (16, "radius"))),
     ("TILE_AXIS", ((12, "axis x"), (12, "axis y"), (7, "lean"), (1, ""))),
     ("TILE_HALF_CURVES", ((16, "half the height"), (8, "least"), (8, "largest"))),
-    ("TILE_BEND", ((9, "n\u00b7G xi xi"), (9, "n\u00b7G xi eta"), (9, "n\u00b7G eta eta"), (5, "scale"))),
+    ("TILE_SECOND_FORM", ((9, "n\u00b7G xi xi"), (9, "n\u00b7G xi eta"), (9, "n\u00b7G eta eta"), (5, "scale"))),
 )
 
 

@@ -23,7 +23,7 @@ namespace gliss::tools {
 namespace {
 
 constexpr Nanoseconds kPeriod = std::chrono::milliseconds(1);
-constexpr std::uint64_t kTurn = 1000;       // periods
+constexpr std::uint64_t kBlock = 1000;      // periods
 constexpr int kAlong = 500, kAround = 20;   // 10,000 patches
 constexpr double kDepth = 2, kStep = 0.15;  // mm; the step is that of a tick
 constexpr double kStiffness = 500;          // N/m
@@ -101,8 +101,8 @@ std::unique_ptr<Judgement> measure(const JudgeOptions& options, KnotTick& tick) 
   const auto periods = static_cast<std::uint64_t>(options.seconds / 2 * 1e9) /
                        static_cast<std::uint64_t>(kPeriod.count());
   // Turn by turn: what else the machine does comes and goes.
-  const auto turns = std::max<std::uint64_t>(1, periods / kTurn);
-  const std::uint64_t total = turns * (periods / turns) * 2;
+  const auto blocks = std::max<std::uint64_t>(1, periods / kBlock);
+  const std::uint64_t total = blocks * (periods / blocks) * 2;
   std::atomic<std::uint64_t> done{0};
   Watch watch(options, "judge", total, "ticks");
   // Leaving this function, by Interrupted too, waits for the thread.
@@ -112,10 +112,10 @@ std::unique_ptr<Judgement> measure(const JudgeOptions& options, KnotTick& tick) 
       result->scheduling = fmt::format("SCHED_FIFO {}", realtime.priority());
     result->memory_locked = realtime.memory_locked();
     result->refusals = realtime.refusals();
-    for (std::uint64_t turn = 0; turn < turns; ++turn) {
+    for (std::uint64_t block = 0; block < blocks; ++block) {
       run_loop(
-          periods / turns, [] { return kFine; }, result->floor, done);
-      run_loop(periods / turns, tick, result->loop, done);
+          periods / blocks, [] { return kFine; }, result->floor, done);
+      run_loop(periods / blocks, tick, result->loop, done);
     }
   });
   while (running.wait_for(std::chrono::milliseconds(100)) != std::future_status::ready) {

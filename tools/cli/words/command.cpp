@@ -30,7 +30,8 @@ double parse_weld(const std::string& text) {
 }
 
 // A time from 0 to 1 s, for an option of which `usual` is a sensible value.
-double settle_of(const std::string& option, const std::string& text, const std::string& usual) {
+double time_of_option(const std::string& option, const std::string& text,
+                      const std::string& usual) {
   const double seconds = parse_time(text);
   if (!(seconds >= 0 && seconds <= kMostSettleTime))
     throw InputError(
@@ -207,7 +208,7 @@ void add_settle_option(Command& command, double& settle) {
                    "which the "
                    "force changes by 20 % meanwhile; 0: it leaps; default {}",
                    settle > 0 ? fmt::format("{:g}ms", 1e3 * settle) : "0")},
-      [&settle](const std::string& text) { settle = settle_of("--settle", text, "5ms"); });
+      [&settle](const std::string& text) { settle = time_of_option("--settle", text, "5ms"); });
 }
 
 void add_friction_options(Command& command, FrictionOptions& friction) {
@@ -232,7 +233,7 @@ void add_friction_options(Command& command, FrictionOptions& friction) {
        "the time in which static friction falls to dynamic by 63 % once a contact slips; default "
        "0: at once"},
       [&friction](const std::string& text) {
-        friction.settle = settle_of("--friction-settle", text, "2ms");
+        friction.settle = time_of_option("--friction-settle", text, "2ms");
       });
 }
 
