@@ -16,7 +16,7 @@ import time
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 # What runs programs, other processes or devices, measures time, or compares with code that has no mutants.
-LEFT_OUT = ("*OpenCl*:*opencl*:Program*:*Haply*:Udp*:*Strace*:FaultInjection*:Realtime*:Run*:Judge.reports*:Judge.says*:"
+LEFT_OUT = ("*OpenCl*:*opencl*:Program*:UdpKill*:*Strace*:FaultInjection*:Realtime*:Run*:Judge.reports*:Judge.says*:"
             "Judge.stops*:HostileProgram*:HostileEnds*:Report*:AllocationFailure*:*Freshness*:Periodic*")
 Mutant = collections.namedtuple("Mutant", "number name file before original mutated after stages reason")
 
@@ -100,7 +100,7 @@ def apply(folder):
         if name == "kernels/real.h":  # no variable there
             text = text.replace("#ifdef __OPENCL_C_VERSION__\n", "#ifdef __OPENCL_C_VERSION__\n#define gliss_mutant 0\n", 1)
         # All kernels are compiled with one file.
-        if name == "host/surface/instances_isa.cpp" or (name in by_file and name.endswith(".cpp")):
+        if name == "host/surface/instances_isa.cpp" or (name in by_file and not name.startswith("kernels/")):
             text = f'#include "{header.resolve()}"\n#line 1\n' + text
         write(tree / name, text)
 

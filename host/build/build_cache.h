@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "gliss/base/export.h"
+#include "gliss/build/build_backend.h"
 #include "gliss/build/complete_mesh.h"
-#include "gliss/build/patch_batch.h"
 #include "gliss/mesh/mesh.h"
 #include "gliss/mesh/topology.h"
 #include "gliss/surface/patch_cache.h"

@@ -1,17 +1,16 @@
 // The exact patches of many faces as flat arrays, for a backend to build and examine at once.
+// Private to host/.
 #pragma once
 
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
 
 #include "gliss/base/export.h"
-#include "gliss/base/parallel.h"
-#include "gliss/base/poll.h"
+#include "gliss/build/build_backend.h"
 #include "gliss/build/tile_cuts.h"
 
 namespace gliss {
@@ -69,24 +68,6 @@ struct GLISS_EXPORT PatchBatch {
   std::size_t first_triangle(std::size_t patch) const { return side_begin[patch] - 2 * patch; }
   // Makes room in all arrays for patches of these valences and forms; their content is what it was.
   void resize(std::span<const std::uint32_t> valences, std::span<const std::uint32_t> forms);
-};
-
-// Computes what of a batch is to be computed.
-using BatchBuilder = std::function<void(PatchBatch&, const ParallelFor&)>;
-
-// With the machine's best lanes.
-GLISS_EXPORT void build_patches(PatchBatch& batch, const ParallelFor& parallel);
-
-// The backend that a build runs on.
-struct BuildBackend {
-  ParallelFor parallel = serial_for;
-  BatchBuilder build = build_patches;
-  // Faces in a batch at most: bounds what is held besides the cache. Batches that take long are
-  // smaller, and the cache is the same.
-  std::size_t chunk = 8192;
-  // Told now and then how many of the faces are examined, from the thread that builds.
-  std::function<void(std::size_t faces)> progress = [](std::size_t) {};
-  Poll poll = {};
 };
 
 }  // namespace gliss

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "gliss/base/pace.h"
+#include "gliss/surface/instances.h"
 
 namespace gliss {
 namespace {
@@ -157,5 +158,7 @@ std::unique_ptr<ResidentSurface> Engine::reside(const PatchCache& cache) const {
 std::unique_ptr<Engine> make_serial_engine(Poll poll) {
   return std::make_unique<SerialEngine>(std::move(poll));
 }
+
+const char* instruction_set() { return kernels<double>().isa; }
 
 }  // namespace gliss

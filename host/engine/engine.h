@@ -102,4 +102,8 @@ GLISS_EXPORT std::unique_ptr<Engine> make_serial_engine(Poll poll = {});
 // threads = 0: as many as the machine has.
 GLISS_EXPORT std::unique_ptr<Engine> make_tbb_engine(int threads = 0, Poll poll = {});
 
+// Returns the name of the instruction set that the library computes with: "baseline", "v3" or "v4".
+// Throws std::invalid_argument where the environment variable GLISS_ISA names none of them.
+GLISS_EXPORT const char* instruction_set();
+
 }  // namespace gliss

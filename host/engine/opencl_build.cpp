@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "gliss/build/patch_batch.h"
 #include "gliss/engine/opencl_queue.h"
 #include "gliss/engine/opencl_shared.h"
 #include "gliss/surface/instances.h"

@@ -17,7 +17,7 @@
 
 #include "gliss/base/export.h"
 #include "gliss/surface/arrays.h"
-#include "gliss/surface/instances.h"
+#include "gliss/surface/contact.h"
 #include "gliss/surface/patch_cache.h"
 
 namespace gliss {

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "gliss/base/export.h"
-#include "gliss/surface/instances.h"
+#include "gliss/surface/contact.h"
 #include "gliss/surface/patch_cache.h"
 
 namespace gliss {

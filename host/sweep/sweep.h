@@ -11,7 +11,6 @@
 
 #include "gliss/base/export.h"
 #include "gliss/engine/engine.h"
-#include "gliss/sweep/part_folder.h"
 
 namespace gliss {
 
@@ -99,9 +98,9 @@ struct SweepBlock {
 // Blocks arrive in order (chunk, depth, method), always from one thread at a time; null: only
 // statistics are kept.
 using SweepSink = std::function<void(const SweepBlock&)>;
-// Called after each window of chunks, and several times a second where one takes long; counts
-// samples.
-using SweepProgress = PartProgress;
+// Told after each window of chunks, and several times a second where one takes long, how many of
+// all samples are done. What it throws ends the sweep.
+using SweepProgress = std::function<void(std::uint64_t done, std::uint64_t total)>;
 
 struct SweepResult {
   std::vector<SweepStatistics> statistics;  // [depth][method]
@@ -109,7 +108,6 @@ struct SweepResult {
 };
 
 class SweepParts;
-GLISS_EXPORT std::size_t part_count(const PatchCache& cache, const SweepOptions& options);
 
 // Memory is bounded by the part under way, whatever the number of samples; the result is the same
 // at any thread count. With `parts` (host/sweep/sweep_parts.h, made of the same cache and options),
@@ -119,22 +117,5 @@ GLISS_EXPORT SweepResult sweep(const PatchCache& cache, const Engine& engine,
                                const SweepOptions& options, const SweepSink& sink = nullptr,
                                const SweepProgress& progress = nullptr,
                                SweepParts* parts = nullptr);
-
-// Does the parts that `source` names, unless they are there, keeps all of them in `parts`, and goes
-// no further: a sweep() with these parts takes them from there. Shards do so at the same time, in
-// whatever processes, and may do a part twice. Progress counts all samples that stand before what
-// is done in the order of the grid, whoever did them. The statistics are of the parts done here.
-// With a sink the source may wait until others have done a part. One that names every part makes it
-// a sweep(); of others the sink has the blocks of the parts that they name.
-GLISS_EXPORT SweepResult sweep_parts(const PatchCache& cache, const Engine& engine,
-                                     const SweepOptions& options, const PartSource& source,
-                                     SweepParts& parts, const SweepProgress& progress = nullptr,
-                                     const SweepSink& sink = nullptr);
-
-// The statistics of a sweep whose parts are all there, put together in their order. Throws
-// std::runtime_error that names the folder where one is not; their samples are not looked at.
-GLISS_EXPORT SweepResult kept_statistics(const PatchCache& cache, const SweepOptions& options,
-                                         const SweepParts& parts,
-                                         const SweepProgress& progress = nullptr);
 
 }  // namespace gliss

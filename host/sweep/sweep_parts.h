@@ -1,4 +1,4 @@
-// Finished parts of a sweep in a folder.
+// Finished parts of a sweep in a folder. Private to Gliss.
 #pragma once
 
 #include <cstdint>
@@ -56,5 +56,25 @@ class GLISS_EXPORT SweepParts : public PartFolder {
   std::vector<Method> methods_;
   PartFile file_;  // the part under way
 };
+
+// The number of parts of a sweep.
+GLISS_EXPORT std::size_t part_count(const PatchCache& cache, const SweepOptions& options);
+
+// Does the parts that `source` names, unless they are there, keeps all of them in `parts`, and goes
+// no further: a sweep() with these parts takes them from there. Shards do so at the same time, in
+// whatever processes, and may do a part twice. Progress counts all samples that stand before what
+// is done in the order of the grid, whoever did them. The statistics are of the parts done here.
+// With a sink the source may wait until others have done a part. One that names every part makes it
+// a sweep(); of others the sink has the blocks of the parts that they name.
+GLISS_EXPORT SweepResult sweep_parts(const PatchCache& cache, const Engine& engine,
+                                     const SweepOptions& options, const PartSource& source,
+                                     SweepParts& parts, const SweepProgress& progress = nullptr,
+                                     const SweepSink& sink = nullptr);
+
+// The statistics of a sweep whose parts are all there, put together in their order. Throws
+// std::runtime_error that names the folder where one is not; their samples are not looked at.
+GLISS_EXPORT SweepResult kept_statistics(const PatchCache& cache, const SweepOptions& options,
+                                         const SweepParts& parts,
+                                         const SweepProgress& progress = nullptr);
 
 }  // namespace gliss
