@@ -1,5 +1,4 @@
-// Cuts a patch into tiles (tile.h). Lanes are tiles. On the host only, in double: words have 32
-// bits.
+// Cuts a patch into tiles (tile.h). Lanes are tiles. On the host only, in double (tile_code.h).
 //
 // A tile's bounds are from samples, CUT_RINGS or CUT_FEW_RINGS to a side, widened by what may lie
 // between them. Its points are those of a triangle of so many rows: (a, b), b <= a, is point
@@ -13,15 +12,6 @@
 // The tangent of 2e-3 rad, by which a bound on normals is widened: more than what two patches that
 // meet smoothly differ by.
 #define CUT_LEAST_TURN K(0x1.0624f4172ce6ep-9)
-
-FN real whole_above(real x) {
-  const real floor = whole_part(x);
-  return pick(floor < x, floor + K(1), floor);
-}
-// Within [0, most]; NaN counts as `most`.
-FN real limit_code(real x, scalar most) {
-  return pick(x < most, larger(x, splat(K(0))), splat(most));
-}
 
 FN real gather_each(GLOBAL scalar* at, GLOBAL uint* index) {
   real r = {};
@@ -137,27 +127,6 @@ FN tile_curvatures curvatures_of(const cut_sample* s, int rings) {
   return t;
 }
 
-// Twelve bits each of x and y of a unit axis, whose z is not negative.
-typedef struct {
-  real x, y;
-  real3 axis;  // as it is read
-} axis_code;
-
-FN real axis_bits(real x) {
-  const real far = whole_part(K(2047) * fabs(x));
-  return limit_code(pick(x < K(0), K(2048) - far, K(2048) + far), K(4095));
-}
-
-FN axis_code axis_code_of(real3 axis) {
-  axis_code r;
-  r.x = axis_bits(axis.x);
-  r.y = axis_bits(axis.y);
-  r.axis.x = (r.x - K(2048)) * K(0x1p-11f);
-  r.axis.y = (r.y - K(2048)) * K(0x1p-11f);
-  r.axis.z = sqrt(larger(K(1) - fma(r.axis.x, r.axis.x, r.axis.y * r.axis.y), splat(K(0))));
-  return r;
-}
-
 // Normals may turn so much more between samples: a quarter of what the samples do.
 #define CUT_MORE_TURN K(0.25f)
 
@@ -172,49 +141,6 @@ FN real lean_tangent_of(real least) {
   const real under = one - t * quarter, turn = (t + quarter) / under;
   const real rest = one - turn * CUT_LEAST_TURN;
   return pick((under > zero) & (rest > zero), (turn + CUT_LEAST_TURN) / rest, splat(K(INFINITY)));
-}
-
-FN real lean_bits_of(real tangent) {
-  return whole_above(limit_code(sqrt(K(1 << TILE_LEAN_SHIFT) * tangent), K(TILE_ANY_LEAN)));
-}
-
-// The largest whole b, 255 at most, with b^3 <= x.
-FN real cube_root(real x) {
-  real b = splat(K(0));
-  for (int step = 128; step > 0; step /= 2) {
-    const real t = b + K(step);
-    b = pick(t * t * t <= x, t, b);
-  }
-  return b;
-}
-
-// Eight bits of a curvature over the largest, rounded down or up.
-FN real curve_bits(real relative, int up) {
-  const real x = K(2048383) * fabs(relative), b = cube_root(x);  // 127^3
-  const real away = pick(b * b * b < x, b + K(1), b);
-  const mask below = relative < K(0);
-  const real r = K(128) + pick(below, up ? -b : -away, up ? away : b);
-  return limit_code(r, K(255));
-}
-
-// 9 bits for each of three numbers, and 5 for the power of two that is above all.
-FN real second_bits(real3 s) {
-  const real zero = splat(K(0));
-  const mask is_finite = zero_if_finite(s) == zero;
-  s = pick3(is_finite, s, zero3());
-  const real most = larger(larger(fabs(s.x), fabs(s.y)), fabs(s.z));
-  real power = splat(K(0x1p-16f)), count = zero;
-  for (int step = 16; step > 0; step /= 2) {
-    const mask more = most >= power * K(1 << (step - 1));
-    const scalar by = K(1 << step);
-    power = pick(more, power * by, power);
-    count = pick(more, count + K(step), count);
-  }
-  const real scale = K(256) / power;
-  const real x = whole_part(limit_code(fma(s.x, scale, splat(K(256.5f))), K(511))),
-             y = whole_part(limit_code(fma(s.y, scale, splat(K(256.5f))), K(511))),
-             z = whole_part(limit_code(fma(s.z, scale, splat(K(256.5f))), K(511)));
-  return fma(count, splat(K(0x1p27f)), fma(z, splat(K(0x1p18f)), fma(y, splat(K(512)), x)));
 }
 
 // n . (G_xixi, G_xieta, G_etaeta) from those along two sides; rows of `m`: the domain's vectors in
@@ -243,11 +169,6 @@ FN cut_frame cut_frame_of(GLOBAL scalar* box, scalar stretch2) {
   return f;
 }
 
-FN real centre_code(real at, real low, real step) {
-  const real x = limit_code((at - low) / step + K(0.5f), K(65535));
-  return pick(step > splat(K(0)), whole_part(x), splat(K(0)));
-}
-
 // Words but for the curvatures and for how far normals lean, which have to wait for the largest
 // curvature: `low` and `high` are the tile's, `lean` the tangent of an angle that no normal
 // exceeds, `residual` what leans differ by from what the mean of `low` and `high` says, `radius`
@@ -267,22 +188,25 @@ FN cut_tile cut_tile_of(const cut_sample* s, int rings, cut_frame f, GLOBAL scal
   }
   const mask is_down = sum.z < zero;
   sum = pick3(is_down, sub3(zero3(), sum), sum);
-  const axis_code axis = axis_code_of(unit3(sum));
+  const real3 up = unit3(sum);
+  const real axis_x = axis_code(up.x), axis_y = axis_code(up.y);
+  const real3 axis = axis_of_codes(axis_x, axis_y);
   middle = mul3(splat(K(1) / K(points)), middle);
   real least = splat(K(1)), top = -far, bottom = far;
   for (int i = 0; i < points; ++i) {
-    const real along = dot3(s[i].n, axis.axis), cosine = pick(is_down, -along, along),
-               height = dot3(sub3(s[i].p, middle), axis.axis);
+    const real along = dot3(s[i].n, axis), cosine = pick(is_down, -along, along),
+               height = dot3(sub3(s[i].p, middle), axis);
     least = pick(cosine >= least, least, pick(cosine == cosine, cosine, -splat(K(1))));
     top = larger(height, top);
     bottom = smaller(height, bottom);
   }
-  const real3 at = fma3(K(0.5f) * (top + bottom), axis.axis, middle);
+  const real3 at = fma3(K(0.5f) * (top + bottom), axis, middle);
   const real3 code =
       make3(centre_code(at.x, f.low.x, f.step.x), centre_code(at.y, f.low.y, f.step.y),
             centre_code(at.z, f.low.z, f.step.z));
-  const real3 centre = make3(fma(code.x, f.step.x, f.low.x), fma(code.y, f.step.y, f.low.y),
-                             fma(code.z, f.step.z, f.low.z));
+  const real3 centre =
+      make3(centre_of_code(code.x, f.low.x, f.step.x), centre_of_code(code.y, f.low.y, f.step.y),
+            centre_of_code(code.z, f.low.z, f.step.z));
   const tile_curvatures curvatures = curvatures_of(s, rings);
   // The outermost samples are not quite on the sides.
   const real slack = sqrt(curvatures.slack2) + K(2e-5f) * f.stretch;
@@ -297,10 +221,10 @@ FN cut_tile cut_tile_of(const cut_sample* s, int rings, cut_frame f, GLOBAL scal
   real half = zero, radius2 = zero, residual2 = zero;
   for (int i = 0; i < points; ++i) {
     const real3 away = sub3(s[i].p, centre);
-    const real height = dot3(away, axis.axis);
-    const real3 aside = fma3(-height, axis.axis, away);
-    const real3 normal = mul3(K(1) / dot3(s[i].n, axis.axis), s[i].n),
-                residual = sub3(normal, fma3(mean, aside, axis.axis));
+    const real height = dot3(away, axis);
+    const real3 aside = fma3(-height, axis, away);
+    const real3 normal = mul3(K(1) / dot3(s[i].n, axis), s[i].n),
+                residual = sub3(normal, fma3(mean, aside, axis));
     half = larger(fabs(height), half);
     radius2 = larger(dot3(aside, aside), radius2);
     residual2 = larger(dot3(residual, residual), residual2);
@@ -308,18 +232,16 @@ FN cut_tile cut_tile_of(const cut_sample* s, int rings, cut_frame f, GLOBAL scal
   r.lean = lean_tangent_of(least);
   r.residual = sqrt(residual2);
   r.radius = sqrt(radius2) + slack;
-  const real radius = whole_above(limit_code(r.radius / f.unit, K(65535))),
-             above = whole_above(limit_code((half + slack) / f.unit, K(65535)));
-  r.word[TILE_CENTRE_XY] = fma(code.y, splat(K(65536)), code.x);
-  r.word[TILE_CENTRE_Z_RADIUS] = fma(radius, splat(K(65536)), code.z);
+  r.word[TILE_CENTRE_XY] = halves_code(code.x, code.y);
+  r.word[TILE_CENTRE_Z_RADIUS] = halves_code(code.z, length_code(r.radius, f.unit));
   r.radius = pick(is_down, -r.radius, r.radius);
-  r.word[TILE_AXIS] = fma(axis.y, splat(K(4096)), axis.x);
-  r.word[TILE_HALF_CURVES] = above;
+  r.word[TILE_AXIS] = fma(axis_y, splat(K(4096)), axis_x);
+  r.word[TILE_HALF_CURVES] = length_code(half + slack, f.unit);
   const real3 second = add3(along_domain_of(curvatures.same, transform, stride),
                             along_domain_of(curvatures.opposite, transform + 4 * stride, stride));
   // The mean of rings^2 small triangles, whose sides are CUT_RINGS / rings of those that the
   // transforms are for.
-  r.word[TILE_SECOND_FORM] = second_bits(mul3(splat(K(1) / K(CUT_RINGS * CUT_RINGS)), second));
+  r.word[TILE_SECOND_FORM] = second_code(mul3(splat(K(1) / K(CUT_RINGS * CUT_RINGS)), second));
   return r;
 }
 
@@ -367,7 +289,7 @@ FN real lean_bits(cut_tile t, real mean) {
                     CUT_LEAST_TURN;
   const mask bends =
       (t.lean < splat(K(INFINITY))) & (more < t.lean) & (fma(-t.radius, mean, more) < t.lean);
-  return lean_bits_of(pick(bends, more, t.lean)) +
+  return turn_code(pick(bends, more, t.lean)) +
          pick(bends, splat(K(TILE_LEANS_BY_CURVATURE)), zero);
 }
 
@@ -382,7 +304,7 @@ FN_LARGE void write_curves(GLOBAL_OUT scalar* out, int tiles, scalar curvature) 
     t.lean = load_lanes(later + 2 * tiles);
     t.residual = load_lanes(later + 3 * tiles);
     t.radius = load_lanes(later + 4 * tiles);
-    const real low = curve_bits(t.low * over, 0), high = curve_bits(t.high * over, 1);
+    const real low = curvature_code(t.low * over, 0), high = curvature_code(t.high * over, 1);
     const real mean = K(0.5f) * (curvature_of_code(low, splat(curvature)) +
                                  curvature_of_code(high, splat(curvature)));
     GLOBAL_OUT scalar *word = at + TILE_HALF_CURVES * tiles, *axis = at + TILE_AXIS * tiles;

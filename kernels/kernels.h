@@ -33,6 +33,7 @@
 #include "kernels/examine.h"
 #endif
 #if !defined(GLISS_PACKED) && (GLISS_LANES == 1 || !defined(__OPENCL_C_VERSION__))
+#include "kernels/tile_code.h"
 #include "kernels/reach.h"
 #endif
 #if GLISS_LANES == 1

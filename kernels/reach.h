@@ -11,9 +11,6 @@ typedef struct {
   scalar hip[3];
 } tile_places;
 
-FN real low_half(uints word) { return reals_of(word & 65535u); }
-FN real high_half(uints word) { return reals_of(word >> 16); }
-
 FN uints tile_words(tile_places t, int row, int i) {
   return load_uints(t.word + row * t.count + i);
 }
@@ -22,9 +19,9 @@ FN uints tile_words(tile_places t, int row, int i) {
 FN real3 away_from(tile_places t, int i) {
   const uints xy = tile_words(t, TILE_CENTRE_XY, i);
   const real z = low_half(tile_words(t, TILE_CENTRE_Z_RADIUS, i));
-  return make3(splat(t.hip[0]) - fma(low_half(xy), splat(t.step[0]), splat(t.low[0])),
-               splat(t.hip[1]) - fma(high_half(xy), splat(t.step[1]), splat(t.low[1])),
-               splat(t.hip[2]) - fma(z, splat(t.step[2]), splat(t.low[2])));
+  return make3(splat(t.hip[0]) - centre_of_code(low_half(xy), splat(t.low[0]), splat(t.step[0])),
+               splat(t.hip[1]) - centre_of_code(high_half(xy), splat(t.low[1]), splat(t.step[1])),
+               splat(t.hip[2]) - centre_of_code(z, splat(t.low[2]), splat(t.step[2])));
 }
 
 // False only if the ball round a tile's cylinder is farther than `distance` (local): cheaper than
@@ -45,16 +42,9 @@ typedef struct {
 
 FN real3 axis_of(tile_places t, int i) {
   const uints axis = tile_words(t, TILE_AXIS, i);
-  const real x = (reals_of(axis & 4095u) - K(2048)) * K(0x1p-11f),
-             y = (reals_of(axis >> 12 & 4095u) - K(2048)) * K(0x1p-11f);
-  return make3(x, y, sqrt(larger(K(1) - fma(x, x, y * y), splat(K(0)))));
+  return axis_of_codes(reals_of(axis & 4095u), reals_of(axis >> 12 & 4095u));
 }
 
-// A curvature of a tile as its eight bits tell it; `most`: the patch's.
-FN real curvature_of_code(real code, real most) {
-  const real c = (code - K(128)) * splat(K(1) / K(127));
-  return c * c * c * most;
-}
 FN real curvature_of(tile_places t, uints bits) {
   return curvature_of_code(reals_of(bits & 255u), splat(t.curvature));
 }
@@ -65,8 +55,7 @@ FN real curvature_of(tile_places t, uints bits) {
 FN real reach_of_normals(tile_places t, int i, uints curves, real height, real radius,
                          real half_height) {
   const uints bits = tile_words(t, TILE_AXIS, i) >> 24;
-  const real root = reals_of(bits & (uint)TILE_ANY_LEAN),
-             lean = root * root * (K(1) / K(1 << TILE_LEAN_SHIFT));
+  const real root = reals_of(bits & (uint)TILE_ANY_LEAN), lean = tangent_of_code(turn);
   const real mean = K(0.5f) * (curvature_of(t, curves) + curvature_of(t, curves >> 8));
   const real spread = fma(half_height, fabs(mean), fabs(fma(height, mean, splat(K(1)))));
   const mask bends = reals_of(bits & (uint)TILE_LEANS_BY_CURVATURE) > splat(K(0));

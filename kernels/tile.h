@@ -49,12 +49,7 @@ FN int is_convex(patch_tiles t, int i, real height, real distance) {
 }
 
 FN sym2 second_of(patch_tiles t, int i) {
-  const uint word = tile_words(t.at, TILE_SECOND_FORM, i);
-  const real scale = (real)(int)(1u << (word >> 27)) * K(0x1p-24f);
-  const sym2 s = {scale * ((real)(int)(word & 511u) - K(256)),
-                  scale * ((real)(int)(word >> 9 & 511u) - K(256)),
-                  scale * ((real)(int)(word >> 18 & 511u) - K(256))};
-  return s;
+  return second_of_code(tile_words(t.at, TILE_SECOND_FORM, i));
 }
 
 // The middle of a tile in the domain.
