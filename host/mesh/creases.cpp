@@ -64,7 +64,7 @@ class Sharpener {
                                      newell_normal(mesh_, topology_.side_face[corner]));
       if (i > 0)
         group_[corner] = static_cast<std::uint32_t>(normals_.size()), normals_.emplace_back();
-      normals_[group_[corner]] = across(first, last, own);
+      normals_[group_[corner]] = normal_to(first, last, own);
       first = last;
     }
   }
@@ -76,19 +76,19 @@ class Sharpener {
     });
   }
 
-  // The normal across both tangents on the side of `normal`; across one where the other is zero or
-  // they are collinear.
-  static Vec3 across(const Vec3& first, const Vec3& last, const Vec3& normal) {
+  // The normal at right angles to both tangents, on the side of `normal`; to one where the other is
+  // zero or they are collinear.
+  static Vec3 normal_to(const Vec3& first, const Vec3& last, const Vec3& normal) {
     const Vec3 cross = first.cross(last);
     if (cross.norm() > kCollinear)
       return (cross.dot(normal) < 0 ? Vec3(-cross) : cross).normalized();
     const Vec3& tau = first.isZero(0) ? last : first;
-    return (normal - tau * tau.dot(normal)).stableNormalized();
+    return across(tau, normal).stableNormalized();
   }
   // The same; none where the tangents say too little of it.
   static std::optional<Vec3> between(const Vec3& first, const Vec3& last, const Vec3& normal) {
     const double sine = first.cross(last).norm();
-    const Vec3 found = across(first, last, normal);
+    const Vec3 found = normal_to(first, last, normal);
     if (sine > kCollinear && sine < kNarrow && found.dot(normal) < kTrusted) return {};
     return found;
   }

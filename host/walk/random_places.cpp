@@ -59,7 +59,7 @@ BoxMeasure::BoxMeasure(const Mesh& mesh) {
 }
 
 Vec3 turned(const Vec3& direction, const Vec3& normal, double angle) {
-  const Vec3 tangent = (direction - direction.dot(normal) * normal).normalized();
+  const Vec3 tangent = across(normal, direction).normalized();
   return (tangent + angle * normal.cross(tangent)).normalized();
 }
 
