@@ -11,7 +11,6 @@ struct Wrench {
   Vec3 torque = Vec3::Zero();  // N m
 
   bool is_zero() const { return force.isZero(0) && torque.isZero(0); }
-  bool all_finite() const { return force.allFinite() && torque.allFinite(); }
 };
 
 // A rotation of a tool or device, unit. Eigen never aligns it, as Pose.

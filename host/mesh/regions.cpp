@@ -14,11 +14,6 @@ std::vector<std::uint32_t> faces_in_box(const Mesh& mesh, const Box& box) {
 }
 
 std::vector<std::uint32_t> faces_around(const Mesh& mesh, const Topology& topology,
-                                        std::uint32_t face, int rings) {
-  return faces_around(mesh, topology, {&face, 1}, rings);
-}
-
-std::vector<std::uint32_t> faces_around(const Mesh& mesh, const Topology& topology,
                                         std::span<const std::uint32_t> faces, int rings) {
   std::vector<std::uint32_t> found, front;
   std::unordered_set<std::uint32_t> seen;  // no walk through all faces of the mesh

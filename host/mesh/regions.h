@@ -11,11 +11,9 @@
 
 namespace gliss {
 
-// Faces that meet a box (mesh's unit); faces within `rings` edges of a face, or of the nearest one
-// of several; faces that share a corner with one of these, and these. Ascending.
+// Faces that meet a box (mesh's unit); faces within `rings` edges of the nearest of some; faces
+// that share a corner with one of these, and these. Ascending.
 GLISS_EXPORT std::vector<std::uint32_t> faces_in_box(const Mesh& mesh, const Box& box);
-GLISS_EXPORT std::vector<std::uint32_t> faces_around(const Mesh& mesh, const Topology& topology,
-                                                     std::uint32_t face, int rings);
 GLISS_EXPORT std::vector<std::uint32_t> faces_around(const Mesh& mesh, const Topology& topology,
                                                      std::span<const std::uint32_t> faces,
                                                      int rings);

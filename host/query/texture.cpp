@@ -8,9 +8,9 @@
 namespace gliss {
 namespace {
 
-// With gradients of length 2 / sqrt(3), noise is from -1 to 1. Bounds of its derivatives, over all
+// With gradients of length 2 / sqrt(3), noise is from -1 to 1. A bound of its slope, over all
 // gradients of a cell and all places in it.
-constexpr double kNoiseSlope = 3.23, kNoiseSharpness = 12.3;
+constexpr double kNoiseSlope = 3.23;
 
 // From the middle of a cube to the middles of its edges, by three bits of a cell's hash and one
 // more (Perlin 2002).
@@ -96,13 +96,6 @@ double Texture::steepest() const {
   const double half = options_.height / 2;
   return options_.relief == Relief::kGrating ? half * wave_.norm()
                                              : half * kNoiseSlope / options_.period;
-}
-
-double Texture::sharpest() const {
-  const double half = options_.height / 2;
-  return options_.relief == Relief::kGrating
-             ? half * wave_.squaredNorm()
-             : half * kNoiseSharpness / (options_.period * options_.period);
 }
 
 }  // namespace gliss

@@ -42,10 +42,8 @@ class GLISS_EXPORT Texture {
 
   // The height at a point, m.
   Place at(const Vec3& point) const noexcept;
-  // Bounds of its slope, and of its second derivatives, 1/m. A force of the spring is as stiff
-  // along the surface as the spring itself where the depth is 1 / sharpest().
+  // A bound of its slope.
   double steepest() const;
-  double sharpest() const;
 
  private:
   TextureOptions options_;

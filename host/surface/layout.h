@@ -25,7 +25,7 @@ inline constexpr std::uint32_t kMostFairSides = FAIR_MOST_SIDES;
 inline constexpr std::uint32_t kFormsUnited = 256;     // among bits of forms: parts overlap
 inline constexpr std::size_t kManySides = MANY_SIDES;  // among bits of valences: so many and more
 inline constexpr std::uint32_t kFormMask = 255;        // above it, the r of a table
-inline constexpr std::size_t kSideLength = SIDE_LENGTH, kSideEase = SIDE_EASE;
+inline constexpr std::size_t kSideLength = SIDE_LENGTH;
 inline constexpr std::size_t kPatchOrigin = 3 * PATCH_ORIGIN, kPatchNormal = 3 * PATCH_NORMAL,
                              kPatchScale = PATCH_SCALE, kPatchUnscale = PATCH_UNSCALE,
                              kPatchSag = PATCH_SAG, kPatchTangent = 3 * PATCH_TANGENT,
@@ -34,9 +34,6 @@ inline constexpr std::size_t kPatchOrigin = 3 * PATCH_ORIGIN, kPatchNormal = 3 *
                              kPatchCurvature = PATCH_CURVATURE;
 inline constexpr std::size_t kDomainHead = DOMAIN_HEAD, kDomainStride = DOMAIN_STRIDE,
                              kDomainCorner = DOMAIN_CORNER;
-constexpr bool spans_a_plane(double across, double longest2, double epsilon) {
-  return SPANS_A_PLANE(across, longest2, epsilon);
-}
 inline constexpr std::size_t kFairReals = FAIR_REALS, kFairCurve = FAIR_NORMAL - FAIR_CURVE,
                              kFairSound = FAIR_SOUND;
 inline constexpr std::size_t kFrameReals = FRAME_REALS, kShapeReals = SHAPE_REALS;

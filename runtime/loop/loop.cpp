@@ -174,7 +174,7 @@ LoopEnd HapticLoop::run(const std::function<bool(const LoopTick&)>& on_tick) {
     tick.lateness = wake.lateness;
     tick.missed = wake.missed;
     describe(tick);
-    record_.add({wake.deadline, tick.lateness, tick.compute, tick_error(tick.reason)}, tick.missed);
+    record_.add({tick.lateness, tick.compute, tick_error(tick.reason)}, tick.missed);
     if (failed_) end = LoopEnd::kDeviceFault;
     if (!on_tick(tick) || stop_wanted_) end = end.value_or(LoopEnd::kStopped);
     // A guard that was safe before a force could not be handed on has that fault still to count.

@@ -49,7 +49,6 @@ class GLISS_EXPORT Realtime {
   const std::vector<std::string>& refusals() const { return refusals_; }
   int priority() const { return priority_; }  // of SCHED_FIFO; 0: scheduled as before
   bool memory_locked() const { return memory_locked_; }
-  bool holds_awake() const { return awake_ >= 0; }  // processors
 
  private:
   void schedule(int wanted);

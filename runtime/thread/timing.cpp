@@ -52,29 +52,16 @@ std::vector<DurationHistogram::Bin> DurationHistogram::bins() const {
 }
 
 void TickRecord::add(const TickSample& tick, std::uint64_t missed) noexcept {
-  last_[ticks() % kLast] = tick;
   lateness_.add(tick.lateness);
   compute_.add(tick.compute);
   missed_ += missed;
   longest_missed_ = std::max(longest_missed_, missed);
-  const bool failed = tick.error != 0;
-  errors_ += failed ? 1 : 0;
-  recent_ <<= static_cast<std::size_t>(std::min<std::uint64_t>(missed, kRecent - 1)) + 1;
-  recent_[0] = !failed;
+  errors_ += tick.error != 0 ? 1 : 0;
 }
 
 double TickRecord::success() const {
   const std::uint64_t periods = ticks() + missed_;
   return periods > 0 ? static_cast<double>(ticks() - errors_) / static_cast<double>(periods) : 1;
-}
-
-double TickRecord::recent_success() const {
-  const std::uint64_t periods = std::min<std::uint64_t>(ticks() + missed_, kRecent);
-  return periods > 0 ? static_cast<double>(recent_.count()) / static_cast<double>(periods) : 1;
-}
-
-const TickSample& TickRecord::last(std::size_t age) const {
-  return last_[(ticks() - 1 - age) % kLast];
 }
 
 }  // namespace gliss

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <array>
-#include <bitset>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -45,7 +44,6 @@ class GLISS_EXPORT DurationHistogram {
 };
 
 struct TickSample {
-  Nanoseconds deadline{};  // on CLOCK_MONOTONIC
   Nanoseconds lateness{};  // of the wake
   Nanoseconds compute{};   // thread CPU clock
   int error = 0;           // the loop's own code; 0: none
@@ -54,9 +52,6 @@ struct TickSample {
 // About 60 KB.
 class GLISS_EXPORT TickRecord {
  public:
-  static constexpr std::size_t kLast = 50;     // ticks kept whole
-  static constexpr std::size_t kRecent = 100;  // periods that recent_success() looks at
-
   // `missed`: periods skipped before this tick.
   void add(const TickSample& tick, std::uint64_t missed) noexcept;
 
@@ -67,16 +62,11 @@ class GLISS_EXPORT TickRecord {
   std::uint64_t longest_missed() const { return longest_missed_; }  // in a row
   std::uint64_t errors() const { return errors_; }                  // ticks with an error
   // Share of the periods that had a tick without an error; 1 where there is none yet.
-  double success() const;         // of all
-  double recent_success() const;  // of the last kRecent
-  // The last ticks: 0 is the latest; age < min(ticks(), kLast).
-  const TickSample& last(std::size_t age) const;
+  double success() const;
 
  private:
   DurationHistogram lateness_, compute_;
   std::uint64_t missed_ = 0, longest_missed_ = 0, errors_ = 0;
-  std::bitset<kRecent> recent_;  // 0 is the latest period, set: success
-  std::array<TickSample, kLast> last_{};
 };
 
 }  // namespace gliss

@@ -652,7 +652,7 @@ TEST_P(FairTest, a_region_has_the_bytes_of_the_whole) {
     BuildOptions options;
     options.precision = GetParam();
     options.level.construction = Construction::kFair;
-    options.faces = faces_around(mesh, topology, centre, 2);
+    options.faces = faces_around(mesh, topology, {&centre, 1}, 2);
     options.like = &whole;
     ASSERT_LT(options.faces.size(), mesh.face_count() / 2);
     const PatchCache region = test::unlimited_cache(mesh, options);

@@ -63,33 +63,20 @@ TEST(TickRecord, agrees_with_a_plain_account) {
   std::mt19937 random(6);
   const auto record = std::make_unique<TickRecord>();
   EXPECT_EQ(record->success(), 1);
-  EXPECT_EQ(record->recent_success(), 1);
   std::deque<bool> periods;
-  std::vector<TickSample> ticks;
   std::uint64_t missed = 0, longest = 0, errors = 0;
-  for (int i = 0; i < 2000; ++i) {
+  constexpr int kTicks = 2000;
+  for (int i = 0; i < kTicks; ++i) {
     const std::uint64_t skipped = random() % 50 == 0 ? random() % 300 : 0;
     const int error = random() % 20 == 0 ? static_cast<int>(random() % 3) : 0;
-    ticks.push_back({i * 1ms, Nanoseconds(random() % 1000), Nanoseconds(random() % 1000), error});
-    record->add(ticks.back(), skipped);
+    record->add({Nanoseconds(random() % 1000), Nanoseconds(random() % 1000), error}, skipped);
     missed += skipped;
     longest = std::max(longest, skipped);
     errors += error != 0 ? 1 : 0;
     periods.insert(periods.end(), skipped, false);
     periods.push_back(error == 0);
-    const auto recent = static_cast<std::ptrdiff_t>(std::min<std::size_t>(periods.size(), 100));
-    ASSERT_DOUBLE_EQ(record->recent_success(),
-                     static_cast<double>(std::count(periods.end() - recent, periods.end(), true)) /
-                         static_cast<double>(recent));
-    for (std::size_t age = 0; age < std::min<std::size_t>(ticks.size(), 50); ++age) {
-      const TickSample &kept = record->last(age), &given = ticks[ticks.size() - 1 - age];
-      ASSERT_EQ(kept.deadline, given.deadline);
-      ASSERT_EQ(kept.lateness, given.lateness);
-      ASSERT_EQ(kept.compute, given.compute);
-      ASSERT_EQ(kept.error, given.error);
-    }
   }
-  EXPECT_EQ(record->ticks(), ticks.size());
+  EXPECT_EQ(record->ticks(), kTicks);
   EXPECT_EQ(record->missed(), missed);
   EXPECT_EQ(record->longest_missed(), longest);
   EXPECT_EQ(record->errors(), errors);

@@ -53,10 +53,9 @@ Json figures_of(const ReportTable& table) {
     if (force.allFinite()) of_rendered.add(table.texts.at("state")[row] == "contact", force);
     of_sent.add(given != Vec3::Zero(), given);
     const auto number = [&](const char* name) { return table.numbers.at(name)[row]; };
-    record.add(
-        {nanoseconds(number("time")), nanoseconds(number("lateness")),
-         nanoseconds(number("compute")), tick_error(guard_reason(table.texts.at("reason")[row]))},
-        static_cast<std::uint64_t>(std::min(std::max(0.0, number("missed")), 1e15)));
+    record.add({nanoseconds(number("lateness")), nanoseconds(number("compute")),
+                tick_error(guard_reason(table.texts.at("reason")[row]))},
+               static_cast<std::uint64_t>(std::min(std::max(0.0, number("missed")), 1e15)));
   }
   return {{"ticks", table.rows},
           {"missed", record.missed()},

@@ -82,7 +82,7 @@ void run_loop(std::uint64_t periods, Tick&& tick, TickRecord& record,
     const Wake wake = timer.wait();
     const Nanoseconds start = thread_time();
     const int error = tick();
-    record.add({wake.deadline, wake.lateness, thread_time() - start, error}, wake.missed);
+    record.add({wake.lateness, thread_time() - start, error}, wake.missed);
     over += wake.missed + 1;
     done.fetch_add(wake.missed + 1, std::memory_order_relaxed);
   }

@@ -41,7 +41,7 @@ void RunReport::add(const LoopTick& tick) {
     deepest_[tick.object] = std::max(deepest_[tick.object], -tick.distance);
   }
   const bool was_safe = !last_.empty() && last_.back().state == GuardState::kSafe;
-  if (last_.size() == TickRecord::kLast) last_.pop_front();
+  if (last_.size() == kTripTicks) last_.pop_front();
   last_.push_back(tick);
   const bool trips = tick.state == GuardState::kSafe && !was_safe && is_failure(tick.reason);
   if (trips && trips_.size() < kTrips) trips_.push_back({tick.reason, last_});

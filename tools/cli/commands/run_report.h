@@ -14,7 +14,8 @@ namespace gliss::tools {
 // Figures of ticks as they come out of the loop's queue.
 class RunReport {
  public:
-  static constexpr std::size_t kTrips = 10;  // told in full
+  static constexpr std::size_t kTrips = 10;      // told in full
+  static constexpr std::size_t kTripTicks = 50;  // that led to one
 
   void add(const LoopTick& tick);
   // "1.000 kHz  depth 2.00 mm  force 1.00 N  missed 0  p99 3.2 us  run", of the ticks since the
@@ -39,7 +40,7 @@ class RunReport {
   bool begins_inside_ = false;
   double largest_torque_ = 0;
   std::vector<double> deepest_;
-  std::deque<LoopTick> last_;  // TickRecord::kLast
+  std::deque<LoopTick> last_;  // kTripTicks
   std::vector<Trip> trips_;
   DurationHistogram compute_;  // since the last line
   std::uint64_t missed_ = 0;
