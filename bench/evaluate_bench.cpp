@@ -8,6 +8,7 @@
 #include "bench/meshes.h"
 #include "bench/peers/peers.h"
 #include "bench/samples.h"
+#include "gliss/surface/instances.h"
 #include "gliss/surface/names.h"
 
 namespace gliss::bench {

@@ -12,6 +12,7 @@
 
 #include "bench/benches.h"
 #include "bench/meshes.h"
+#include "gliss/surface/instances.h"
 #include "gliss/surface/names.h"
 
 namespace gliss::bench {

@@ -289,7 +289,7 @@ FN real lean_bits(cut_tile t, real mean) {
                     CUT_LEAST_TURN;
   const mask bends =
       (t.lean < splat(K(INFINITY))) & (more < t.lean) & (fma(-t.radius, mean, more) < t.lean);
-  return turn_code(pick(bends, more, t.lean)) +
+  return lean_code(pick(bends, more, t.lean)) +
          pick(bends, splat(K(TILE_LEANS_BY_CURVATURE)), zero);
 }
 

@@ -222,8 +222,8 @@ FN real3 bezier_point(const real3* power, int count, int degree, int i) {
 // A side's C, C', T and, but for flat ones, m in powers of t.
 typedef struct {
   real3 curve[6], slope[5], t[6], m[4];
-  real turned;  // the least share of T that points into the face, at the ends: never below 0 unless
-                // the patch doubles back along the side
+  real inward_share;  // the least share of T that points into the face, at the ends: never below 0
+                      // unless the patch doubles back along the side
 } fair_tangent;
 
 // The cross tangent T = k C' + h m of a side, m = n x e: k and h are linear between the values that
@@ -243,7 +243,7 @@ FN fair_tangent fair_tangent_of(control_data side, real3 start, real3 end, GLOBA
     const real3 a = mul3(splat(length), fma3(-dot3(start, n), n, start)),
                 b = mul3(splat(length), fma3(-dot3(end, n), n, end));
     for (int i = 0; i < 6; ++i) r.t[i] = i == 0 ? a : mul3(splat(i == 1 ? K(1) : K(0)), sub3(b, a));
-    r.turned = splat(K(1));
+    r.inward_share = splat(K(1));
     return r;
   }
   const real3 e = unit3(edge);
@@ -264,7 +264,7 @@ FN fair_tangent fair_tangent_of(control_data side, real3 start, real3 end, GLOBA
     r.t[i] = fma3(a.h, r.m[i], r.t[i]);
     r.t[i + 1] = fma3(dh, r.m[i], r.t[i + 1]);
   }
-  r.turned =
+  r.inward_share =
       smaller(a.h / larger(norm3(start), splat(TINY)), b.h / larger(norm3(end), splat(TINY)));
   return r;
 }
@@ -324,7 +324,8 @@ FN real3 fair_middle(control_data sides, int n) {
 }
 
 // Control data of the patch between five sides and more, whose curves are cubic and whose normals
-// linear, in FORM_CURVED. `apothem`: that of the domain. Returns fair_tangent::turned of the worst.
+// linear, in FORM_CURVED. `apothem`: that of the domain. Returns fair_tangent::inward_share of the
+// worst.
 //
 // On a regular polygon in a plane a ribbon with linear k and h is the plane itself: the lines of
 // constant u_k meet where the sides beyond do, and d_k / unit goes from 0 to 1 along these. So T is
@@ -335,7 +336,7 @@ FN_LARGE real fair_polygon(control_data sides, int n, scalar apothem, control_ou
   const scalar way = apothem * over;
   const real one = splat(K(1)), minus = splat(K(-1)), four = splat(K(4)), half = splat(K(0.5f));
   const real3 middle = fair_middle(sides, n);
-  real turned = one;
+  real inward_share = one;
   for (int k = 0; k < n; ++k) {
     fair_tangent f = fair_tangent_at(sides, n, k, 0, K(1));
     const real3 start = f.t[0], end = power_sum(f.t, 6, one);
@@ -364,16 +365,16 @@ FN_LARGE real fair_polygon(control_data sides, int n, scalar apothem, control_ou
     for (int i = 0; i < 4; ++i) put3(to, CURVED_C + i, i == 3 ? q : bezier_point(f.curve, 4, 3, i));
     for (int i = 0; i < 5; ++i) put3(to, CURVED_T + i, mul3(splat(over), f.t[i]));
     for (int i = 0; i < 3; ++i) put3(to, CURVED_Q + i, mul3(splat(over * over), bend[i]));
-    turned = smaller(f.turned, turned);
+    inward_share = smaller(f.inward_share, inward_share);
   }
-  return turned;
+  return inward_share;
 }
 
 // Control data of the quad between four sides, whose curves are cubic and whose normals quadratic,
-// in FORM_BEZIER; `flat` and `length` as above. Returns fair_tangent::turned of the worst.
+// in FORM_BEZIER; `flat` and `length` as above. Returns fair_tangent::inward_share of the worst.
 FN_LARGE real fair_quad(control_data sides, GLOBAL scalar* flat, scalar length, control_out out) {
   bezier_side s[4];
-  real turned = splat(K(1));
+  real inward_share = splat(K(1));
   for (int k = 0; k < 4; ++k) {
     const fair_tangent f = fair_tangent_at(sides, 4, k, flat, length);
     for (int i = 0; i < 4; ++i) {
@@ -382,10 +383,10 @@ FN_LARGE real fair_quad(control_data sides, GLOBAL scalar* flat, scalar length, 
     }
     to_bezier(s[k].c);
     to_bezier(s[k].t);
-    turned = smaller(f.turned, turned);
+    inward_share = smaller(f.inward_share, inward_share);
   }
   store_quad(s, out);
-  return turned;
+  return inward_share;
 }
 
 // A side's control points: of the boundary, raised to degree 6, and of the row within.
@@ -419,15 +420,15 @@ FN int sextic_point_of(int side, int i, int j, int k) {
 }
 
 // Control data of the triangle between three sides; `flat` and `length` as above. Returns
-// fair_tangent::turned of the worst.
+// fair_tangent::inward_share of the worst.
 FN_LARGE real fair_triangle(control_data sides, GLOBAL scalar* flat, scalar length,
                             control_out out) {
   sextic_side s[3];
-  real turned = splat(K(1));
+  real inward_share = splat(K(1));
   for (int k = 0; k < 3; ++k) {
     const fair_tangent f = fair_tangent_at(sides, 3, k, flat, length);
     s[k] = sextic_side_of(f);
-    turned = smaller(f.turned, turned);
+    inward_share = smaller(f.inward_share, inward_share);
   }
   const real half = splat(K(0.5f));
   real3 near = zero3(), far = near;  // sums of the points 411 and of the points 321
@@ -445,5 +446,5 @@ FN_LARGE real fair_triangle(control_data sides, GLOBAL scalar* flat, scalar leng
   // The middle goes on as the points before it do: m6 + (m6 - m3) / 2.
   put3(out, sextic_point_of(0, 2, 2, 2),
        fma3(splat(K(0.25f)), far, mul3(splat(K(-1) / K(6)), near)));
-  return turned;
+  return inward_share;
 }

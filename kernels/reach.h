@@ -55,7 +55,7 @@ FN real curvature_of(tile_places t, uints bits) {
 FN real reach_of_normals(tile_places t, int i, uints curves, real height, real radius,
                          real half_height) {
   const uints bits = tile_words(t, TILE_AXIS, i) >> 24;
-  const real root = reals_of(bits & (uint)TILE_ANY_LEAN), lean = tangent_of_code(turn);
+  const real root = reals_of(bits & (uint)TILE_ANY_LEAN), lean = tangent_of_code(root);
   const real mean = K(0.5f) * (curvature_of(t, curves) + curvature_of(t, curves >> 8));
   const real spread = fma(half_height, fabs(mean), fabs(fma(height, mean, splat(K(1)))));
   const mask bends = reals_of(bits & (uint)TILE_LEANS_BY_CURVATURE) > splat(K(0));

@@ -39,7 +39,7 @@ FN real3 axis_of_codes(real code_x, real code_y) {
 }
 
 // The tangent of an angle: 7 bits, rounded up.
-FN real turn_code(real tangent) {
+FN real lean_code(real tangent) {
   return whole_above(limit_code(sqrt(K(1 << TILE_LEAN_SHIFT) * tangent), K(TILE_ANY_LEAN)));
 }
 FN real tangent_of_code(real code) { return code * code * (K(1) / K(1 << TILE_LEAN_SHIFT)); }

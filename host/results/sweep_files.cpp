@@ -87,12 +87,9 @@ TableColumns<std::vector<SweepStatistics>> statistics_columns() {
       .add("samples", kReal, "", &SweepStatistics::samples)
       .add("touching", kReal, "", &SweepStatistics::touching)
       .add("unconverged", kReal, "", &SweepStatistics::unconverged)
-      .add("iterations", kReal, "", &SweepStatistics::iterations)
-      .add("crossings", kReal, "", &SweepStatistics::crossings)
       .add("jumps_per_100k", kReal, "", &SweepStatistics::jumps_per_100k)
       .add("lost_per_100k", kReal, "", &SweepStatistics::lost_per_100k)
       .add("leaps_per_100k", kReal, "", &SweepStatistics::leaps_per_100k)
-      // Those of version 0.1 are the same.
       .add("iterations_sum", kReal, "", &SweepStatistics::iterations)
       .add("crossings_sum", kReal, "", &SweepStatistics::crossings);
   for (const auto& named : kHistograms) {

@@ -16,8 +16,6 @@ Json json_of(const SweepStatistics& s) {
                {"unconverged", s.unconverged},
                {"iterations_sum", s.iterations},
                {"crossings_sum", s.crossings},
-               {"iterations", s.iterations},  // of version 0.1: the sums
-               {"crossings", s.crossings},
                {"jumps_per_100k", s.jumps_per_100k()},
                {"lost_per_100k", s.lost_per_100k()},
                {"leaps_per_100k", s.leaps_per_100k()}};

@@ -6,6 +6,7 @@
 #include "gliss/lazy/lazy_mesh.h"
 #include "gliss/mesh/rounding.h"
 #include "gliss/scene/open_scene.h"
+#include "gliss/surface/instances.h"
 #include "tests/support/scene_files.h"
 #include "tests/support/sharp_meshes.h"
 

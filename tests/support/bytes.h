@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "gliss/files/cache_file.h"
-#include "gliss/sweep/sweep.h"
+#include "gliss/sweep/sweep_parts.h"
 #include "tests/support/scratch_folder.h"
 
 namespace gliss::test {
