@@ -1,12 +1,13 @@
 #!/bin/sh
-# One SHA-256 for a sweep of 10^6 samples by every backend, number of threads and instruction set.
-# usage: backend_parity.sh GLISS [METHODS]: GLISS is the program, METHODS are gregory without it.
+# One SHA-256 for a sweep by every backend, number of threads and instruction set.
+# usage: backend_parity.sh GLISS [METHODS [SAMPLES]]: GLISS is the program, METHODS are gregory without it.
 # OpenCL is compared where it is PoCL, which computes as the host does.
 set -eu
 gliss=$1
 . "$(dirname "$0")/support/isas.sh"
 . "$(dirname "$0")/support/skip.sh"
 methods=${2:-gregory}
+samples=${3:-3e5}
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 
@@ -26,7 +27,7 @@ same() {
   shift
   hash=$({
     GLISS_ISA=$isa "$gliss" sweep "$scratch/knot.obj" --unit mm --depth 2mm --quiet \
-      --samples 1e6 --method "$methods" --precision "$precision" --backend "$@" \
+      --samples "$samples" --method "$methods" --precision "$precision" --backend "$@" \
       -o - 2>"$scratch/error" || touch "$scratch/failed"
   } | sha256sum | cut -c 1-64)
   [ ! -e "$scratch/failed" ] || { cat "$scratch/error" >&2; exit 1; }

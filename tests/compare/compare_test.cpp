@@ -255,7 +255,8 @@ TEST_F(Compare, measures_distances_where_parts_overlap) {
 }
 
 TEST_F(Compare, recommends_what_the_budget_allows) {
-  const std::vector<std::string> words = {"--dense-limit", "0", "--precisions", "double"};
+  const std::vector<std::string> words = {"--dense-limit", "0",        "--precisions",
+                                          "double",        "--levels", "exact,fair,shaded,flat"};
   const auto recommended = [&](std::vector<std::string> budget) {
     budget.insert(budget.end(), words.begin(), words.end());
     return json_of(budget)["recommended"];
@@ -266,8 +267,7 @@ TEST_F(Compare, recommends_what_the_budget_allows) {
   // Only the base polygons are so small: they jump more than patches, or make energy.
   EXPECT_TRUE(recommended({"--max-memory", "80KiB"}).is_null());
   const std::string near = recommended({"--max-force-error", "0.1%"})["level"];
-  EXPECT_THAT((std::vector<std::string>{"fair", "exact", "ribbon", "table"}),
-              ::testing::Contains(near));
+  EXPECT_TRUE(near == "fair" || near == "exact") << near;
 }
 
 TEST_F(Compare, dense_triangles_get_as_smooth_or_it_says_that_they_did_not) {
