@@ -114,6 +114,17 @@ bool Tracker::set_material(std::size_t object, double stiffness,
   return true;
 }
 
+bool Tracker::set_contact(std::size_t place, Method method, double settle) noexcept {
+  SceneObject& object = places_[place].object;
+  if (object.cache == nullptr || !(settle >= 0 && settle <= kMostSettleTime)) return false;
+  object.method = method;
+  object.settle = settle;
+  for (Tracked& tracked : tracked_) {
+    if (tracked.place == place) tracked.whole.emplace(*object.cache, query_of(object));
+  }
+  return true;
+}
+
 void Tracker::follow_motions() noexcept {
   for (std::size_t i = 0; i < places_.size(); ++i) {
     const SceneObject& object = places_[i].object;

@@ -94,6 +94,15 @@ class GLISS_EXPORT Tracker {
   // Gives an object another stiffness (N/m) and friction, in contact too: the next step's force is
   // of these. False for numbers that the constructor refuses: the object stays as it is.
   bool set_material(std::size_t object, double stiffness, const FrictionOptions& friction) noexcept;
+  // Gives an object another method and `settle` (s), in contact too: the next step seeks its
+  // contact anew, as a first step does, and the force may change at once. False for a `settle` that
+  // the constructor refuses, and for an object without a cache: it stays as it is.
+  bool set_contact(std::size_t object, Method method, double settle) noexcept;
+  // True if an object's contacts are sought by that method and settle so.
+  bool is_by(std::size_t object, Method method, double settle) const noexcept {
+    const SceneObject& now = places_[object].object;
+    return now.method == method && now.settle == settle;
+  }
   // The last step of the first HIP's objects, then of the next one's. Valid as long as
   // the tracker.
   std::span<const ObjectStep> objects() const { return steps_; }

@@ -117,7 +117,7 @@ SimDevice::SimDevice(HandPath path, const SimOptions& options)
 
 // Semi-implicit Euler.
 void SimDevice::move() noexcept {
-  const Vec3 target = path_.at(static_cast<double>(steps_) * kStepSeconds);
+  const Vec3 target = target_ ? *target_ : path_.at(static_cast<double>(steps_) * kStepSeconds);
   const Vec3 grip =
       options_.hand_stiffness * (target - position_) - options_.hand_damping * velocity_;
   velocity_ += kStepSeconds / options_.mass * (grip + force_);
@@ -167,8 +167,14 @@ DeviceState SimDevice::read(Nanoseconds now) noexcept {
   state.velocity = seen.velocity;
   state.orientation = seen.orientation;
   const double over = path_.duration() + in_seconds(options_.delay);
-  state.ended = static_cast<double>(steps_) * kStepSeconds > over;
+  state.ended = !target_ && static_cast<double>(steps_) * kStepSeconds > over;
   return state;
+}
+
+bool SimDevice::draw_to(const Vec3& target) noexcept {
+  if (!target.allFinite()) return false;
+  target_ = target;
+  return true;
 }
 
 bool SimDevice::write(const Vec3& force, Nanoseconds) noexcept {

@@ -71,6 +71,10 @@ class GLISS_EXPORT SimDevice final : public HapticDevice {
   bool write(const Vec3& force, Nanoseconds now) noexcept override;
   bool write_wrench(const Wrench& wrench, Nanoseconds now) noexcept override;
 
+  // Draws the hand to a target from now on, instead of along its path, whose end is then no end.
+  // For the loop's thread. False for a target that is not finite: nothing changes.
+  bool draw_to(const Vec3& target) noexcept;
+
   const Vec3& position() const { return position_; }  // m, without delay, noise and rounding
 
  private:
@@ -79,6 +83,7 @@ class GLISS_EXPORT SimDevice final : public HapticDevice {
 
   DeviceInfo info_;
   HandPath path_;
+  std::optional<Vec3> target_;  // in the path's place
   SimOptions options_;
   std::mt19937_64 random_;
   std::normal_distribution<double> noise_;

@@ -14,9 +14,10 @@ struct LoopSession::Ring : boost::lockfree::spsc_queue<LoopTick> {
 LoopSession::LoopSession(HapticDevice& device, Tracker& tracker, const LoopOptions& rules,
                          const SessionOptions& options)
     : loop_(device, tracker, rules), ring_(std::make_unique<Ring>(options.ring)) {
-  running_ = std::async(std::launch::async, [this, &device, keeps_clock = rules.wait, options] {
-               run(device, keeps_clock, options);
-             }).share();
+  running_ =
+      std::async(std::launch::async, [this, &device, &tracker, keeps_clock = rules.wait, options] {
+        run(device, tracker, keeps_clock, options);
+      }).share();
 }
 
 LoopSession::~LoopSession() {
@@ -37,7 +38,8 @@ std::optional<SessionGrants> LoopSession::grants() const {
 // Whoever forgets this future waits for a thread that is not there: it is kept.
 void LoopSession::abandon() { new std::shared_future<void>(std::move(running_)); }
 
-void LoopSession::run(HapticDevice& device, bool keeps_clock, const SessionOptions& options) {
+void LoopSession::run(HapticDevice& device, Tracker& tracker, bool keeps_clock,
+                      const SessionOptions& options) {
   std::optional<Realtime> realtime;
   if (keeps_clock && options.realtime) {
     realtime.emplace(options.scheduling);
@@ -56,6 +58,7 @@ void LoopSession::run(HapticDevice& device, bool keeps_clock, const SessionOptio
       }
       std::this_thread::sleep_for(100us);
     }
+    if (options.after_tick) options.after_tick(tracker);
     return !(options.seconds > 0 && in_seconds(tick.time) >= options.seconds);
   });
 }

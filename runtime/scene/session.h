@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <future>
 #include <memory>
 #include <optional>
@@ -18,6 +19,9 @@ struct SessionOptions {
   bool realtime = true;  // asks the system for a real-time thread, for a loop that keeps a clock
   RealtimeOptions scheduling = {};
   std::size_t ring = 1 << 15;  // ticks that wait to be taken: half a minute at 1 kHz
+  // Called after each tick, in the loop's thread and as a part of it: it must not wait. It may
+  // change what the tracker renders, with what another thread left for it.
+  std::function<void(Tracker& tracker)> after_tick = nullptr;
 };
 
 // The system's answer to a thread that wants to be real-time.
@@ -70,7 +74,7 @@ class GLISS_EXPORT LoopSession {
  private:
   struct Ring;
 
-  void run(HapticDevice& device, bool keeps_clock, const SessionOptions& options);
+  void run(HapticDevice& device, Tracker& tracker, bool keeps_clock, const SessionOptions& options);
 
   HapticLoop loop_;
   std::unique_ptr<Ring> ring_;

@@ -220,6 +220,28 @@ TEST(Tracker, has_the_effects_of_a_trace_and_allocates_nothing) {
   EXPECT_GT(pushes, 100u);
 }
 
+TEST(Tracker, goes_on_with_the_method_that_it_is_given) {
+  const auto cache = ball();
+  SceneObject object{.cache = cache, .method = Method::kFlat};
+  Tracker changed({&object, 1});
+  object.method = Method::kGregory;
+  object.settle = 0.01;
+  Tracker same({&object, 1});
+  for (double z = 0.012; z > 0.009; z -= 1e-5) changed.step(Vec3(0, 0, z));
+  ASSERT_TRUE(changed.touching());
+  EXPECT_TRUE(changed.set_contact(0, Method::kGregory, 0.01));
+  for (int i = 0; i < 100; ++i) {
+    const Vec3 hip(1e-5 * i, 0, 0.009);
+    EXPECT_EQ(changed.step(hip), same.step(hip)) << "as from a first step on";
+    EXPECT_TRUE(changed.touching());
+  }
+  EXPECT_FALSE(changed.set_contact(0, Method::kFlat, -1));
+  EXPECT_EQ(changed.step(Vec3(0, 0, 0.009)), same.step(Vec3(0, 0, 0.009)));
+  SceneObject lazy;
+  lazy.lazy = std::make_shared<const LazyMesh>(goldberg().mesh);
+  EXPECT_FALSE(Tracker({&lazy, 1}).set_contact(0, Method::kFlat, 0)) << "it has no cache";
+}
+
 TEST(Tracker, goes_on_with_the_material_that_it_is_given) {
   const auto cache = ball();
   SceneObject object{.cache = cache, .friction = {0.5, 0.3}};

@@ -147,6 +147,16 @@ TEST(SimDevice, ends_after_its_path_and_stops_at_its_workspace) {
   EXPECT_EQ(reach, 0.02);
 }
 
+TEST(SimDevice, goes_to_the_target_that_it_is_given_and_has_no_end) {
+  SimDevice device(HandPath::along({Vec3::Zero(), Vec3(0.01, 0, 0)}, 0.1), {});
+  EXPECT_FALSE(device.draw_to(Vec3(0, std::numeric_limits<double>::quiet_NaN(), 0)));
+  EXPECT_TRUE(device.draw_to(Vec3(0, 0.02, 0)));
+  DeviceState state;
+  for (int i = 0; i <= 2000; ++i) state = device.read(std::chrono::milliseconds(i));
+  EXPECT_FALSE(state.ended);
+  EXPECT_LT((state.position - Vec3(0, 0.02, 0)).norm(), 1e-5);
+}
+
 TEST(SimDevice, repeats_itself_by_its_seed) {
   SimOptions options;
   options.noise = 1e-5;

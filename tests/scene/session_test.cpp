@@ -44,6 +44,23 @@ TEST_F(Session, loses_no_tick_without_a_clock) {
   EXPECT_EQ(session.grants()->priority, 0) << "a loop without a clock needs no real-time thread";
 }
 
+TEST_F(Session, calls_after_each_tick_what_may_change_the_tracker) {
+  ReplayDevice device(std::vector<Vec3>(10, Vec3(0, 0, 0.009)));
+  LoopOptions rules;
+  rules.wait = false;
+  int calls = 0;
+  LoopSession session(device, tracker, rules, {.after_tick = [&](Tracker& changed) {
+                        EXPECT_EQ(&changed, &tracker);
+                        if (++calls == 5) changed.set_material(0, 1000, {});
+                      }});
+  const std::vector<LoopTick> ticks = ticks_of(session);
+  session.join();
+  ASSERT_GE(ticks.size(), 10u);
+  EXPECT_EQ(calls, static_cast<int>(ticks.size()));
+  EXPECT_GT(ticks[4].rendered.norm(), 0);
+  EXPECT_DOUBLE_EQ(ticks[5].rendered.norm(), 2 * ticks[4].rendered.norm());
+}
+
 TEST_F(Session, ends_after_its_time_or_on_request) {
   for (const bool on_request : {false, true}) {
     ReplayDevice device(std::vector<Vec3>(100'000, Vec3(0, 0, 0.02)));
