@@ -16,6 +16,7 @@
 #include "tools/cli/terminal/terminal.h"
 #include "tools/cli/terminal/watch.h"
 #include "tools/cli/words/outputs.h"
+#include "tools/cli/words/scene_input.h"
 #include "tools/cli/words/shape_text.h"
 #include "tools/cli/words/slips.h"
 #include "tools/cli/words/surface_input.h"
@@ -63,34 +64,6 @@ void describe(Command& command, RunOptions& options) {
                "more a tick");
   command.flag("--require-rt", options.require_realtime,
                "make it an error where real-time scheduling or locked memory is refused");
-}
-
-// With progress, on all threads, and Ctrl-C.
-std::vector<SceneObject> open_objects(const Scene& scene, const RunOptions& options) {
-  const auto engine = make_tbb_engine(options.threads, stop_if_interrupted);
-  SurfaceOptions surface;
-  surface.threads = options.threads;
-  surface.quiet = options.quiet;
-  SceneOpening opening;
-  opening.read_mesh = [&](const ObjectDescription& described) {
-    surface.surface = described.surface;
-    surface.unit = described.unit;
-    surface.has_unit = described.has_unit;
-    surface.in_scene = true;
-    surface.orient = described.orient;
-    surface.flip = described.flip;
-    surface.creases = described.creases;
-    surface.crease_radius = described.crease_radius;
-    return read_mesh(surface);
-  };
-  opening.build = [&](const Mesh& mesh, const BuildOptions& wanted) {
-    surface.precision = wanted.precision;
-    surface.level = wanted.level;
-    surface.construction = wanted.level.construction;
-    return build(mesh, surface, *engine);
-  };
-  opening.poll = stop_if_interrupted;
-  return gliss::open_objects(scene, opening);
 }
 
 struct Outcome {
@@ -382,7 +355,8 @@ void run(const RunOptions& options) {
   std::vector<std::string> inputs = scene.files;
   inputs.push_back(replayed_file(options.device));
   check_outputs({options.recording, options.summary}, inputs);
-  const std::vector<SceneObject> objects = open_objects(scene, options);
+  const std::vector<SceneObject> objects =
+      open_scene_objects(scene, options.threads, options.quiet);
   tell_odd_objects(options, scene, objects);
   const auto device = open_scene_device(options.device, scene);
   LoopOptions rules = loop_options(scene, device->info());
