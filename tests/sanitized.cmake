@@ -1,15 +1,18 @@
 # What runs under sanitizers (GLISS_SANITIZE): tests of what reads foreign bytes, walks arrays or is shared by threads.
 # Not what runs programs, measures, or would take minutes: CI has few for this.
 if(GLISS_SANITIZE STREQUAL "thread")
-  set(parts haply/haply_device loop/loop engine/parallel thread/periodic device/udp_device device/udp_server)
+  set(parts haply/haply_device loop/loop engine/parallel thread/periodic device/udp_device device/udp_server
+    view/pointer_hand view/view_server)
 else()
   set(parts files/atomic_file c_api/c_api files/cache_file chai3d/chai3d tables/csv_file tables/csv_reader device/guard
     haply/haply_device files/hostile_files files/hostile_numbers sweep/hostile_parts loop/loop files/mesh engine/parallel
     tables/result_file scene/scene_error scene/scene_file device/sim_device sweep/sweep device/udp_device
-    device/udp_protocol device/udp_server base/units validate/validate tables/vtp_file)
+    device/udp_protocol device/udp_server base/units validate/validate view/pointer_hand view/view_protocol view/view_server
+    tables/vtp_file)
 endif()
 list(TRANSFORM parts APPEND _test.cpp OUTPUT_VARIABLE sources)
 add_gliss_tests(sanitized_tests ${sources} ${PROJECT_SOURCE_DIR}/tools/cli/terminal/progress_text.cpp)
+target_link_libraries(sanitized_tests PRIVATE room_view)
 if("c_api/c_api" IN_LIST parts)
   target_sources(sanitized_tests PRIVATE $<TARGET_OBJECTS:room_c_api>)
 endif()

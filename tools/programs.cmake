@@ -1,4 +1,4 @@
-# The programs gliss and gliss-mpi, and the page of gliss report.
+# The programs gliss and gliss-mpi, and the pages of gliss report and gliss view.
 
 # All rooms for the program and the tests, which know what shared libraries hide.
 if(BUILD_SHARED_LIBS)
@@ -50,11 +50,15 @@ add_tool_room(tools/cli/terminal)
 add_tool_room(tools/cli/words USES terminal LINKS CLI11::CLI11)
 add_tool_room(tools/cli/parts USES words)
 add_tool_room(tools/report USES words)
-add_tool_room(tools/cli/commands USES parts report)
+add_tool_room(tools/view LINKS Boost::headers)
+if(GLISS_SANITIZE)  # headers alone, as runtime/haply
+  set_source_files_properties(tools/view/view_server.cpp tools/view/view_protocol.cpp PROPERTIES COMPILE_OPTIONS -O0)
+endif()
+add_tool_room(tools/cli/commands USES parts report view)
 
 # What all programs are made of. Objects of others are linked only where they are named, so all are.
 add_library(gliss_program OBJECT tools/cli/program.cpp)
-set(program_parts gliss_program room_terminal room_words room_parts room_report room_commands)
+set(program_parts gliss_program room_terminal room_words room_parts room_report room_view room_commands)
 target_include_directories(gliss_program PUBLIC ${CMAKE_CURRENT_SOURCE_DIR})
 target_compile_definitions(gliss_program PRIVATE GLISS_VERSION="${PROJECT_VERSION}")
 target_link_libraries(gliss_program PUBLIC room_commands gliss_options)
@@ -97,11 +101,11 @@ elseif(NOT MPI_FOUND)
   message(STATUS "No MPI: gliss-mpi is left out")
 endif()
 
-# The page of gliss report, which becomes part of the program: a release has it (tools/release.sh), else npm fetches and
-# bundles it.
+# The pages of gliss report and gliss view, which become part of the program: a release has them (tools/release.sh),
+# else npm fetches and bundles them.
 set(report_folder ${CMAKE_CURRENT_SOURCE_DIR}/tools/report/page)
 set(has_page OFF)
-if(EXISTS ${report_folder}/report.html)
+if(EXISTS ${report_folder}/report.html AND EXISTS ${report_folder}/view.html)
   set(has_page ON)
 else()
   find_program(NODE NAMES node nodejs)
@@ -114,20 +118,21 @@ else()
     file(GLOB report_sources CONFIGURE_DEPENDS tools/report/page/* tools/report/page/.npmrc tools/report/page/src/*)
     list(FILTER report_sources EXCLUDE REGEX "node_modules|/src$")
     set(report_folder report)
-    add_custom_command(OUTPUT report/report.html
+    add_custom_command(OUTPUT report/report.html report/view.html
       COMMAND ${NODE} ${CMAKE_CURRENT_SOURCE_DIR}/tools/report/page/build.mjs report
       DEPENDS ${report_sources} VERBATIM)
   endif()
 endif()
-option(GLISS_REPORT "Build gliss report: needs npm with Node.js 18, and its registry at the first build" ${has_page})
+option(GLISS_REPORT "Build gliss report and gliss view: needs npm with Node.js 18, and its registry at first" ${has_page})
 if(GLISS_REPORT AND NOT has_page)
   message(FATAL_ERROR "GLISS_REPORT needs npm with Node.js 18 or later; here is ${NODE} ${node_version}")
 elseif(GLISS_REPORT)
-  add_custom_target(report_html DEPENDS ${report_folder}/report.html)  # by itself: may need the network
+  set(report_pages ${report_folder}/report.html ${report_folder}/view.html)
+  add_custom_target(report_html DEPENDS ${report_pages})  # by itself: may need the network
   add_custom_command(OUTPUT report_page_text.cpp
     COMMAND ${Python3_EXECUTABLE} ${CMAKE_CURRENT_SOURCE_DIR}/tools/embed_texts.py
-      ${report_folder} report_page_text.cpp tools/report/report_page.h Page report.html
-    DEPENDS ${report_folder}/report.html tools/embed_texts.py VERBATIM)
+      ${report_folder} report_page_text.cpp tools/report/report_page.h Page report.html view.html
+    DEPENDS ${report_pages} tools/embed_texts.py VERBATIM)
   target_sources(room_report PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/report_page_text.cpp)
   target_compile_definitions(room_commands PRIVATE GLISS_WITH_REPORT)
 elseif(NOT has_page)

@@ -56,7 +56,7 @@ TEST_F(Slips, an_option_that_there_is_not_comes_before_one_that_is_missing) {
   EXPECT_EQ(refusal("check torus.obj --unti mm"),
             "gliss: there is no option '--unti'; did you mean --unit?\n");
   EXPECT_EQ(refusal("sweep torus.obj --friction 0.3 --depth 2mm"),
-            "gliss: there is no option '--friction'; gliss trace has it\n");
+            "gliss: there is no option '--friction'; gliss trace, gliss view have it\n");
   EXPECT_EQ(refusal("check torus.obj --frobnicate"), "gliss: there is no option '--frobnicate'\n");
   EXPECT_EQ(refusal("sweep torus.obj -o a.h5"), "gliss: --depth is required\n");
 }

@@ -22,7 +22,8 @@ def library_rooms(root):
 
 def program_rooms(root):
     """Those of the program."""
-    return [*(room for room in (root / "tools" / "cli").iterdir() if room.is_dir()), root / "tools" / "report"]
+    return [*(room for room in (root / "tools" / "cli").iterdir() if room.is_dir()),
+            *(root / "tools" / room for room in ("report", "view"))]
 
 
 class Rooms:

@@ -1,8 +1,10 @@
-// The page that gliss report fills in; made by tools/report/page/build.mjs where the build has npm.
+// The pages that gliss report fills in and gliss view serves; made by tools/report/page/build.mjs
+// where the build has npm.
 #pragma once
 
 namespace gliss {
 
 extern const char* const kReportPage;
+extern const char* const kViewPage;  // of gliss view
 
 }  // namespace gliss

@@ -24,5 +24,6 @@ void add_judge(Command& program);
 void add_run(Command& program);
 void add_serve(Command& program);
 void add_report(Command& program);
+void add_view(Command& program);
 
 }  // namespace gliss::tools

@@ -169,6 +169,15 @@ export class Chart {
     ctx.restore();
   }
 
+  // Other values at the same xs, on a scale of their own.
+  update(data, yRange) {
+    [this.data, this.yRange] = [data, yRange];
+    const x = this.plot?.scales.x;
+    const isWhole = !x || x.min === this.full[0] && x.max === this.full[1];
+    this.plot?.setData(data, isWhole);
+    if (!isWhole) this.setHeight(yRange);
+  }
+
   show(from, to) {
     const now = this.plot?.scales.x;
     if (now && (now.min !== from || now.max !== to)) this.plot.setScale('x', {min: from, max: to});

@@ -7,6 +7,7 @@ export class Orbit {
   // box: {min, max}. The widest side faces the camera, the longest lies across.
   constructor(box, changed) {
     this.changed = changed;
+    this.box = box;
     this.centre = box.getCenter(new Vector3());
     const size = box.getSize(new Vector3()), axes = [0, 1, 2].sort((a, b) => size.getComponent(a) - size.getComponent(b));
     this.radius = size.length() / 2;
@@ -60,14 +61,16 @@ export class Orbit {
     this.changed();
   }
 
-  // Mouse, fingers and keys over an element. The wheel belongs to the page until the view is clicked.
-  listen(element) {
+  // Mouse, fingers and keys over an element. The wheel belongs to the page until the view is clicked. `isOurs` says which
+  // presses and turns of the wheel are the camera's.
+  listen(element, isOurs = () => true) {
     const pointers = new Map();
     const spread = () => {
       const [a, b] = [...pointers.values()];
       return Math.hypot(a.x - b.x, a.y - b.y);
     };
     element.addEventListener('pointerdown', event => {
+      if (!isOurs(event)) return;
       element.focus({preventScroll: true});
       element.setPointerCapture(event.pointerId);
       pointers.set(event.pointerId, {x: event.clientX, y: event.clientY});
@@ -87,7 +90,7 @@ export class Orbit {
     }
     element.addEventListener('contextmenu', event => event.preventDefault());
     element.addEventListener('wheel', event => {
-      if (document.activeElement !== element) return;
+      if (document.activeElement !== element || !isOurs(event)) return;
       event.preventDefault();
       this.zoom(Math.exp(event.deltaY * 0.001));
     }, {passive: false});
