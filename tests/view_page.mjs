@@ -151,7 +151,7 @@ async function press(page, text) {
   await page.evaluate(wanted => [...document.querySelectorAll('button')].find(button => button.innerText.startsWith(wanted)).click(), text);
 }
 
-const browser = await puppeteer.launch({executablePath: chromium, headless: true,
+const browser = await puppeteer.launch({executablePath: chromium, headless: true, protocolTimeout: 60000,
   args: ['--no-sandbox', '--enable-unsafe-swiftshader', '--use-angle=swiftshader', '--autoplay-policy=no-user-gesture-required']});
 let server = null;
 try {
@@ -193,6 +193,7 @@ try {
   assert(await other.evaluate(() => document.documentElement.scrollWidth <= innerWidth), 'nothing is wider than the page');
   await press(other, 'Flat polygons');
   await sleep(300);
+  await page.bringToFront();  // a page behind another draws nothing
   const chosen = of => of.$eval('.methods [aria-pressed="true"]', button => button.dataset.method);
   assert.equal(await chosen(page), 'gregory', 'a page that watches tunes nothing');
   await page.focus('body');
@@ -207,7 +208,9 @@ try {
   await until('the stiffness is the largest that the hand takes', () => other.evaluate(() => document.body.innerText.includes('2.00 N/mm')));
   await page.evaluate(() => document.activeElement.blur());
   await page.screenshot({path: join(folder, 'wide.png'), fullPage: true});
+  await other.bringToFront();
   await other.screenshot({path: join(folder, 'narrow.png'), fullPage: true});
+  await page.bringToFront();
   assert.deepEqual(others, []);
   for (const [label, value] of [['Colour', 'kind'], ['Colour', 'height'], ['Show', 'polygons'], ['Show', 'both'], ['Sound', '0']]) {
     await page.evaluate((wanted, to) => {
