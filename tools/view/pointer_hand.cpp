@@ -1,11 +1,12 @@
 #include "tools/view/pointer_hand.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace gliss::tools {
 
-PointerHand::PointerHand(const Vec3& start, const SimOptions& options)
-    : sim_(HandPath({0}, {start}), options), info_(sim_.info()), will_(start) {
+PointerHand::PointerHand(const Vec3& start, const SimOptions& options, double fastest)
+    : sim_(HandPath({0}, {start}), options), info_(sim_.info()), will_(start), fastest_(fastest) {
   info_.name = "the pointer's hand";
   info_.real_time = true;
   sim_.draw_to(start);
@@ -23,8 +24,10 @@ DeviceState PointerHand::read(Nanoseconds now) noexcept {
   if (!latest || now - Nanoseconds(latest->value.when) > kPatience) return state_;
   const Target& target = latest->value;
   lived_ += passed;
-  will_ +=
-      (1 - std::exp(-in_seconds(passed) / kEase)) * (Vec3(target.x, target.y, target.z) - will_);
+  const Vec3 way = Vec3(target.x, target.y, target.z) - will_;
+  const double most = fastest_ * in_seconds(passed), length = way.norm(),
+               eased = (1 - std::exp(-in_seconds(passed) / kEase)) * length;
+  if (length > 0) will_ += std::min(eased, most) / length * way;
   sim_.draw_to(will_);
   const auto sequence = state_.sequence + 1;
   state_ = sim_.read(lived_);

@@ -16,8 +16,11 @@ class PointerHand final : public HapticDevice {
   // and a person's hand is no quicker.
   static constexpr double kEase = 0.015;
 
-  // Rests at `start` until it is drawn. Throws as SimDevice.
-  PointerHand(const Vec3& start, const SimOptions& options = {});
+  static constexpr double kFastest = 0.1;  // m/s, of a hand that feels its way
+
+  // Rests at `start` until it is drawn, and wants to go no quicker than `fastest` (m/s), however
+  // far a target leaps. Throws as SimDevice.
+  PointerHand(const Vec3& start, const SimOptions& options = {}, double fastest = kFastest);
 
   // Draws the hand there. `now` is the loop's clock, monotonic_time(). For one other thread.
   void point(const Vec3& target, Nanoseconds now) noexcept;
@@ -37,6 +40,7 @@ class PointerHand final : public HapticDevice {
   SimDevice sim_;
   DeviceInfo info_;
   Vec3 will_;  // m, that draws the hand
+  double fastest_;
   std::optional<Nanoseconds> last_read_;
   Nanoseconds lived_{0};  // the hand's own time, which stands still while nobody points
   DeviceState state_;     // the last one that was news

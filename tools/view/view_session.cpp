@@ -47,6 +47,11 @@ Vec3 start_of(const std::vector<SceneObject>& objects) {
   return box.max() + 0.1 * box.diagonal();
 }
 
+// Large objects are felt all over in two seconds, small ones no less slowly than a hand can.
+double fastest_on(const std::vector<SceneObject>& objects) {
+  return std::max(PointerHand::kFastest, 0.5 * box_of(objects).diagonal().norm());
+}
+
 }  // namespace
 
 Eigen::AlignedBox3d box_of(const std::vector<SceneObject>& objects) {
@@ -65,7 +70,7 @@ Eigen::AlignedBox3d box_of(const std::vector<SceneObject>& objects) {
 ViewSession::ViewSession(ViewSetting setting)
     : setting_(std::move(setting)),
       now_(tuning_of(setting_.objects.front())),
-      hand_(start_of(setting_.objects), setting_.hand),
+      hand_(start_of(setting_.objects), setting_.hand, fastest_on(setting_.objects)),
       tracker_(setting_.objects, setting_.hips),
       beside_(setting_.objects, setting_.hips) {
   for (std::size_t i = 0; i < setting_.objects.size(); ++i)

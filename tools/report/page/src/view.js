@@ -196,7 +196,7 @@ function showStatus() {
 }
 
 function showFrame(frame) {
-  const steps = page.plots.add(frame), tick = frame.at(frame.count - 1);
+  const steps = page.plots.add(frame, page.hello.period), tick = frame.at(frame.count - 1);
   page.sound.play(steps, page.hello.period);
   page.ticks = (page.ticks ?? 0) + frame.count;
   page.tick = tick;

@@ -1,6 +1,8 @@
 // The hand that the pointer pulls: it hovers where one points, and is pressed in where one holds.
 import {Vector3} from 'three';
 
+const sinking = 0.15;  // of the size of all, in a second
+
 export class Hand {
   // rest: where it is before anybody points. press: m beneath the surface, that it is drawn to.
   constructor(stage, rest, press) {
@@ -51,9 +53,21 @@ export class Hand {
     const {size} = this.stage, hover = 0.04 * size;
     const presses = this.held && !this.isSafe && lateral < (this.pressing ? 0.3 : 0.08) * size;
     this.pressing = presses;
+    const above = this.sink(presses ? -this.press : hover + lateral, size);
     this.wish.copy(place);
-    if (!presses) this.wish.addScaledVector(this.toEye, hover + lateral);
-    else if (this.isOn) this.wish.addScaledVector(this.hit.normal, -this.press);
+    if (above > 0) this.wish.addScaledVector(this.toEye, above);
+    else if (this.isOn) this.wish.addScaledVector(this.hit.normal, above);
     return this.wish.toArray();
+  }
+
+  // How far above the surface the hand is wanted on its way to `to`, m: it does not fall in, since the force of a hand
+  // that comes in quickly changes quickly by any method. Up it goes at once, but no less gently where the guard let go.
+  sink(to, size) {
+    const now = performance.now(), way = sinking * size * Math.min(0.1, (now - (this.sankAt ?? now)) / 1e3);
+    this.sankAt = now;
+    const from = this.above ?? to;
+    this.above = Math.max(to, from - way);
+    if (this.isSafe) this.above = Math.min(this.above, from + way);
+    return this.above;
   }
 }

@@ -6,6 +6,7 @@ import {methodColor, methodTitle} from './methods.js';
 
 export const methods = ['flat', 'shaded', 'gregory'];
 const seconds = 10, binned = 0.02;  // s; of a bin the largest value is shown
+const running = 1;  // GuardState::kRun
 const bins = Math.round(seconds / binned);
 
 const quantities = [
@@ -82,18 +83,20 @@ export class Plots {
     return [`${number(-this.times[i])} s before`, rows];
   }
 
-  // Takes the ticks of a frame. A step is one within a contact: gaining and losing it are none. Gives the steps,
-  // [tick][method] in N.
-  add(frame) {
+  // Takes the ticks of a frame, a period (s) apart where none was missed. A step is one within a contact, of one period,
+  // under a guard that runs: gaining and losing contact are none, the steps of a hand that went on while the loop stood
+  // still are not known, and one that feels no force falls. Gives the steps, [tick][method] in N.
+  add(frame, period) {
     const all = [];
     for (let i = 0; i < frame.count; i++) {
-      const tick = frame.at(i), now = {number: frame.number + i, felt: tick.felt};
-      const follows = this.before && this.before.number === now.number - 1;
+      const tick = frame.at(i), now = {number: frame.number + i, time: frame.time + tick.since, guard: tick.guard, felt: tick.felt};
+      const follows = this.before && this.before.number === now.number - 1 && now.time - this.before.time < 1.5 * period &&
+          this.before.guard === running && now.guard === running;
       const steps = tick.felt.map(({force, contact}, m) => {
         const last = this.before?.felt[m];
         return follows && contact > 0 && last.contact > 0 ? Math.hypot(force[0] - last.force[0], force[1] - last.force[1], force[2] - last.force[2]) : 0;
       });
-      this.history.add(frame.time + tick.since, tick.felt.map((felt, m) => [Math.hypot(...felt.force), steps[m], felt.depth]));
+      this.history.add(now.time, tick.felt.map((felt, m) => [Math.hypot(...felt.force), steps[m], felt.depth]));
       this.before = now;
       all.push(steps);
     }
