@@ -29,10 +29,11 @@ ReportTable read_csv_ticks(const ReportSource& source) {
   const auto &trace = wanted(TickTable::kTrace), &recording = wanted(TickTable::kRecording);
   std::vector<std::string> optional = trace.optional;
   optional.insert(optional.end(), recording.optional.begin(), recording.optional.end());
-  const InputTable csv = read_csv(source.path, {.alternatives = {trace.numbers, recording.numbers},
-                                                .optional = optional,
-                                                .texts = {"method", "state", "guard", "reason"},
-                                                .poll = stop_if_interrupted});
+  const InputTable csv =
+      gliss::read_csv(source.path, {.alternatives = {trace.numbers, recording.numbers},
+                                    .optional = optional,
+                                    .texts = {"method", "state", "guard", "reason"},
+                                    .poll = stop_if_interrupted});
   ReportTable table;
   table.kind = csv.alternative == 0 ? TickTable::kTrace : TickTable::kRecording;
   table.rows = csv.rows;
