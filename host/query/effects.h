@@ -61,6 +61,11 @@ class GLISS_EXPORT Effects {
   Effects(const EffectOptions& options, double stiffness, double unit);
 
   void set_stiffness(double stiffness) noexcept { stiffness_ = stiffness; }
+  // Requires a texture without a fault.
+  void set_texture(const TextureOptions& texture) noexcept {
+    options_.texture = texture;
+    texture_ = Texture(texture);
+  }
   // A tick begins with the HIP at `hip` (mesh's unit), `dt` (s) after the last one, as tick_time()
   // takes it; each tick once. `own`: the velocity that the device tells, m/s in the object's frame;
   // zero: it tells none. One above kFastest counts as the last one.

@@ -125,6 +125,24 @@ bool Tracker::set_contact(std::size_t place, Method method, double settle) noexc
   return true;
 }
 
+bool Tracker::set_texture(std::size_t place, const TextureOptions& texture) noexcept {
+  SceneObject& object = places_[place].object;
+  EffectOptions effects = object.effects;
+  effects.texture = texture;
+  effects.texture.along = object.effects.texture.along;
+  if (fault_of(effects) != nullptr) return false;
+  object.effects = effects;
+  for (Tracked& tracked : tracked_) {
+    if (tracked.place != place) continue;
+    if (tracked.effects) {
+      tracked.effects->set_texture(effects.texture);
+    } else if (effects.any()) {
+      tracked.effects.emplace(effects, object.stiffness, tracked.unit);
+    }
+  }
+  return true;
+}
+
 void Tracker::follow_motions() noexcept {
   for (std::size_t i = 0; i < places_.size(); ++i) {
     const SceneObject& object = places_[i].object;

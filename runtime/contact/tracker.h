@@ -98,6 +98,9 @@ class GLISS_EXPORT Tracker {
   // contact anew, as a first step does, and the force may change at once. False for a `settle` that
   // the constructor refuses, and for an object without a cache: it stays as it is.
   bool set_contact(std::size_t object, Method method, double settle) noexcept;
+  // Gives an object another texture, in contact too, but a grating runs along as it did.
+  // False for one that the constructor refuses: the object stays as it is.
+  bool set_texture(std::size_t object, const TextureOptions& texture) noexcept;
   // True if an object's contacts are sought by that method and settle so.
   bool is_by(std::size_t object, Method method, double settle) const noexcept {
     const SceneObject& now = places_[object].object;

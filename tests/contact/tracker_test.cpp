@@ -242,6 +242,31 @@ TEST(Tracker, goes_on_with_the_method_that_it_is_given) {
   EXPECT_FALSE(Tracker({&lazy, 1}).set_contact(0, Method::kFlat, 0)) << "it has no cache";
 }
 
+TEST(Tracker, goes_on_with_the_texture_that_it_is_given) {
+  const auto cache = ball();
+  const TextureOptions grating{Relief::kGrating, 5e-5, 2e-3};
+  SceneObject object{.cache = cache};
+  Tracker changed({&object, 1});
+  object.effects.texture = grating;
+  Tracker same({&object, 1});
+  const auto slide = [&](auto compare) {
+    for (int i = 0; i < 100; ++i) {
+      const Vec3 hip(3e-5 * i, 0, 0.009);
+      compare(changed.step(hip), same.step(hip));
+    }
+  };
+  int differ = 0;
+  slide([&](const Vec3& one, const Vec3& other) { differ += one != other; });
+  EXPECT_GT(differ, 50);
+  EXPECT_TRUE(changed.set_texture(0, grating));
+  slide([](const Vec3& one, const Vec3& other) { EXPECT_EQ(one, other); });
+  EXPECT_FALSE(changed.set_texture(0, {Relief::kGrating, 1, 1e-3})) << "it is too steep";
+  slide([](const Vec3& one, const Vec3& other) { EXPECT_EQ(one, other); });
+  EXPECT_TRUE(changed.set_texture(0, {}));
+  EXPECT_TRUE(same.set_texture(0, {}));
+  slide([](const Vec3& one, const Vec3& other) { EXPECT_EQ(one, other); });
+}
+
 TEST(Tracker, goes_on_with_the_material_that_it_is_given) {
   const auto cache = ball();
   SceneObject object{.cache = cache, .friction = {0.5, 0.3}};
