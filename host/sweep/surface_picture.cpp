@@ -11,16 +11,6 @@
 namespace gliss {
 namespace {
 
-// Gives the largest of each face; NaN where it has no patch.
-std::vector<double> curvatures_of(const PatchCache& cache) {
-  std::vector<double> curvature(cache.mesh_face_count, std::nan(""));
-  for (std::size_t patch = 0; patch < cache.patch_face.size(); ++patch) {
-    double& of_face = curvature[cache.patch_face[patch]];
-    of_face = std::fmax(of_face, 1 / cache.rho_min[patch]);
-  }
-  return curvature;
-}
-
 // At most `most` points of the grid, spread evenly over it.
 std::vector<DomainPoint> grid_points(const PatchCache& cache, std::uint32_t rings,
                                      std::uint64_t most) {
@@ -56,6 +46,15 @@ void add(std::vector<float>& to, const Vec3& vector) {
 
 }  // namespace
 
+std::vector<double> face_curvatures(const PatchCache& cache) {
+  std::vector<double> curvature(cache.mesh_face_count, std::nan(""));
+  for (std::size_t patch = 0; patch < cache.patch_face.size(); ++patch) {
+    double& of_face = curvature[cache.patch_face[patch]];
+    of_face = std::fmax(of_face, 1 / cache.rho_min[patch]);
+  }
+  return curvature;
+}
+
 SurfacePicture picture_of(const PatchCache& cache, std::size_t most_points) {
   std::uint32_t rings = 1;
   while (sample_count(cache, rings + 1) <= most_points) ++rings;
@@ -71,7 +70,7 @@ SurfacePicture picture_of(const PatchCache& cache, std::size_t most_points) {
   constexpr Method kFlat = Method::kFlat;
   nearest(cache, positions, {&kFlat, 1}, {}, flat);
 
-  std::vector<double> curvature = curvatures_of(cache);
+  std::vector<double> curvature = face_curvatures(cache);
   SurfacePicture picture;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const std::uint32_t face = places[i].face;

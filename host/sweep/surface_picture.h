@@ -20,6 +20,9 @@ struct SurfacePicture {
   double p50 = 0, p99 = 0, largest = 0;  // curvature of all faces that have patches
 };
 
+// Returns the largest curvature of each face, in 1 / the mesh's unit; NaN where it has no patch.
+GLISS_EXPORT std::vector<double> face_curvatures(const PatchCache& cache);
+
 // The points of a sweep's grid, as dense as `most_points` allow; of a mesh with more faces than
 // that, some points evenly. The curvature of a face is 1 / rho_min of its sharpest patch. The same
 // points for every cache of a mesh.
