@@ -2,35 +2,12 @@
 // usage: node view_page.mjs GLISS PACKAGES FOLDER; pictures stay in FOLDER.
 // Exit code 77, "skipped", where this machine has no Chromium or the build no page.
 import assert from 'node:assert/strict';
-import {execFileSync, spawn, spawnSync} from 'node:child_process';
+import {execFileSync} from 'node:child_process';
 import {existsSync, mkdirSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
-import {createRequire} from 'node:module';
 import {join, resolve} from 'node:path';
+import {cell, choose, colors, interrupt, launch, number, open, press, serve, shot, sleep, status, until} from './support/view_browser.mjs';
 
 const [gliss, packages, folder] = process.argv.slice(2).map(path => resolve(path));
-
-function skip(why) {
-  console.log(`skipped: ${why}`);
-  process.exit(77);
-}
-
-function findChromium() {
-  for (const name of ['chromium', 'chromium-browser', 'google-chrome']) {
-    for (const path of process.env.PATH.split(':')) {
-      const file = join(path, name);
-      if (existsSync(file) && spawnSync(file, ['--version']).status === 0) return file;
-    }
-  }
-  return null;
-}
-
-const chromium = findChromium();
-if (!chromium) skip('no Chromium in PATH');
-if (!existsSync(join(packages, 'package.json'))) skip('this build has no page');
-const puppeteer = createRequire(join(packages, 'package.json'))('puppeteer-core');
-
-const token = '00112233445566778899aabbccddeeff';
-const sleep = ms => new Promise(done => setTimeout(done, ms));
 
 rmSync(folder, {recursive: true, force: true});
 mkdirSync(folder, {recursive: true});
@@ -39,74 +16,6 @@ run('generate', 'knot', '-o', 'knot.obj', '--quiet');
 // The same in metres, in which a recording as CSV is.
 writeFileSync(join(folder, 'metres.obj'), readFileSync(join(folder, 'knot.obj'), 'utf8').replace(/^v .*$/gm,
     line => `v ${line.split(/\s+/).slice(1, 4).map(x => x / 1000).join(' ')}`));
-
-// A server, once it says where it is.
-function serve(mesh, ...words) {
-  const child = spawn(gliss, ['view', mesh, '--json', ...words], {cwd: folder, env: {...process.env, GLISS_VIEW_TOKEN: token}});
-  const server = {child, out: '', told: ''};
-  child.stdout.on('data', data => server.out += data);
-  server.ended = new Promise(done => child.on('exit', (code, signal) => done({code, signal})));
-  return new Promise((done, fail) => {
-    child.stderr.on('data', data => {
-      server.told += data;
-      server.url = server.told.match(/http:\/\/127\.0\.0\.1:(\d+)\/#[0-9a-f]{32}/)?.[0];
-      if (server.url && !server.port) (server.port = new URL(server.url).port, done(server));
-    });
-    child.on('exit', () => fail(new Error(server.told)));
-  });
-}
-
-async function interrupt(server) {
-  const began = Date.now();
-  server.child.kill('SIGINT');
-  const {code} = await server.ended;
-  server.took = Date.now() - began;
-  return code;
-}
-
-async function open(browser, url, theme = 'light', width = 1280) {
-  const page = await browser.newPage();
-  page.setDefaultTimeout(60000);
-  const complaints = [];
-  page.on('console', message => {
-    // The software renderer's own warnings are not the page's; nor are a browser's words about a server that is gone.
-    const ours = !/GL Driver Message|GPU stall|WebSocket connection to .* failed|ERR_CONNECTION_REFUSED/.test(message.text());
-    if (['error', 'warn', 'warning'].includes(message.type()) && ours) complaints.push(message.text());
-  });
-  page.on('pageerror', error => complaints.push(String(error)));
-  page.on('request', request => {
-    if (!/^(data|blob):/.test(request.url()) && request.url() !== url.split('#')[0] && request.url() !== url) complaints.push(`asks for ${request.url()}`);
-  });
-  await page.setViewport({width, height: 800});
-  await page.emulateMediaFeatures([{name: 'prefers-color-scheme', value: theme}]);
-  await page.goto(url);
-  await page.waitForSelector('html[data-ready]');
-  return {page, complaints};
-}
-
-const status = page => page.$eval('.status', element => element.innerText);
-const cell = (page, method, column) => page.$eval(`tr[data-method="${method}"]`, (row, i) => row.cells[i].innerText, column);
-const number = text => text.includes('·10') ? Number(text.split('·')[0]) * 10 ** Number([...text.split('·10')[1]].map(c => c === '⁻' ? '-' : '⁰¹²³⁴⁵⁶⁷⁸⁹'.indexOf(c)).join('')) : Number(text);
-const shot = async page => (await page.$('.stage')).screenshot({encoding: 'base64'});
-const colors = async page => page.evaluate(async text => {
-  const bytes = Uint8Array.from(atob(text), c => c.charCodeAt(0));
-  const image = await createImageBitmap(new Blob([bytes], {type: 'image/png'}));
-  const context = new OffscreenCanvas(image.width, image.height).getContext('2d');
-  context.drawImage(image, 0, 0);
-  const {data} = context.getImageData(0, 0, image.width, image.height), seen = new Set();
-  for (let i = 0; i < data.length; i += 4) seen.add(data[i] << 16 | data[i + 1] << 8 | data[i + 2]);
-  return seen.size;
-}, await shot(page));
-
-async function until(what, ask, patience = 20000) {
-  const end = Date.now() + patience;
-  for (let last;;) {
-    last = await ask();
-    if (last) return last;
-    assert(Date.now() < end, what);
-    await sleep(100);
-  }
-}
 
 // Until the loop has let a force out.
 const isRunning = page => until('the loop runs', async () => (await status(page)) === 'The loop runs');
@@ -144,11 +53,10 @@ async function slide(page) {
 // Slides to and fro, from a place that is touched.
 async function slideFrom(page, from) {
   const {x, y} = await onTheKnot(page), [dx, dy] = [x - from[0], y - from[1]];
-  // Longer than the plots show, so that the quick way in is forgotten.
-  // By small steps, however busy the machine is.
+  // Longer than the plots show, so that the way in is forgotten, and by small steps, however busy the machine is.
   const end = Date.now() + 12000;
   for (let turn = 0; Date.now() < end; turn += 0.06) {
-    const share = 0.35 * Math.sin(turn);
+    const share = 0.12 * Math.sin(turn);
     await page.mouse.move(from[0] - share * dy, from[1] + share * dx);
     await sleep(25);
   }
@@ -157,26 +65,17 @@ async function slideFrom(page, from) {
 // The largest steps of the last ten seconds: [flat, shaded, gregory] in N.
 const largestSteps = page => Promise.all(['flat', 'shaded', 'gregory'].map(async method => number(await cell(page, method, 3))));
 
-async function press(page, text) {
-  await page.evaluate(wanted => [...document.querySelectorAll('button')].find(button => button.innerText.startsWith(wanted)).click(), text);
-}
-
-const browser = await puppeteer.launch({executablePath: chromium, headless: true, protocolTimeout: 60000,
-  args: ['--no-sandbox', '--enable-unsafe-swiftshader', '--use-angle=swiftshader', '--autoplay-policy=no-user-gesture-required']});
+const browser = await launch(packages);
 let server = null;
 try {
-  server = await serve('knot.obj', '--record', 'whole.h5');
+  server = await serve(gliss, folder, 'knot.obj', '--record', 'whole.h5');
   assert.match(server.told, /no --unit: taken as mm/);
   const {page, complaints} = await open(browser, server.url);
   await until('it steers', async () => /^The loop/.test(await status(page)));
   assert(await colors(page) > 100, 'the knot is drawn');
 
   await isRunning(page);
-  await page.evaluate(() => {  // steps as they are: nothing slides where the nearest point leaps
-    const input = [...document.querySelectorAll('.choice')].find(c => c.innerText.startsWith('Settle')).querySelector('input');
-    input.value = 0;
-    input.dispatchEvent(new Event('input'));
-  });
+  await choose(page, 'Settle', 0);  // steps as they are: nothing slides where the nearest point leaps
   const from = await slide(page);
   await page.screenshot({path: join(folder, 'touch.png')});
   // Where the machine is so busy that the guard lets the hand go, it comes in anew, with a step by any method.
@@ -215,11 +114,7 @@ try {
   await page.keyboard.press('m');
   await until('the method goes round', async () => (await chosen(page)) === 'flat');
   await until('the other page is told', async () => (await chosen(other)) === 'flat');
-  await page.evaluate(() => {
-    const input = [...document.querySelectorAll('.choice')].find(c => c.innerText.startsWith('Stiffness')).querySelector('input');
-    input.value = 1000;
-    input.dispatchEvent(new Event('input'));
-  });
+  await choose(page, 'Stiffness', 1000);
   await until('the stiffness is the largest that the hand takes', () => other.evaluate(() => document.body.innerText.includes('2.00 N/mm')));
   await page.evaluate(() => document.activeElement.blur());
   await page.screenshot({path: join(folder, 'wide.png'), fullPage: true});
@@ -227,12 +122,8 @@ try {
   await other.screenshot({path: join(folder, 'narrow.png'), fullPage: true});
   await page.bringToFront();
   assert.deepEqual(others, []);
-  for (const [label, value] of [['Colour', 'kind'], ['Colour', 'height'], ['Show', 'polygons'], ['Show', 'both'], ['Sound', '0']]) {
-    await page.evaluate((wanted, to) => {
-      const list = [...document.querySelectorAll('.choice')].find(c => c.innerText.startsWith(wanted)).querySelector('select');
-      list.value = to;
-      list.dispatchEvent(new Event('change'));
-    }, label, value);
+  for (const [label, value] of [['Colour', 'kind'], ['Colour', 'height'], ['Colour', 'curvature'], ['Show', 'polygons'], ['Show', 'both'], ['Sound', '0']]) {
+    await choose(page, label, value);
     await sleep(200);
     assert(await colors(page) > 50, `${label} ${value} is drawn`);
   }
@@ -262,7 +153,7 @@ try {
   assert.deepEqual(figures.recorded, ['whole.h5', 'whole-2.h5']);
   await until('the page sees that', async () => /server is gone/.test(await status(page)));
   const port = server.port;
-  server = await serve('metres.obj', '--port', port, '--unit', 'm', '--record', 'plain.csv');
+  server = await serve(gliss, folder, 'metres.obj', '--port', port, '--unit', 'm', '--record', 'plain.csv');
   await until('the page is back', async () => /^The loop|^Another/.test(await status(page)));
   await other.close();
   await until('it steers', async () => /^The loop/.test(await status(page)));

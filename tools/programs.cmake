@@ -54,7 +54,7 @@ add_tool_room(tools/view LINKS Boost::headers)
 if(GLISS_SANITIZE)  # headers alone, as runtime/haply
   set_source_files_properties(tools/view/view_server.cpp tools/view/view_protocol.cpp PROPERTIES COMPILE_OPTIONS -O0)
 endif()
-add_tool_room(tools/cli/commands USES parts report view)
+add_tool_room(tools/cli/commands USES parts report view LINKS gliss_toml)
 
 # What all programs are made of. Objects of others are linked only where they are named, so all are.
 add_library(gliss_program OBJECT tools/cli/program.cpp)

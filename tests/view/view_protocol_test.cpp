@@ -123,19 +123,49 @@ TEST(ViewProtocol, makes_tokens_that_nobody_guesses) {
     EXPECT_FALSE(is_view_token(wrong)) << wrong;
 }
 
+// A message that tunes, good but for what is put in.
+std::string tune(const std::string& method = "\"flat\"", const std::string& stiffness = "800",
+                 const std::string& friction = "[0.5,0.3]", const std::string& settle = "0.005",
+                 const std::string& texture = R"({"kind":"none","height":0,"period":0})") {
+  return fmt::format(
+      R"({{"tune":{{"method":{},"stiffness":{},"friction":{},"settle":{},"texture":{}}}}})", method,
+      stiffness, friction, settle, texture);
+}
+
+std::string textured(const std::string& kind, const std::string& height) {
+  return tune("\"flat\"", "800", "[0,0]", "0",
+              fmt::format(R"({{"kind":"{}","height":{},"period":0.002}})", kind, height));
+}
+
 TEST(ViewProtocol, reads_the_messages_of_the_page) {
   const auto hand = read_view_message(R"({"hand":[0.001,-2e-3,3]})");
   ASSERT_TRUE(hand);
   EXPECT_EQ(std::get<HandMessage>(*hand).target, Vec3(0.001, -2e-3, 3));
-  const auto tune = read_view_message(
-      R"({"tune":{"method":"flat","stiffness":800,"friction":[0.5,0.3],"settle":0.005}})");
-  ASSERT_TRUE(tune);
-  const auto& wanted = std::get<TuneMessage>(*tune);
+  const auto tuned = read_view_message(tune());
+  ASSERT_TRUE(tuned);
+  const auto& wanted = std::get<TuneMessage>(*tuned);
   EXPECT_EQ(wanted.method, Method::kFlat);
   EXPECT_EQ(wanted.stiffness, 800);
   EXPECT_EQ(wanted.friction.at_rest, 0.5);
   EXPECT_EQ(wanted.friction.slipping, 0.3);
   EXPECT_EQ(wanted.settle, 0.005);
+  EXPECT_FALSE(wanted.texture.any());
+  const auto rough = std::get<TuneMessage>(*read_view_message(textured("noise", "5e-5"))).texture;
+  EXPECT_EQ(rough.relief, Relief::kNoise);
+  EXPECT_EQ(rough.height, 5e-5);
+  EXPECT_EQ(rough.period, 2e-3);
+  const auto build = std::get<BuildMessage>(
+      *read_view_message(R"({"build":{"level":"table:8","construction":"paper","crease":40}})"));
+  EXPECT_EQ(build.level.kind, Level::kTable);
+  EXPECT_EQ(build.level.cells, 8u);
+  EXPECT_EQ(build.level.construction, Construction::kPaper);
+  EXPECT_EQ(build.crease, 40);
+  EXPECT_FALSE(
+      std::get<BuildMessage>(
+          *read_view_message(R"({"build":{"level":"exact","construction":"fair","crease":null}})"))
+          .crease);
+  EXPECT_TRUE(std::get<ReplayMessage>(*read_view_message(R"({"replay":true})")).on);
+  EXPECT_TRUE(std::holds_alternative<SaveMessage>(*read_view_message(R"({"save":true})")));
   EXPECT_TRUE(std::get<RecordMessage>(*read_view_message(R"({"record":true})")).on);
   EXPECT_FALSE(std::get<RecordMessage>(*read_view_message(R"({"record":false})")).on);
   EXPECT_TRUE(std::holds_alternative<EngageMessage>(*read_view_message(R"({"engage":true})")));
@@ -164,15 +194,23 @@ TEST(ViewProtocol, reads_nothing_else) {
         std::string(R"({"record":"/etc/passwd"})"),
         std::string(R"({"engage":false})"),
         std::string(R"({"open":"/etc/passwd"})"),
-        std::string(
-            R"({"tune":{"method":"best","stiffness":800,"friction":[0.5,0.3],"settle":0}})"),
-        std::string(R"({"tune":{"method":"flat","stiffness":0,"friction":[0.5,0.3],"settle":0}})"),
-        std::string(R"({"tune":{"method":"flat","stiffness":8,"friction":[0.3,0.5],"settle":0}})"),
-        std::string(R"({"tune":{"method":"flat","stiffness":8,"friction":[9,0],"settle":0}})"),
-        std::string(R"({"tune":{"method":"flat","stiffness":8,"friction":[0,0],"settle":2}})"),
-        std::string(R"({"tune":{"method":"flat","stiffness":8,"friction":[0,0]}})"),
-        std::string(
-            R"({"tune":{"method":"flat","stiffness":8,"friction":[0,0],"settle":0,"level":1}})"),
+        tune("\"best\""),
+        tune("\"flat\"", "0"),
+        tune("\"flat\"", "1e99"),
+        tune("\"flat\"", "8", "[0.3,0.5]"),
+        tune("\"flat\"", "8", "[9,0]"),
+        tune("\"flat\"", "8", "[0,0]", "2"),
+        tune("\"flat\"", "8", "[0,0]", "0", "null"),
+        tune("\"flat\"", "8", "[0,0]", "0,\"level\":1"),
+        textured("grating", "1"),
+        textured("grating", "-1"),
+        textured("holes", "1e-5"),
+        std::string(R"({"build":{"level":"best","construction":"fair","crease":null}})"),
+        std::string(R"({"build":{"level":"exact","construction":"fair"}})"),
+        std::string(R"({"build":{"level":"exact","construction":"fair","crease":181}})"),
+        std::string(R"({"build":{"level":"exact","construction":"fair","crease":"edges:/x"}})"),
+        std::string(R"({"replay":"/etc/passwd"})"),
+        std::string(R"({"save":"/etc/passwd"})"),
         std::string("\xff\xfe{\"record\":true}"),
         std::string("{\"record\":true\0}", 16),
         deep,

@@ -9,7 +9,7 @@
 namespace gliss::tools {
 namespace {
 
-// What is felt most strongly of a tracker's last step.
+// Returns what is felt most strongly of a tracker's last step.
 FeltBeside felt_of(const Tracker& tracker, const std::vector<SceneObject>& objects,
                    const Vec3& force, const Vec3& hip) {
   FeltBeside felt;
@@ -34,8 +34,9 @@ FeltBeside felt_of(const Tracker& tracker, const std::vector<SceneObject>& objec
 
 }  // namespace
 
-MethodsBeside::MethodsBeside(std::vector<SceneObject> objects, const std::vector<Vec3>& hips)
-    : objects_(std::move(objects)) {
+MethodsBeside::MethodsBeside(std::vector<SceneObject> objects, const std::vector<Vec3>& hips,
+                             bool turns)
+    : objects_(std::move(objects)), turns_(turns) {
   for (const Method method : kViewMethods) {
     for (SceneObject& object : objects_) object.method = method;
     trackers_.emplace_back(objects_, hips);
@@ -44,30 +45,40 @@ MethodsBeside::MethodsBeside(std::vector<SceneObject> objects, const std::vector
 
 TickBeside MethodsBeside::step(const LoopTick& tick) noexcept {
   TickBeside beside{tick, {}};
+  const Vec3& hip = tick.input.position;
+  Pose tool = Pose::Identity();
+  if (turns_) tool.linear() = tick.input.orientation.normalized().toRotationMatrix();
+  tool.translation() = hip;
   for (std::size_t m = 0; m < trackers_.size(); ++m) {
-    Vec3 force = Vec3::Zero();
-    const Vec3& hip = tick.input.position;
-    if (tick.input.sequence > 0) force = trackers_[m].step(hip, tick.time, tick.input.velocity);
+    const Vec3 force = trackers_[m].step(tool, tick.time, tick.input.velocity).force;
     beside.felt[m] = felt_of(trackers_[m], objects_, force, hip);
+    if (last_)  // by the trapezium rule
+      work_[m] += (force + last_->felt[m].force).dot(hip - last_->tick.input.position) / 2;
+    beside.felt[m].work = work_[m];
   }
+  last_ = beside;
   return beside;
 }
 
-bool MethodsBeside::tune(double stiffness, const FrictionOptions& friction,
-                         double settle) noexcept {
+bool MethodsBeside::tune(const TuneMessage& tuning) noexcept {
   bool done = true;
   for (std::size_t m = 0; m < trackers_.size(); ++m) {
-    for (std::size_t i = 0; i < objects_.size(); ++i) {
-      done = trackers_[m].set_material(i, stiffness, friction) && done;
-      if (objects_[i].settle == settle) continue;
-      done = trackers_[m].set_contact(i, kViewMethods[m], settle) && done;
-    }
+    TuneMessage own = tuning;
+    own.method = kViewMethods[m];
+    for (std::size_t i = 0; i < objects_.size(); ++i)
+      done = tune_object(trackers_[m], i, own) && done;
   }
-  for (SceneObject& object : objects_) object.settle = settle;
   return done;
 }
 
-std::string frame_of(const std::vector<TickBeside>& ticks) {
+bool tune_object(Tracker& tracker, std::size_t object, const TuneMessage& tuning) noexcept {
+  const bool done = tracker.set_material(object, tuning.stiffness, tuning.friction) &&
+                    tracker.set_texture(object, tuning.texture);
+  if (!done || tracker.is_by(object, tuning.method, tuning.settle)) return done;
+  return tracker.set_contact(object, tuning.method, tuning.settle);
+}
+
+std::string frame_of(std::span<const TickBeside> ticks) {
   std::string bytes;
   bytes.reserve(24 + 4 * kRowNumbers * ticks.size());
   append_bytes(bytes, kFrameMark);
@@ -89,6 +100,7 @@ std::string frame_of(const std::vector<TickBeside>& ticks) {
       append_bytes(bytes,
                    felt.object == LoopTick::kNothing ? -1.0F : static_cast<float>(felt.object));
       append_bytes(bytes, static_cast<float>(felt.face));
+      append_bytes(bytes, static_cast<float>(1e3 * felt.work));
     }
   }
   return bytes;

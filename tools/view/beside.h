@@ -2,11 +2,14 @@
 #pragma once
 
 #include <array>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "gliss/contact/tracker.h"
 #include "gliss/loop/loop.h"
+#include "tools/view/view_protocol.h"
 
 namespace gliss::tools {
 
@@ -19,6 +22,7 @@ struct FeltBeside {
   Vec3 force = Vec3::Zero();  // N, as rendered
   Vec3 scp = Vec3::Zero();    // m; the HIP where nothing is touched
   double depth = 0;           // m; 0 where nothing is touched
+  double work = 0;            // J, that the force has done on the hand since the loop began
   bool touching = false;
   std::uint32_t object = LoopTick::kNothing, face = 0, flags = 0;  // that pushes most
 };
@@ -31,23 +35,31 @@ struct TickBeside {
 // has trackers of its own, and touches nothing of the loop's.
 class MethodsBeside {
  public:
-  MethodsBeside(std::vector<SceneObject> objects, const std::vector<Vec3>& hips);
+  // `turns`: the device's orientation turns the HIPs.
+  MethodsBeside(std::vector<SceneObject> objects, const std::vector<Vec3>& hips,
+                bool turns = false);
 
   TickBeside step(const LoopTick& tick) noexcept;
-  // As Tracker's, for all objects and methods.
-  bool tune(double stiffness, const FrictionOptions& friction, double settle) noexcept;
+  // Makes all objects feel so, but each tracker keeps its method. False for what a Tracker refuses.
+  bool tune(const TuneMessage& tuning) noexcept;
 
  private:
   std::vector<SceneObject> objects_;
+  bool turns_;
   std::vector<Tracker> trackers_;  // [kViewMethods]
+  std::array<double, 3> work_{};   // J, that each force has done on the hand
+  std::optional<TickBeside> last_;
 };
+
+// Makes an object of a tracker feel so from the next step on. False for what the tracker refuses.
+bool tune_object(Tracker& tracker, std::size_t object, const TuneMessage& tuning) noexcept;
 
 // Packs ticks as a frame of the socket, little-endian: kFrameMark and the number of ticks as 32-bit
 // numbers, the number of the first tick and its time (s) as doubles, then for each tick kRowNumbers
 // floats: s since the first, HIP (m), force sent (N), guard's state and reason; and for each method
-// force (N), SCP (m), depth (m), 0 free, 1 touching or 2 slipping, object and face.
+// force (N), SCP (m), depth (m), 0 free, 1 touching or 2 slipping, object, face and work (mJ).
 inline constexpr std::uint32_t kFrameMark = 0x31464c47;  // "GLF1"
-inline constexpr std::size_t kRowNumbers = 9 + 3 * 10;
-std::string frame_of(const std::vector<TickBeside>& ticks);
+inline constexpr std::size_t kRowNumbers = 9 + 3 * 11;
+std::string frame_of(std::span<const TickBeside> ticks);
 
 }  // namespace gliss::tools

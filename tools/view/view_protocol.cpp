@@ -12,8 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "gliss/query/friction.h"
-#include "gliss/surface/names.h"
+#include "gliss/query/query.h"
 
 namespace gliss::tools {
 namespace {
@@ -64,7 +63,7 @@ ViewAnswer answer_to(const Fields& request, const ViewDoor& door) {
   return may_upgrade(request, origin, door) ? ViewAnswer::kSocket : ViewAnswer::kForbidden;
 }
 
-// Null where there is no such key.
+// Returns null where there is no such key.
 const Json& member(const Json& object, const char* key) {
   static const Json none;
   const auto found = object.find(key);
@@ -90,22 +89,53 @@ std::optional<ViewMessage> hand_of(const Json& value) {
   return HandMessage{Vec3((*target)[0], (*target)[1], (*target)[2])};
 }
 
+std::optional<TextureOptions> texture_of(const Json& value) {
+  if (!value.is_object() || value.size() != 3) return std::nullopt;
+  const Json &kind = member(value, "kind"), &height = member(value, "height"),
+             &period = member(value, "period");
+  if (!kind.is_string() || !height.is_number() || !period.is_number()) return std::nullopt;
+  if (kind == "none") return TextureOptions{};
+  const auto relief = find_named(kReliefNames, kind.get_ref<const std::string&>());
+  if (!relief) return std::nullopt;
+  const TextureOptions texture{*relief, height.get<double>(), period.get<double>()};
+  if (fault_of(texture) != nullptr) return std::nullopt;
+  return texture;
+}
+
 std::optional<ViewMessage> tune_of(const Json& value) {
-  if (!value.is_object() || value.size() != 4) return std::nullopt;
+  if (!value.is_object() || value.size() != 5) return std::nullopt;
   const Json &name = member(value, "method"), &stiffness = member(value, "stiffness"),
              &settle = member(value, "settle");
   const auto friction = numbers_of<2>(member(value, "friction"), FrictionOptions::kMost);
-  if (!name.is_string() || !stiffness.is_number() || !settle.is_number() || !friction)
+  const auto texture = texture_of(member(value, "texture"));
+  if (!name.is_string() || !stiffness.is_number() || !settle.is_number() || !friction || !texture)
     return std::nullopt;
   const auto method = find_named(kMethodNames, name.get_ref<const std::string&>());
   if (!method) return std::nullopt;
-  TuneMessage tune{*method, stiffness.get<double>(), {}, settle.get<double>()};
+  TuneMessage tune{*method, stiffness.get<double>(), {}, settle.get<double>(), *texture};
   tune.friction.at_rest = (*friction)[0];
   tune.friction.slipping = (*friction)[1];
   const bool is_good = tune.stiffness > 0 && tune.stiffness <= kMostStiffness && tune.settle >= 0 &&
                        tune.settle <= kMostSettleTime && fault_of(tune.friction) == nullptr;
   if (!is_good) return std::nullopt;
   return tune;
+}
+
+std::optional<ViewMessage> build_of(const Json& value) {
+  if (!value.is_object() || value.size() != 3 || !value.contains("crease")) return std::nullopt;
+  const Json &level = member(value, "level"), &construction = member(value, "construction"),
+             &crease = member(value, "crease");
+  if (!level.is_string() || !construction.is_string()) return std::nullopt;
+  const auto chosen = find_level(level.get_ref<const std::string&>());
+  const auto made = find_named(kConstructionNames, construction.get_ref<const std::string&>());
+  if (!chosen || !made) return std::nullopt;
+  BuildMessage build{*chosen};
+  build.level.construction = *made;
+  if (crease.is_null()) return build;
+  if (!crease.is_number()) return std::nullopt;
+  build.crease = crease.get<double>();
+  if (!(*build.crease >= 0 && *build.crease <= 180)) return std::nullopt;
+  return build;
 }
 
 }  // namespace
@@ -148,6 +178,9 @@ std::optional<ViewMessage> read_view_message(std::string_view text) {
   const Json& value = message.begin().value();
   if (what == "hand") return hand_of(value);
   if (what == "tune") return tune_of(value);
+  if (what == "build") return build_of(value);
+  if (what == "replay" && value.is_boolean()) return ReplayMessage{value.get<bool>()};
+  if (what == "save" && value == true) return SaveMessage{};
   if (what == "record" && value.is_boolean()) return RecordMessage{value.get<bool>()};
   if (what == "engage" && value == true) return EngageMessage{};
   return std::nullopt;

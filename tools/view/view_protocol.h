@@ -8,14 +8,16 @@
 #include <string_view>
 #include <variant>
 
-#include "gliss/query/query.h"
+#include "gliss/query/friction.h"
+#include "gliss/query/texture.h"
+#include "gliss/surface/names.h"
 
 namespace gliss::tools {
 
 inline constexpr std::size_t kLongestHead = 8 << 10;     // bytes of a request
 inline constexpr std::size_t kLongestMessage = 4 << 10;  // bytes of a message of the page
 
-// 128 bits of the system's randomness, as 32 hexadecimal digits. Throws std::system_error.
+// Returns 128 bits of the system's randomness, as 32 hexadecimal digits. Throws std::system_error.
 std::string make_view_token();
 // True for 32 digits and lower letters to f.
 bool is_view_token(std::string_view text);
@@ -46,7 +48,7 @@ struct ViewJudgement {
 // them.
 ViewJudgement judge_request(std::string_view head, const ViewDoor& door);
 
-// Where a page's hand wants to be, m, in the world's frame.
+// The place where a page's hand wants to be, m, in the world's frame.
 struct HandMessage {
   Vec3 target = Vec3::Zero();
 };
@@ -56,18 +58,33 @@ struct TuneMessage {
   double stiffness = 0;  // N/m
   FrictionOptions friction = {};
   double settle = 0;  // s
+  TextureOptions texture = {};
+};
+// The way in which surfaces are to be built from now on.
+struct BuildMessage {
+  Level level = {};
+  std::optional<double> crease = {};  // degrees, 180: no edge is one; none: as the program has it
 };
 // Begins a recording, or ends it.
 struct RecordMessage {
   bool on = false;
 };
+// Begins a replay of the last recording, or ends it.
+struct ReplayMessage {
+  bool on = false;
+};
+// Writes a scene that feels the same.
+struct SaveMessage {};
 // Lets a loop that was made safe go on.
 struct EngageMessage {};
-using ViewMessage = std::variant<HandMessage, TuneMessage, RecordMessage, EngageMessage>;
+using ViewMessage = std::variant<HandMessage, TuneMessage, BuildMessage, RecordMessage,
+                                 ReplayMessage, SaveMessage, EngageMessage>;
 
 // Reads a text message: JSON with one key, {"hand": [x, y, z]}, {"tune": {"method", "stiffness",
-// "friction": [at rest, slipping], "settle"}}, {"record": true}, {"engage": true}. Nothing for any
-// other text, for numbers that are not finite or out of range, and for one that is too long.
+// "friction": [at rest, slipping], "settle", "texture": {"kind", "height", "period"}}}, {"build":
+// {"level", "construction", "crease"}}, {"record": true}, {"replay": true}, {"save": true},
+// {"engage": true}. Returns nothing for any other text, for numbers that are not finite or out of
+// range, and for one that is too long.
 std::optional<ViewMessage> read_view_message(std::string_view text);
 
 // Says how many messages a page may send: as many a second at last, and so many at once.

@@ -18,7 +18,7 @@ struct ViewPayload {
 };
 using SharedPayload = std::shared_ptr<const ViewPayload>;
 
-// A server's own questions to its program; all are called in run_for().
+// The questions of a server to its program; all are called in run_for().
 struct ViewEvents {
   // Tells a page that has come all that it needs to begin. True: it steers.
   std::function<std::vector<SharedPayload>(bool steers)> greet;
@@ -28,8 +28,9 @@ struct ViewEvents {
   std::function<SharedPayload()> promote;
 };
 
-// One thread's. The first page steers, and once it has gone the one that has waited longest; all
-// others watch. A page that sends too much, too often or what makes no sense is closed.
+// A server on 127.0.0.1, one thread's. The first page steers, and once it has gone the one that has
+// waited longest; all others watch. A page that sends too much, too often or what makes no sense is
+// closed.
 class ViewServer {
  public:
   static constexpr std::size_t kMostConnections = 16;
@@ -53,9 +54,9 @@ class ViewServer {
   std::string url() const;  // with the token, in its fragment: a browser tells it nobody
   // Serves, and returns after that time or shortly before.
   void run_for(std::chrono::milliseconds time);
-  // To all pages, in order. A page that has not taken kMostWaiting of them is closed.
+  // Sends to all pages, in order. A page that has not taken kMostWaiting of them is closed.
   void send(const SharedPayload& payload);
-  // To the pages that have taken all before it; the others lose it.
+  // Sends to the pages that have taken all before it; the others lose it.
   void send_frame(const SharedPayload& payload);
   std::size_t watching() const;  // pages, with the one that steers
   bool is_steered() const;

@@ -7,15 +7,18 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "gliss/scene/open_device.h"
 #include "gliss/surface/names.h"
 #include "tools/view/view_geometry.h"
 
 namespace gliss::tools {
 namespace {
 
+using namespace std::chrono_literals;
 using Json = nlohmann::json;
 
-constexpr std::size_t kFrameTicks = 64;  // of a frame at most: of more, the last ones
+constexpr std::size_t kFrameTicks = 64;    // of a frame at most: of more, the last ones
+constexpr Nanoseconds kLookEvery = 300ms;  // at files
 
 // Names and paths are of any bytes.
 SharedPayload text_of(const Json& json) {
@@ -25,11 +28,26 @@ SharedPayload text_of(const Json& json) {
 
 Json json_of(const Vec3& vector) { return {vector.x(), vector.y(), vector.z()}; }
 
-TuneMessage tuning_of(const SceneObject& object) {
-  return {object.method, object.stiffness, object.friction, object.settle};
+Json json_of(const TextureOptions& texture) {
+  return {{"kind", texture.any() ? name_of(kReliefNames, texture.relief) : "none"},
+          {"height", texture.height},
+          {"period", texture.period}};
 }
 
-// A name that no file has: "gliss-view.h5", "gliss-view-2.h5" and so on.
+// Returns m/s: large objects are felt all over in two seconds, and on none is the hand slower than
+// one that feels its way.
+double fastest_on(const std::vector<SceneObject>& objects) {
+  return std::max(PointerHand::kFastest, 0.5 * box_of(objects).diagonal().norm());
+}
+
+// Returns a place beside the objects, where nothing is touched.
+Vec3 start_of(const std::vector<SceneObject>& objects) {
+  const Eigen::AlignedBox3d box = box_of(objects);
+  return box.max() + 0.1 * box.diagonal();
+}
+
+}  // namespace
+
 std::string free_name(const std::string& path) {
   const std::filesystem::path first(path);
   std::string name = path;
@@ -41,169 +59,194 @@ std::string free_name(const std::string& path) {
   return name;
 }
 
-// Beside the objects, where nothing is touched.
-Vec3 start_of(const std::vector<SceneObject>& objects) {
-  const Eigen::AlignedBox3d box = box_of(objects);
-  return box.max() + 0.1 * box.diagonal();
-}
-
-// Large objects are felt all over in two seconds, small ones no less slowly than a hand can.
-double fastest_on(const std::vector<SceneObject>& objects) {
-  return std::max(PointerHand::kFastest, 0.5 * box_of(objects).diagonal().norm());
-}
-
-}  // namespace
-
-Eigen::AlignedBox3d box_of(const std::vector<SceneObject>& objects) {
-  Eigen::AlignedBox3d box;
-  for (const SceneObject& object : objects) {
-    const Box own = object.cache->bounds();
-    for (int i = 0; i < 8; ++i) {
-      const Vec3 corner(i & 1 ? own.low.x() : own.high.x(), i & 2 ? own.low.y() : own.high.y(),
-                        i & 4 ? own.low.z() : own.high.z());
-      box.extend(object.pose * (corner * object.cache->unit));
-    }
-  }
-  return box;
+ViewSession::Opened ViewSession::open(const ViewSetting& setting, const BuildChoice& build) {
+  Opened opened{setting.open(build), {}};
+  const std::vector<SceneObject>& objects = opened.scene.objects;
+  for (std::size_t i = 0; i < objects.size(); ++i)
+    opened.scenery.push_back(std::make_shared<const ViewPayload>(ViewPayload{
+        false,
+        geometry_of(objects[i], static_cast<std::uint32_t>(i), kViewTriangles / objects.size())}));
+  return opened;
 }
 
 ViewSession::ViewSession(ViewSetting setting)
-    : setting_(std::move(setting)),
-      now_(tuning_of(setting_.objects.front())),
-      hand_(start_of(setting_.objects), setting_.hand, fastest_on(setting_.objects)),
-      tracker_(setting_.objects, setting_.hips),
-      beside_(setting_.objects, setting_.hips) {
-  for (std::size_t i = 0; i < setting_.objects.size(); ++i)
-    scenery_.push_back(std::make_shared<const ViewPayload>(
-        ViewPayload{false, geometry_of(setting_.objects[i], static_cast<std::uint32_t>(i),
-                                       kViewTriangles / setting_.objects.size())}));
+    : setting_(std::move(setting)), began_(monotonic_time()) {
+  auto [scene, scenery] = open(setting_, build_);
+  scenery_ = std::move(scenery);
+  if (!setting_.device)
+    hand_ = std::make_unique<PointerHand>(start_of(scene.objects), scene.hand,
+                                          fastest_on(scene.objects));
+  files_.watch(scene.files);
+  if (!setting_.replay.empty()) begin_replay(setting_.replay);
+  const auto steered = [this](const ViewMessage& message) {
+    std::visit([this](const auto& wish) { follow(wish); }, message);
+  };
+  const auto promoted = [] { return text_of({{"steers", true}}); };
   server_ = std::make_unique<ViewServer>(
       setting_.port, std::move(setting_.page), std::move(setting_.token),
-      ViewEvents{[this](bool steers) { return greet(steers); },
-                 [this](const ViewMessage& message) { follow(message); },
-                 [] {
-                   return text_of({{"steers", true}});
-                 }});
+      ViewEvents{[this](bool steers) { return greet(steers); }, steered, promoted});
   url_ = server_->url();
   if (!setting_.recording.empty()) begin_recording(setting_.recording);
-  setting_.session.after_tick = [this, seen = std::uint64_t{0}](Tracker& tracker) mutable {
-    apply(tracker, seen);
-  };
-  loop_ = std::make_unique<LoopSession>(hand_, tracker_, setting_.rules, setting_.session);
+  begin(std::move(scene));
 }
 
-ViewSession::~ViewSession() { loop_.reset(); }
+ViewSession::~ViewSession() { run_.reset(); }
 
 bool ViewSession::turn() {
-  server_->run_for(std::chrono::milliseconds(16));
+  server_->run_for(16ms);
   take_ticks();
-  return !loop_->wait_for(Nanoseconds(0));
+  take_reopened();
+  if (setting_.watch) look_at_files();
+  if (!run_->loop().wait_for(0ns)) return true;
+  if (!replay_) return false;
+  end_replay();
+  return true;
+}
+
+void ViewSession::look_at_files() {
+  const Nanoseconds now = monotonic_time();
+  if (now < next_look_ || opened_.valid()) return;
+  next_look_ = now + kLookEvery;
+  if (files_.changed()) reopen(build_);
 }
 
 void ViewSession::end() {
-  loop_->request_stop();
-  loop_->wait();
-  take_ticks();
-  if (recording_) {  // of a whole loop, or its end: as gliss run has it
-    recording_->add_histogram("wake_lateness", loop_->loop().record().lateness());
-    recording_->add_histogram("compute", loop_->loop().record().compute());
-  }
+  stop_loop();
   end_recording();
-  loop_->join();
+  run_->loop().join();
 }
 
-// Told of an object that does not move.
-std::vector<SharedPayload> ViewSession::greet(bool steers) {
-  const Eigen::AlignedBox3d box = box_of(setting_.objects);
+HapticDevice& ViewSession::device() {
+  if (replay_) return *replay_;
+  return setting_.device ? *setting_.device : *hand_;
+}
+
+// Begins a loop of its own, whose ticks are counted from 0.
+void ViewSession::begin(ViewScene scene) {
+  if (tuned_) tune(scene, *tuned_);
+  run_.reset();  // its device is this one's
+  SessionOptions session = setting_.session;
+  if (session.seconds > 0)  // of all loops together
+    session.seconds = std::max(1e-3, session.seconds - in_seconds(monotonic_time() - began_));
+  run_ = std::make_unique<ViewRun>(std::move(scene), device(), session);
+}
+
+// The guard takes the force away first.
+void ViewSession::stop_loop() {
+  run_->loop().request_stop();
+  run_->loop().wait();
+  take_ticks();
+  if (!recording_) return;
+  recording_->add_histogram("wake_lateness", loop().loop().record().lateness());
+  recording_->add_histogram("compute", loop().loop().record().compute());
+}
+
+SharedPayload ViewSession::hello() const {
+  const ViewScene& scene = run_->scene();
+  const Eigen::AlignedBox3d box = box_of(scene.objects);
+  const DeviceInfo& info = setting_.device ? setting_.device->info() : hand_->info();
   Json objects = Json::array();
-  for (std::size_t i = 0; i < setting_.objects.size(); ++i) {
-    const PatchCache& cache = *setting_.objects[i].cache;
-    objects.push_back({{"name", setting_.names[i]},
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    const PatchCache& cache = *scene.objects[i].cache;
+    objects.push_back({{"name", scene.names[i]},
                        {"faces", cache.mesh_face_count},
                        {"patches", cache.patch_count()},
                        {"surface", surface_name(cache.level)}});
   }
-  std::vector<SharedPayload> all;
-  all.push_back(
-      text_of({{"hello",
-                {{"title", setting_.title},
-                 {"version", GLISS_VERSION},
-                 {"objects", objects},
-                 {"min", json_of(box.min())},
-                 {"max", json_of(box.max())},
-                 {"period", in_seconds(setting_.rules.period)},
-                 {"max_force", std::min(hand_.info().max_force, setting_.rules.guard.max_force)},
-                 {"max_stiffness", hand_.info().max_stiffness},
-                 {"hand_stiffness", setting_.hand.hand_stiffness}}}}));
-  all.push_back(state());
-  all.push_back(text_of({{"steers", steers}}));
+  return text_of({{"hello",
+                   {{"title", setting_.title},
+                    {"version", GLISS_VERSION},
+                    {"objects", objects},
+                    {"min", json_of(box.min())},
+                    {"max", json_of(box.max())},
+                    {"period", in_seconds(scene.rules.period)},
+                    {"device", setting_.device ? info.name : ""},
+                    {"max_force", std::min(info.max_force, scene.rules.guard.max_force)},
+                    {"max_stiffness", scene.max_stiffness},
+                    {"hand_stiffness", scene.hand.hand_stiffness}}}});
+}
+
+std::vector<SharedPayload> ViewSession::greet(bool steers) const {
+  std::vector<SharedPayload> all{hello(), state(), text_of({{"steers", steers}})};
   all.insert(all.end(), scenery_.begin(), scenery_.end());
   return all;
 }
 
+// Tells all pages what they show from now on.
+void ViewSession::send_all() {
+  server_->send(hello());
+  send_state();
+  for (const SharedPayload& payload : scenery_) server_->send(payload);
+}
+
 std::string ViewSession::command() const {
-  return fmt::format("{} --method {} --stiffness {:g}N/m --friction {:g},{:g} --settle {:g}ms",
-                     setting_.command, method_name(now_.method), now_.stiffness,
-                     now_.friction.at_rest, now_.friction.slipping, 1e3 * now_.settle);
+  const TuneMessage now = tuning_of(run_->scene());
+  std::string text =
+      fmt::format("{} --method {} --stiffness {:g}N/m --friction {:g},{:g} --settle {:g}ms",
+                  setting_.command(build_), method_name(now.method), now.stiffness,
+                  now.friction.at_rest, now.friction.slipping, 1e3 * now.settle);
+  if (now.texture.any())
+    text += fmt::format(" --texture {},{:g}um,{:g}mm", name_of(kReliefNames, now.texture.relief),
+                        1e6 * now.texture.height, 1e3 * now.texture.period);
+  return text;
 }
 
 SharedPayload ViewSession::state() const {
+  const TuneMessage now = tuning_of(run_->scene());
+  const Level& level = run_->scene().objects.front().cache->level;
   return text_of({{"state",
-                   {{"method", method_name(now_.method)},
-                    {"stiffness", now_.stiffness},
-                    {"friction", {now_.friction.at_rest, now_.friction.slipping}},
-                    {"settle", now_.settle},
+                   {{"method", method_name(now.method)},
+                    {"stiffness", now.stiffness},
+                    {"friction", {now.friction.at_rest, now.friction.slipping}},
+                    {"settle", now.settle},
+                    {"texture", json_of(now.texture)},
+                    {"level", level_name(level)},
+                    {"construction", construction_name(level.construction)},
+                    {"crease", build_ && build_->crease ? Json(*build_->crease) : Json()},
+                    {"opening", opened_.valid()},
                     {"recording", recording_path_},
                     {"recorded", recorded_},
-                    {"failure", failure_},
+                    {"replaying", replay_ != nullptr},
+                    {"saved", saved_},
+                    {"failure", failure_.empty() ? trouble_ : failure_},
                     {"command", command()}}}});
 }
 
 void ViewSession::send_state() { server_->send(state()); }
 
-void ViewSession::follow(const ViewMessage& message) {
-  if (const auto* hand = std::get_if<HandMessage>(&message)) {
-    hand_.point(hand->target, monotonic_time());
-  } else if (const auto* wanted = std::get_if<TuneMessage>(&message)) {
-    tune(*wanted);
-  } else if (const auto* wish = std::get_if<RecordMessage>(&message)) {
-    record(wish->on);
-  } else {
-    loop_->request_engage();
-  }
+// A device is moved by nobody but the hand that holds it.
+void ViewSession::follow(const HandMessage& hand) {
+  if (hand_) hand_->point(hand.target, monotonic_time());
 }
 
 // What the device does not allow is brought to its limit, and told so by the state.
-void ViewSession::tune(TuneMessage wanted) {
-  wanted.stiffness = std::min(wanted.stiffness, hand_.info().max_stiffness);
-  if (!beside_.tune(wanted.stiffness, wanted.friction, wanted.settle)) return;
-  now_ = wanted;
-  tunings_.store({++tuned_, wanted.method, wanted.stiffness, wanted.friction.at_rest,
-                  wanted.friction.slipping, wanted.friction.settle, wanted.settle});
+void ViewSession::follow(const TuneMessage& wanted) {
+  TuneMessage allowed = wanted;
+  allowed.stiffness = std::min(wanted.stiffness, run_->scene().max_stiffness);
+  if (!run_->tune(allowed)) return;
+  tuned_ = allowed;
   send_state();
 }
 
-void ViewSession::apply(Tracker& tracker, std::uint64_t& seen) const noexcept {
-  const auto latest = tunings_.load(1);
-  if (!latest || latest->value.number == seen) return;
-  const Tuning& wanted = latest->value;
-  FrictionOptions friction;
-  friction.at_rest = wanted.at_rest;
-  friction.slipping = wanted.slipping;
-  friction.settle = wanted.friction_settle;
-  seen = wanted.number;
-  for (std::size_t i = 0; i < setting_.objects.size(); ++i) {
-    tracker.set_material(i, wanted.stiffness, friction);
-    if (tracker.is_by(i, wanted.method, wanted.settle)) continue;
-    tracker.set_contact(i, wanted.method, wanted.settle);
+void ViewSession::follow(const BuildMessage& build) { reopen(build); }
+
+void ViewSession::follow(const EngageMessage&) { run_->loop().request_engage(); }
+
+void ViewSession::follow(const SaveMessage&) {
+  trouble_.clear();
+  try {
+    saved_ = setting_.save(build_, tuning_of(run_->scene()));
+  } catch (const std::exception& error) {
+    trouble_ = error.what();
   }
+  send_state();
 }
 
-void ViewSession::record(bool on) {
-  if (on == recording_.has_value()) return;
+void ViewSession::follow(const RecordMessage& wish) {
+  if (wish.on == recording_.has_value()) return;
   failure_.clear();
   try {
-    if (on) {
+    if (wish.on) {
       begin_recording(free_name(setting_.free_recordings));
     } else {
       end_recording();
@@ -216,8 +259,67 @@ void ViewSession::record(bool on) {
   send_state();
 }
 
+void ViewSession::follow(const ReplayMessage& wish) {
+  if (wish.on == (replay_ != nullptr) || setting_.device) return;
+  if (!wish.on) return run_->loop().request_stop();  // turn() sees its end
+  const std::string& path = recorded_.empty() ? setting_.replay : recorded_.back();
+  trouble_ = path.empty() ? "there is no recording yet" : "";
+  try {
+    if (!path.empty()) {
+      begin_replay(path);
+      stop_loop();
+      end_recording();
+      begin(run_->scene());
+    }
+  } catch (const std::exception& error) {
+    trouble_ = error.what();
+  }
+  send_all();
+}
+
+void ViewSession::begin_replay(const std::string& path) {
+  replay_ = open_device("replay:" + path, {}, {.name = "replay"});
+}
+
+void ViewSession::end_replay() {
+  stop_loop();
+  end_recording();
+  const ViewScene scene = run_->scene();
+  run_.reset();
+  replay_.reset();
+  begin(scene);
+  send_all();
+}
+
+// Opens with another choice, beside the loop; a choice that comes meanwhile is not heard.
+void ViewSession::reopen(const BuildChoice& build) {
+  if (opened_.valid()) return;
+  opening_ = build;
+  opened_ = std::async(std::launch::async, [this, build] { return open(setting_, build); });
+  send_state();
+}
+
+void ViewSession::take_reopened() {
+  if (!opened_.valid() || opened_.wait_for(0ns) != std::future_status::ready) return;
+  trouble_.clear();
+  try {
+    auto [scene, scenery] = opened_.get();
+    stop_loop();
+    end_recording();
+    scenery_ = std::move(scenery);
+    build_ = opening_;
+    files_.watch(scene.files);
+    begin(std::move(scene));
+    send_all();
+  } catch (const std::exception& error) {
+    trouble_ = error.what();
+    send_state();
+  }
+}
+
 void ViewSession::begin_recording(const std::string& path) {
-  recording_.emplace(path, setting_.provenance, false);
+  recording_.emplace(path, setting_.provenance,
+                     setting_.device && setting_.device->info().has_orientation);
   recording_path_ = path;
 }
 
@@ -228,30 +330,28 @@ void ViewSession::end_recording() {
   recorded_.push_back(std::exchange(recording_path_, ""));
 }
 
+// A full disk, say, ends the recording, and the loop goes on.
+void ViewSession::record() {
+  if (!recording_) return;
+  try {
+    recording_->write(run_->ticks());
+  } catch (const std::exception& error) {
+    recording_.reset();
+    recording_path_.clear();
+    failure_ = error.what();
+    send_state();
+  }
+}
+
 void ViewSession::take_ticks() {
-  loop_->take(ticks_);
-  // Before the first page there is no hand, and nothing to record.
-  std::erase_if(ticks_, [](const LoopTick& tick) { return tick.input.sequence == 0; });
-  if (ticks_.empty()) return;
-  frame_.clear();
-  for (const LoopTick& tick : ticks_) {
-    touched_ += tick.touching;
-    frame_.push_back(beside_.step(tick));
-  }
-  if (recording_) {
-    try {
-      recording_->write(ticks_);
-    } catch (const std::exception& error) {  // a full disk, say: the loop goes on
-      recording_.reset();
-      recording_path_.clear();
-      failure_ = error.what();
-      send_state();
-    }
-  }
+  run_->take();
+  if (run_->ticks().empty()) return;
+  for (const LoopTick& tick : run_->ticks()) touched_ += tick.touching;
+  record();
   if (server_->watching() == 0) return;
-  if (frame_.size() > kFrameTicks)
-    frame_.erase(frame_.begin(), frame_.end() - static_cast<std::ptrdiff_t>(kFrameTicks));
-  server_->send_frame(std::make_shared<const ViewPayload>(ViewPayload{false, frame_of(frame_)}));
+  std::span<const TickBeside> frame = run_->frame();
+  if (frame.size() > kFrameTicks) frame = frame.last(kFrameTicks);
+  server_->send_frame(std::make_shared<const ViewPayload>(ViewPayload{false, frame_of(frame)}));
 }
 
 }  // namespace gliss::tools

@@ -1,44 +1,31 @@
 // gliss view: a mesh or scene under the pointer of a browser, with the methods beside one another.
 #include <fmt/format.h>
 
-#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <limits>
-#include <utility>
+#include <memory>
 
 #include "gliss/base/units.h"
-#include "gliss/files/cache_file.h"
-#include "gliss/files/mesh_file.h"
-#include "gliss/scene/open_scene.h"
-#include "gliss/tables/result_table.h"
+#include "tools/cli/commands/browser.h"
 #include "tools/cli/commands/commands.h"
+#include "tools/cli/commands/scene_device.h"
+#include "tools/cli/commands/view_input.h"
 #include "tools/cli/terminal/interrupt.h"
 #include "tools/cli/terminal/terminal.h"
 #include "tools/cli/terminal/watch.h"
 #include "tools/cli/words/outputs.h"
-#include "tools/cli/words/scene_input.h"
-#include "tools/cli/words/surface_input.h"
 #include "tools/report/report_page.h"
-#include "tools/view/view_session.h"
 
 namespace gliss::tools {
 namespace {
 
-constexpr double kAsTheSceneHas = std::numeric_limits<double>::quiet_NaN();
+void check_recording_name(const std::string& path) {
+  if (!path.ends_with(".csv") && !path.ends_with(".h5") && !path.ends_with(".hdf5"))
+    throw InputError(fmt::format("'{}' must end in .h5, .hdf5 or .csv", path));
+}
 
-struct ViewingOptions : SurfaceOptions {
-  std::optional<double> stiffness, settle;  // each: as the scene or the default has it
-  FrictionOptions friction{kAsTheSceneHas};
-  std::optional<Method> method;
-  int port = 0, cpu = -1;
-  double seconds = 0;  // 0: until it is interrupted
-  std::string recording;
-};
-
-void describe(Command& command, ViewingOptions& options) {
-  add_surface_options(command, options, "MESH_OR_SCENE");
+void describe_feel(Command& command, ViewingOptions& options) {
   add_name_option(command,
                   {"--method", "NAME",
                    "the hand feels gregory (default), shaded or flat; others "
@@ -56,15 +43,24 @@ void describe(Command& command, ViewingOptions& options) {
           throw InputError(fmt::format("--settle: '{}' is not from 0 to 1 s; 5ms is usual", text));
       });
   add_friction_options(command, options.friction);
+  add_effect_options(command, options.effects);
+}
+
+void describe(Command& command, ViewingOptions& options) {
+  add_surface_options(command, options, "MESH_OR_SCENE");
+  describe_feel(command, options);
+  add_device_option(command, options.device, "the pointer of the page");
   command.option({"--port", "PORT", "port on 127.0.0.1; 0, the default: any free one"},
                  options.port, 0, 65535);
-  command.option(
-      {"-o,--record", "FILE", "record each tick from the first: .h5, .hdf5 or .csv"},
-      [&](const std::string& path) {
-        if (!path.ends_with(".csv") && !path.ends_with(".h5") && !path.ends_with(".hdf5"))
-          throw InputError(fmt::format("'{}' must end in .h5, .hdf5 or .csv", path));
-        options.recording = path;
-      });
+  command.flag("--open", options.open, "open the page in a browser, by xdg-open");
+  command.flag("--watch", options.watch, "read the mesh or scene again when its file changes");
+  command.option({"-o,--record", "FILE", "record each tick from the first: .h5, .hdf5 or .csv"},
+                 [&](const std::string& path) {
+                   check_recording_name(path);
+                   options.recording = path;
+                 });
+  command.option({"--replay", "FILE", "move the hand along a path first, such as a recording"},
+                 options.replay);
   command.option({"--seconds", "SECONDS", "end after this time; default: when interrupted"},
                  options.seconds, 1e-3, 1e7);
   add_cpu_option(command, options.cpu);
@@ -74,7 +70,7 @@ void describe(Command& command, ViewingOptions& options) {
 
 constexpr char kTokenVariable[] = "GLISS_VIEW_TOKEN";
 
-// A new one, or that of the environment, with which pages find a server again.
+// Returns a new one, or that of the environment, with which pages find a server again.
 std::string token() {
   const char* given = std::getenv(kTokenVariable);
   if (given == nullptr) return make_view_token();
@@ -86,142 +82,46 @@ std::string token() {
   return given;
 }
 
-// The unit in which a mesh of that diagonal is nearest to a tenth of a metre.
-std::pair<const char*, double> likely_unit(double diagonal) {
-  constexpr std::array<std::pair<const char*, double>, 4> kUnits = {
-      {{"m", 1}, {"mm", 1e-3}, {"um", 1e-6}, {"nm", 1e-9}}};
-  auto best = kUnits.front();
-  const auto away = [&](double unit) { return std::abs(std::log(diagonal * unit / 0.1)); };
-  for (const auto& unit : kUnits) {
-    if (away(unit.second) < away(best.second)) best = unit;
-  }
-  return best;
+// The functions that the session calls from two threads; the first call opens for the first time,
+// and says what was repaired.
+void set_doings(const ViewingOptions& options, ViewSetting& setting) {
+  const auto shared = std::make_shared<ViewingOptions>(options);
+  std::optional<DeviceInfo> device;
+  if (setting.device) device = setting.device->info();
+  setting.open = [shared, device](const BuildChoice& build) {
+    ViewScene scene = open_view(*shared, build, device ? &*device : nullptr);
+    shared->quiet = true;
+    return scene;
+  };
+  setting.command = [shared](const BuildChoice& build) { return view_command(*shared, build); };
+  setting.save = [shared](const BuildChoice& build, const TuneMessage& tuning) {
+    return save_view(*shared, build, tuning);
+  };
 }
 
-// A mesh whose unit nobody has told is given one in which a hand can touch it.
-void guess_unit(ViewingOptions& options, Mesh& mesh) {
-  const bool has_lengths = options.weld > 0 || options.crease_radius > 0;
-  const double diagonal = diagonal_of(gliss::box_of(mesh));
-  if (options.has_unit || has_lengths || !(diagonal > 0)) return;
-  const auto [name, unit] = likely_unit(diagonal);
-  mesh.unit = options.unit = unit;
-  options.has_unit = true;
-  if (!options.quiet)
-    tell(fmt::format("gliss: {}: no --unit: taken as {}, so that it is {:.3g} mm across\n",
-                     options.surface, name, 1e3 * diagonal * unit));
-}
-
-bool is_scene(const std::string& path) {
-  return path.ends_with(".toml") || (!is_meant_as_cache(path) && !has_mesh_ending(path));
-}
-
-PatchCache open_whole(ViewingOptions& options) {
-  const auto engine = make_engine(options);
-  if (is_cache(options)) return read_cache(options);
-  Mesh mesh = read_mesh(options);
-  guess_unit(options, mesh);
-  return build(mesh, options, *engine);
-}
-
-void open_mesh(ViewingOptions& options, ViewSetting& setting) {
-  SceneObject object;
-  object.cache = std::make_shared<const PatchCache>(open_whole(options));
-  setting.objects = {object};
-  setting.names = {std::filesystem::path(options.surface).filename().string()};
-  setting.rules.guard = guard_limits(setting.rules);
-}
-
-void check_scene_options(const ViewingOptions& options) {
-  if (options.has_unit || options.precision || options.level || options.construction ||
-      !options.creases.are_usual() || options.crease_radius > 0)
-    throw InputError(fmt::format(
-        "{}: a scene says itself how its objects are built; --unit, --precision, --level, "
-        "--construction and creases go with a mesh",
-        options.surface));
-}
-
-void open_scene(const ViewingOptions& options, ViewSetting& setting) {
-  check_scene_options(options);
-  const Scene scene = read_scene(options.surface, stop_if_interrupted);
-  if (scene.objects.empty())
-    throw InputError(fmt::format("{}: there is no [[object]] to view", options.surface));
-  for (const ObjectDescription& object : scene.objects) {
-    if (object.motion != nullptr || object.patches == Patches::kLazy)
-      throw InputError(fmt::format(
-          "{}: gliss view shows neither objects that move nor lazy ones; gliss run touches them",
-          object.place));
-    setting.names.push_back(object.name);
-  }
-  setting.objects = open_scene_objects(scene, options.threads, options.quiet);
-  setting.hips = open_hips(scene, {.poll = stop_if_interrupted});
-  if (scene.sim) setting.hand = *scene.sim;
-  setting.hand.turning.reset();
-  setting.hand.max_force = std::min(setting.hand.max_force, scene.max_force);
-  setting.hand.max_stiffness = std::min(setting.hand.max_stiffness, scene.max_stiffness);
-  DeviceInfo device;
-  device.max_stiffness = setting.hand.max_stiffness;
-  setting.rules = loop_options(scene, device);
-  setting.session.scheduling.priority = scene.priority;
-}
-
-void tune(const ViewingOptions& options, ViewSetting& setting) {
-  for (SceneObject& object : setting.objects) {
-    object.method = options.method.value_or(object.method);
-    object.stiffness = options.stiffness.value_or(object.stiffness);
-    object.settle = options.settle.value_or(object.settle);
-    if (!std::isnan(options.friction.at_rest)) object.friction = options.friction;
-    if (object.stiffness > setting.hand.max_stiffness)
-      throw InputError(fmt::format("--stiffness: the simulated hand takes {:g} N/m at most",
-                                   setting.hand.max_stiffness));
-  }
-}
-
-// The command that shows the same, but for --method, --stiffness, --friction and --settle.
-std::string command_of(const ViewingOptions& options) {
-  std::string command = fmt::format("gliss view '{}'", options.surface);
-  if (is_scene(options.surface) || is_cache(options)) return command;
-  for (const auto& [name, unit] : {std::pair{"m", 1.0},
-                                   {"cm", 1e-2},
-                                   {"mm", 1e-3},
-                                   {"um", 1e-6},
-                                   {"nm", 1e-9},
-                                   {"in", 0.0254}}) {
-    if (options.unit == unit) command += fmt::format(" --unit {}", name);
-  }
-  if (options.level) command += fmt::format(" --level {}", level_name(*options.level));
-  if (options.construction)
-    command += fmt::format(" --construction {}", construction_name(*options.construction));
-  if (options.precision)
-    command += fmt::format(" --precision {}", precision_name(*options.precision));
-  return command;
-}
-
-// Opens what is to be viewed. Throws InputError, and what the readers throw.
-ViewSetting setting_of(ViewingOptions& options) {
-  ViewSetting setting;
-  if (is_scene(options.surface)) {
-    open_scene(options, setting);
-  } else {
-    open_mesh(options, setting);
-  }
-  setting.rules.reengage = true;  // a page that was silent for a moment may go on
+ViewSetting setting_of(const ViewingOptions& options) {
   if (options.friction.settle > 0 && std::isnan(options.friction.at_rest))
     throw InputError("--friction-settle goes with --friction");
-  tune(options, setting);
+  ViewSetting setting;
+  const Scene scene = view_scene_of(options);
+  if (!options.device.empty()) setting.device = open_scene_device(options.device, scene);
+  setting.session.scheduling.priority = scene.priority;
+  set_doings(options, setting);
   setting.token = token();
   setting.page = kViewPage;
   setting.title = std::filesystem::path(options.surface).filename().string();
-  setting.command = command_of(options);
   setting.port = static_cast<std::uint16_t>(options.port);
   setting.recording = options.recording;
   setting.free_recordings = options.recording.empty() ? "gliss-view.h5" : options.recording;
+  setting.replay = options.replay;
+  setting.watch = options.watch;
   setting.session.seconds = options.seconds;
   setting.session.scheduling.cpu = options.cpu;
   setting.provenance = {{"program", "gliss"},
                         {"version", GLISS_VERSION},
                         {"command_line", command_line()},
                         {"scene", options.surface},
-                        {"device", "view"}};
+                        {"device", options.device.empty() ? "view" : options.device}};
   return setting;
 }
 
@@ -258,10 +158,14 @@ void report_end(const ViewingOptions& options, const ViewSession& session) {
           {"recorded", session.recorded()}});
 }
 
-void run(ViewingOptions options) {
+void run(const ViewingOptions& options) {
   check_input("MESH_OR_SCENE", options.surface);
-  check_outputs({options.recording}, {options.surface});
+  check_outputs({options.recording}, {options.surface, options.replay});
+  if (!options.device.empty() && !options.replay.empty())
+    throw InputError("--replay: a device moves itself; --device replay:FILE is another");
   ViewSession session(setting_of(options));
+  std::optional<BrowserWindow> window;
+  if (options.open) window.emplace(session.url());
   serve(session, options.quiet);
   report_end(options, session);
   if (!session.failure().empty()) throw std::runtime_error(session.failure());

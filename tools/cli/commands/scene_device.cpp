@@ -7,9 +7,10 @@
 
 namespace gliss::tools {
 
-void add_device_option(Command& command, std::string& words) {
+void add_device_option(Command& command, std::string& words, const std::string& usual) {
   command.option(
-      {"--device", "DEVICE", fmt::format("{}, {}; default sim", kDeviceWords, kHaplyWords)}, words);
+      {"--device", "DEVICE", fmt::format("{}, {}; default: {}", kDeviceWords, kHaplyWords, usual)},
+      words);
 }
 
 std::unique_ptr<HapticDevice> open_scene_device(const std::string& words, const Scene& scene) {

@@ -9,7 +9,8 @@
 
 namespace gliss::tools {
 
-void add_device_option(Command& command, std::string& words);
+// `usual`: the device where nobody names one, for the help.
+void add_device_option(Command& command, std::string& words, const std::string& usual = "sim");
 // Throws std::invalid_argument, LoopError, Interrupted.
 std::unique_ptr<HapticDevice> open_scene_device(const std::string& words, const Scene& scene);
 

@@ -2,20 +2,25 @@
 import './page.css';
 import './view.css';
 import {Box3, Vector3} from 'three';
-import {button, el, select, swatch, uniqueId} from './dom.js';
+import {button, el, select, swatch} from './dom.js';
 import {count, number} from './format.js';
 import {methodColor, methodTitle} from './methods.js';
 import {startTheme, themeButton} from './theme.js';
 import {startTooltip} from './tooltip.js';
+import {Pad} from './view_gamepad.js';
 import {Hand} from './view_hand.js';
 import {Link} from './view_link.js';
 import {methods, Plots} from './view_plots.js';
 import {Sound} from './view_sound.js';
 import {kinds, Stage} from './view_stage.js';
+import {slider, Tuning} from './view_tuning.js';
+import {WorkLoop} from './view_work.js';
 
 const guards = ['starts', 'runs', 'holds', 'fades', 'is safe: the hand comes out, and feels again'];
 
-const page = {state: null, hello: null, stage: null, hand: null, plots: new Plots(), sound: new Sound()};
+const mostEdged = 30000;  // polygons; the edges of more would cover them, and take long to draw
+
+const page = {state: null, hello: null, stage: null, hand: null, plots: new Plots(), sound: new Sound(), work: new WorkLoop()};
 const canvas = el('canvas.stage', {tabindex: '0', role: 'img'});
 const status = el('p.status', {role: 'status'}, 'Connecting');
 const title = el('h1', {}, 'Gliss view'), about = el('p.aside');
@@ -28,60 +33,41 @@ function readout() {
           cells[m].force, cells[m].depth, cells[m].step, cells[m].contact))));
 }
 
-// A slider on a scale of its own: to(share) gives the value, from(value) the share. Told with `text(value)`.
-function slider(label, {to, from, text, change}) {
-  const id = uniqueId(), input = el('input', {id, type: 'range', min: 0, max: 1000, step: 1});
-  const told = el('output', {for: id});
-  const show = value => (input.value = Math.round(1000 * from(value)), told.textContent = text(value));
-  input.addEventListener('input', () => (told.textContent = text(to(input.value / 1000)), change(to(input.value / 1000))));
-  return {show, input, element: el('span.choice', {}, el('label', {for: id}, label), input, told)};
-}
-
-const stiffness = slider('Stiffness', {to: share => Math.round(50 * (page.hello.max_stiffness / 50) ** share), from: k => Math.log(k / 50) / Math.log(page.hello.max_stiffness / 50),
-  text: k => `${number(k / 1e3)} N/mm`, change: k => tune({stiffness: k})});
-const friction = slider('Friction', {to: share => Math.round(150 * share) / 100, from: mu => mu / 1.5,
-  text: mu => number(mu, 2), change: mu => tune({friction: [mu, Math.round(80 * mu) / 100]})});
-const settle = slider('Settle', {to: share => Math.round(50 * share) / 1e3, from: s => s / 0.05,
-  text: s => `${number(1e3 * s)} ms`, change: s => tune({settle: s})});
+const tuning = new Tuning(message => page.link.send(message), () => page.hello?.max_stiffness ?? 2000);
 const press = slider('Press', {to: share => page.hand.least * (page.hand.most / page.hand.least) ** share, from: m => Math.log(m / page.hand.least) / Math.log(page.hand.most / page.hand.least),
-  text: m => `${number(1e3 * m)} mm`, change: m => (page.hand.press = m)});
+  text: m => `${number(1e3 * m)} mm`, change: m => pressTo(m)});
 const cut = slider('Cut', {to: share => share, from: share => share, text: share => share < 1 ? `${Math.round(100 * share)} %` : 'none', change: share => page.stage?.cutAt(page.cutAxis ?? 0, share)});
 
-function tune(change) {
-  if (!page.state) return;
-  const {method, stiffness: k, friction: mu, settle: s} = {...page.state, ...change};
-  Object.assign(page.state, change);
-  page.link.send({tune: {method, stiffness: k, friction: mu, settle: s}});
-}
-
-const methodButtons = methods.map(method => {
-  const made = button('', `The hand feels ${methodTitle(method)} (M: the next)`, () => tune({method}));
-  made.append(swatch(methodColor(method), methodTitle(method)));
-  made.dataset.method = method;
-  return made;
-});
 const pauseButton = button('Pause', 'Hold the plots (P)', () => {
   page.plots.paused = !page.plots.paused;
   pauseButton.textContent = page.plots.paused ? 'Go on' : 'Pause';
 });
 const recordButton = button('Record', 'Record each tick to a file of the server’s folder (R)', () => page.link.send({record: !page.state.recording}));
+const replayButton = button('Replay', 'Move the hand along the last recording (Y)', () => page.link.send({replay: !page.state.replaying}));
+const saveButton = button('Save scene', 'Write a scene that feels the same (V)', () => page.link.send({save: true}));
+const loopButton = button('Measure a loop', 'The net work of a way from a place back to it (L)', () => {
+  loopButton.textContent = page.work.toggle(page.tick) ? 'End the loop' : 'Measure a loop';
+});
 const shotButton = button('Screenshot', 'The picture as a file (G)', screenshot);
 const copyButton = button('Copy command', 'The command that shows the same (C)', copyCommand);
 const touchButton = button('Touch', 'Press in where the pointer is, and lift again (space)', () => hold(!page.hand?.held));
 const soundChoice = select('Sound of steps', [['', 'off'], ...methods.map((method, m) => [String(m), methodTitle(method)])], '',
     value => page.sound.choose(value === '' ? null : Number(value)));
 const cutAxis = select('across', [['0', 'x'], ['1', 'y'], ['2', 'z']], '0', value => (page.cutAxis = Number(value), page.stage?.cutAt(page.cutAxis, cut.input.value / 1000)));
+const showChoice = select('Show', [['both', 'surface and edges'], ['surface', 'surface'], ['polygons', 'polygons'], ['edges', 'edges']], 'both', value => page.stage?.show(value));
+const objectBoxes = el('span.methods');
 const legend = el('p.legend');
 const note = el('p.notice', {role: 'status'});
 
 function paint(by) {
-  const most = page.stage?.paint(by);
+  const most = page.stage?.paint(by, page.hand.press);
   if (by === 'kind') legend.replaceChildren(...kinds.map(([name, text]) => {
     const mark = el('span.swatch');
     mark.style.background = text;
     return el('span.named', {}, mark, name);
   }));
-  else legend.textContent = by === 'height' && most ? `blue below, red above the polygons, by up to ${number(1e3 * most)} mm` : '';
+  else legend.textContent = by === 'height' && most ? `blue below, red above the polygons, by up to ${number(1e3 * most)} mm`
+                          : by === 'curvature' ? `red: a radius of curvature is no more than the press of ${number(1e3 * page.hand.press)} mm, and a nearest point may leap` : '';
 }
 
 function screenshot() {
@@ -109,9 +95,22 @@ function hold(held) {
   touchButton.textContent = held ? 'Lift' : 'Touch';
 }
 
+function pressTo(depth) {
+  page.hand.press = depth;
+  if (page.stage.by === 'curvature') paint('curvature');
+}
+
 function deeper(factor) {
-  page.hand?.deeper(factor);
-  if (page.hand) press.show(page.hand.press);
+  if (!page.hand) return;
+  page.hand.deeper(factor);
+  pressTo(page.hand.press);
+  press.show(page.hand.press);
+}
+
+// A box for each of several objects that shows it or hides it.
+function boxes(objects) {
+  if (objects.length < 2) return [];
+  return objects.map(({name}, i) => el('label.choice', {}, el('input', {type: 'checkbox', checked: !page.stage.hidden.has(i), onchange: event => page.stage.hide(i, !event.target.checked)}), name));
 }
 
 // The left button on an object touches it; beside it, with shift, or another button, the camera turns.
@@ -148,7 +147,8 @@ const keys = {
   ' ': () => hold(!page.hand.held),
   a: step => page.hand.move(-step, 0), d: step => page.hand.move(step, 0), w: step => page.hand.move(0, -step), s: step => page.hand.move(0, step),
   e: () => deeper(1.15), q: () => deeper(1 / 1.15),
-  m: () => tune({method: methods[(methods.indexOf(page.state.method) + 1) % 3]}),
+  m: () => tuning.nextMethod(),
+  y: () => replayButton.click(), v: () => saveButton.click(), l: () => loopButton.click(),
   p: () => pauseButton.click(), r: () => recordButton.click(), g: screenshot, c: copyCommand,
 };
 
@@ -170,29 +170,50 @@ function greet(hello) {
   document.title = `${hello.title} – Gliss view`;
   title.textContent = hello.title;
   about.textContent = `${hello.objects.map(o => `${count(o.faces)} polygons, ${o.surface}`).join('; ')}; gliss ${hello.version}`;
-  if (!first) return;
+  document.body.dataset.device = hello.device;
+  page.work.clear();
+  page.plots.clear();  // another loop's time
+  if (!first) {
+    page.stage.keep(hello.objects.length);
+    return objectBoxes.replaceChildren(...boxes(hello.objects));
+  }
   page.stage = new Stage(canvas, new Box3(new Vector3(...hello.min), new Vector3(...hello.max)));
   const {size} = page.stage, rest = hello.max.map((x, i) => x + 0.1 * (x - hello.min[i]));
   page.hand = new Hand(page.stage, rest, Math.min(0.0053, 0.05 * size));
+  objectBoxes.replaceChildren(...boxes(hello.objects));
+  if (hello.objects.reduce((sum, o) => sum + o.faces, 0) > mostEdged) showChoice.querySelector('select').value = page.stage.view = 'surface';
   press.show(page.hand.press);
   cut.show(1);
   listen();
+  page.pad = new Pad({
+    move: (dx, dy) => page.hand.move(dx * canvas.clientWidth, dy * canvas.clientHeight),
+    turn: (dx, dy) => page.stage.orbit.turn(dx, dy),
+    hold, deeper,
+  });
+}
+
+function newsOf(state) {
+  if (state.failure) return state.failure;
+  if (state.opening) return 'Builds the surface again';
+  if (state.recording) return `Records to ${state.recording}`;
+  if (state.saved && state.saved !== page.saved) return `Saved ${page.saved = state.saved}`;
+  return state.recorded.length ? `Recorded ${state.recorded.at(-1)}` : '';
 }
 
 function showState(state) {
   page.state = state;
-  for (const made of methodButtons) made.setAttribute('aria-pressed', String(made.dataset.method === state.method));
-  if (document.activeElement !== stiffness.input) stiffness.show(state.stiffness);
-  if (document.activeElement !== friction.input) friction.show(state.friction[0]);
-  if (document.activeElement !== settle.input) settle.show(state.settle);
+  tuning.show(state);
   recordButton.textContent = state.recording ? 'Stop recording' : 'Record';
-  note.textContent = state.failure ? `Not recorded: ${state.failure}` : state.recording ? `Records to ${state.recording}` : state.recorded.length ? `Recorded ${state.recorded.at(-1)}` : '';
+  replayButton.textContent = state.replaying ? 'Stop the replay' : 'Replay';
+  note.textContent = newsOf(state);
 }
+
+const whose = () => page.state?.replaying ? '; a recording moves the hand' : page.hello?.device ? `; ${page.hello.device} moves the hand` : '';
 
 function showStatus() {
   const {link} = page;
   document.body.dataset.steers = String(Boolean(link?.steers));
-  status.textContent = !page.connected ? 'The server is gone; trying again' : link.steers ? `The loop ${guards[page.guard] ?? 'waits'}` : 'Another page steers; this one watches';
+  status.textContent = !page.connected ? 'The server is gone; trying again' : link.steers ? `The loop ${guards[page.guard] ?? 'waits'}${whose()}` : 'Another page steers; this one watches';
 }
 
 function showFrame(frame) {
@@ -203,6 +224,7 @@ function showFrame(frame) {
   page.hand?.at.fromArray(tick.hip);
   if (page.hand) page.hand.isSafe = tick.guard === 4;
   const method = methods.indexOf(page.state.method);
+  page.pad?.feel(steps.reduce((most, own) => Math.max(most, own[method]), 0));
   page.stage?.place(tick, method, methodColor(page.state.method));
   if (page.guard !== tick.guard) (page.guard = tick.guard, showStatus());
 }
@@ -227,16 +249,16 @@ function start() {
       el('header.top', {}, el('div', {}, title, about), status, themeButton()),
       el('div.bench', {},
           el('div', {}, canvas,
-              el('.controls', {}, el('span.methods', {role: 'group', 'aria-label': 'The hand feels'}, methodButtons), touchButton, press.element),
-              el('.controls', {}, stiffness.element, friction.element, settle.element),
+              el('.controls', {}, tuning.methods, touchButton, press.element),
+              tuning.rows,
               el('.controls', {},
-                  select('Show', [['both', 'surface and edges'], ['surface', 'surface'], ['polygons', 'polygons'], ['edges', 'edges']], 'both', value => page.stage?.show(value)),
-                  select('Colour', [['clay', 'one'], ['kind', 'by kind of patch'], ['height', 'by height over the polygon']], 'clay', paint),
-                  cut.element, cutAxis, button('Reset view', 'All of the objects (0)', () => page.stage?.orbit.reset())),
+                  showChoice,
+                  select('Colour', [['clay', 'one'], ['kind', 'by kind of patch'], ['height', 'by departure from the polygons'], ['curvature', 'by curvature against the press']], 'clay', paint),
+                  cut.element, cutAxis, button('Reset view', 'All of the objects (0)', () => page.stage?.orbit.reset()), objectBoxes),
               legend,
-              el('.controls', {}, recordButton, shotButton, copyButton, soundChoice), note,
-              el('p.notice', {}, 'Drag on an object to touch it, the wheel presses deeper; drag beside it to turn, shift-drag to move, the wheel zooms. Keys: space touches, W A S D move the hand, E and Q press more and less, M the next method, P pause, R record, G screenshot, C copy; arrows turn.')),
-          el('div', {}, readout(), el('.controls', {}, pauseButton), page.plots.element)));
+              el('.controls', {}, recordButton, replayButton, saveButton, copyButton, shotButton, soundChoice), note,
+              el('p.notice', {}, 'Drag on an object to touch it, the wheel presses deeper; drag beside it to turn, shift-drag to move, the wheel zooms. Keys: space touches, W A S D move the hand, E and Q press more and less, M the next method, P pause, L begin and end a loop, R record, Y replay, V save, G screenshot, C copy; arrows turn.')),
+          el('div', {}, readout(), el('.controls', {}, pauseButton, loopButton, page.work.told), page.plots.element)));
   page.link = new Link({
     open() {
       page.connected = true;

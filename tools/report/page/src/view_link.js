@@ -2,7 +2,7 @@
 // and a lost server is looked for again.
 
 const marks = {frame: 0x31464c47, geometry: 0x47464c47};
-const rowNumbers = 9 + 3 * 10;
+const rowNumbers = 9 + 3 * 11;
 export const sendEvery = 16, tryAgainAfter = 500;  // ms
 
 // As tools/view/beside.h packs it: {number, time, count, rows}; `at(i)` gives a tick.
@@ -16,8 +16,8 @@ export function readFrame(buffer) {
     at(i) {
       const row = rows.subarray(i * rowNumbers, (i + 1) * rowNumbers);
       const felt = [0, 1, 2].map(m => {
-        const own = row.subarray(9 + 10 * m, 19 + 10 * m);
-        return {force: own.subarray(0, 3), scp: own.subarray(3, 6), depth: own[6], contact: own[7], object: own[8], face: own[9]};
+        const own = row.subarray(9 + 11 * m, 20 + 11 * m);
+        return {force: own.subarray(0, 3), scp: own.subarray(3, 6), depth: own[6], contact: own[7], object: own[8], face: own[9], work: own[10]};
       });
       return {since: row[0], hip: row.subarray(1, 4), sent: row.subarray(4, 7), guard: row[7], reason: row[8], felt};
     },
@@ -26,7 +26,7 @@ export function readFrame(buffer) {
 
 // As tools/view/view_geometry.h packs it.
 export function readGeometry(buffer) {
-  const [, object, points, triangles, edges, polygons] = new Uint32Array(buffer, 0, 8);
+  const [, object, points, triangles, edges, polygons, faces, sides] = new Uint32Array(buffer, 0, 8);
   let at = 32;
   const take = (Kind, length) => {
     const array = new Kind(buffer, at, length);
@@ -35,7 +35,8 @@ export function readGeometry(buffer) {
   };
   const position = take(Float32Array, 3 * points), packed = take(Int8Array, 4 * points);
   return {object, position, packed, height: take(Float32Array, points), face: take(Uint32Array, points),
-    index: take(Uint32Array, 3 * triangles), edges: take(Float32Array, 6 * edges), polygons: take(Float32Array, 9 * polygons)};
+    index: take(Uint32Array, 3 * triangles), edges: take(Float32Array, 6 * edges), polygons: take(Float32Array, 9 * polygons),
+    curvature: take(Float32Array, faces), firstSide: take(Uint32Array, faces), across: take(Uint32Array, sides)};
 }
 
 export class Link {

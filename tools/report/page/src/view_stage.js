@@ -6,7 +6,9 @@ import {ramp} from './cloud.js';
 import {keysHint, Orbit} from './orbit.js';
 import {color, onTheme} from './theme.js';
 
-export const kinds = [['exact', '#9fb3c8'], ['eased', '#fee090'], ['split', '#fc8d59'], ['bent', '#b2182b']];
+export const kinds = [['exact', '#9fb3c8'], ['eased', '#fee090'], ['split', '#fc8d59'], ['bent', '#b2182b'], ['crease', '#7b5ea7']];
+
+const mostMarked = 60000;  // corners of triangles of a face and its neighbours that are marked
 
 const rgb = text => new Color().setStyle(text).toArray().map(share => Math.round(255 * share));
 
@@ -56,9 +58,9 @@ class Shown {
     this.surface = new Mesh(surface, new MeshLambertMaterial({vertexColors: true, side: DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1}));
     const touched = new BufferGeometry();
     for (const name of ['position', 'normal']) touched.setAttribute(name, surface.getAttribute(name));
-    touched.setIndex(surface.index);
+    touched.setIndex(new BufferAttribute(new Uint32Array(mostMarked), 1));
     touched.setDrawRange(0, 0);
-    this.touched = new Mesh(touched, new MeshBasicMaterial({side: DoubleSide, transparent: true, opacity: 0.45, polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -4}));
+    this.touched = new Mesh(touched, [0.5, 0.2].map(opacity => new MeshBasicMaterial({side: DoubleSide, transparent: true, opacity, polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -4})));
     const polygons = new BufferGeometry();
     polygons.setAttribute('position', new BufferAttribute(geometry.polygons, 3));
     polygons.computeVertexNormals();
@@ -77,28 +79,51 @@ class Shown {
     for (const mesh of this.all) mesh.frustumCulled = false;
   }
 
-  paint(by) {
-    const {height, packed} = this.data, to = this.colors.array, clay = rgb(color('clay'));
-    const most = by === 'height' ? height.reduce((a, h) => Math.max(a, Math.abs(h)), 0) || 1 : 1;
+  // Gives the largest height, m, of 'height'. depth: m, that a curvature is against.
+  paint(by, depth) {
+    const {height, packed, face, curvature} = this.data, to = this.colors.array, clay = rgb(color('clay'));
+    const most = by === 'height' ? height.reduce((a, h) => Math.max(a, Math.abs(h)), 0) || 1 : null;
     const ofKind = kinds.map(([, text]) => rgb(text));
+    const shade = {
+      clay: () => clay,
+      kind: i => ofKind[packed[4 * i + 3]],
+      height: i => heatColor(0.5 + 0.5 * height[i] / most),
+      curvature: i => heatColor(depth * curvature[face[i]]),
+    }[by];
     for (let i = 0; i < height.length; i++) {
-      const own = by === 'kind' ? ofKind[packed[4 * i + 3]] : by === 'height' ? heatColor(0.5 + 0.5 * height[i] / most) : clay;
+      const own = shade(i);
       for (let k = 0; k < 3; k++) to[3 * i + k] = own[k];
     }
     this.colors.needsUpdate = true;
-    return by === 'height' ? most : null;
+    return most;
   }
 
+  // The faces beside one.
+  beside(face) {
+    const {firstSide, across, curvature} = this.data, from = firstSide[face];
+    const to = face + 1 < firstSide.length ? firstSide[face + 1] : across.length;
+    return [...across.subarray(from, to)].filter(other => other < curvature.length);
+  }
+
+  // Marks a face, and weakly those beside it; -1: none.
   touch(face) {
-    const first = this.firstOfFace.get(face), {index, face: faces} = this.data;
-    if (first === undefined) return this.touched.geometry.setDrawRange(0, 0);
-    let end = first;
-    while (end < index.length && faces[index[end]] === face) end += 3;
-    this.touched.geometry.setDrawRange(first, end - first);
+    if (face === this.marked) return;
+    this.marked = face;
+    const {index, face: faces} = this.data, all = this.firstOfFace.has(face) ? [face, ...this.beside(face)] : [];
+    let at = 0;
+    const own = this.touched.geometry, list = own.index.array;
+    own.clearGroups();
+    all.forEach((other, i) => {
+      const begin = at;
+      for (let t = this.firstOfFace.get(other) ?? index.length; t < index.length && faces[index[t]] === other && at < list.length; t++) list[at++] = index[t];
+      own.addGroup(begin, at - begin, i === 0 ? 0 : 1);
+    });
+    own.index.needsUpdate = true;
+    own.setDrawRange(0, at);
   }
 
   dispose() {
-    for (const mesh of this.all) (mesh.geometry.dispose(), mesh.material.dispose());
+    for (const mesh of this.all) (mesh.geometry.dispose(), [mesh.material].flat().forEach(material => material.dispose()));
   }
 }
 
@@ -115,6 +140,7 @@ export class Stage {
     this.light = new DirectionalLight(0xffffff, 2.2);
     this.objects.add(new AmbientLight(0xffffff, 1.1), this.light);
     this.shown = [];
+    this.hidden = new Set();
     this.view = 'both';
     this.by = 'clay';
     const ball = radius => new SphereGeometry(radius * this.size, 20, 14);
@@ -133,7 +159,7 @@ export class Stage {
 
   add(geometry) {
     const shown = new Shown(geometry), old = this.shown[geometry.object];
-    if (old) (this.objects.remove(...old.still), this.scene.remove(old.touched), old.dispose());
+    if (old) this.remove(old);
     this.shown[geometry.object] = shown;
     this.objects.add(...shown.still);
     this.scene.add(shown.touched);
@@ -144,18 +170,40 @@ export class Stage {
   // 'both': surface and edges; 'surface', 'polygons', 'edges'.
   show(view) {
     this.view = view;
-    for (const shown of this.shown.filter(Boolean)) {
-      shown.surface.visible = view === 'both' || view === 'surface';
-      shown.polygons.visible = view === 'polygons';
-      shown.edges.visible = view !== 'surface';
+    for (const [object, shown] of this.shown.entries()) {
+      const isHere = shown && !this.hidden.has(object);
+      if (!shown) continue;
+      shown.surface.visible = isHere && (view === 'both' || view === 'surface');
+      shown.polygons.visible = isHere && view === 'polygons';
+      shown.edges.visible = isHere && view !== 'surface';
+      shown.touched.visible = isHere;
     }
     this.askAll();
   }
 
-  // 'clay', 'kind' or 'height'; gives the largest height, m, of the latter.
-  paint(by) {
-    this.by = by;
-    const most = this.shown.filter(Boolean).map(shown => shown.paint(by));
+  // Forgets the objects from this number on.
+  keep(count) {
+    this.shown.splice(count).filter(Boolean).forEach(shown => this.remove(shown));
+    this.askAll();
+  }
+
+  remove(shown) {
+    this.objects.remove(...shown.still);
+    this.scene.remove(shown.touched);
+    shown.dispose();
+  }
+
+  // Hides an object, or shows it again.
+  hide(object, hidden) {
+    if (hidden) this.hidden.add(object);
+    else this.hidden.delete(object);
+    this.show(this.view);
+  }
+
+  // 'clay', 'kind', 'height', whose largest one it gives, m, or 'curvature' against a depth, m.
+  paint(by, depth = this.depth) {
+    [this.by, this.depth] = [by, depth];
+    const most = this.shown.filter(Boolean).map(shown => shown.paint(by, depth));
     this.askAll();
     return by === 'height' ? Math.max(...most) : null;
   }
@@ -164,7 +212,7 @@ export class Stage {
     for (const shown of this.shown.filter(Boolean)) {
       shown.polygons.material.color.setStyle(color('clay'));
       shown.edges.material.color.setStyle(color('ink'));
-      shown.touched.material.color.setStyle(color('accent'));
+      for (const material of shown.touched.material) material.color.setStyle(color('accent'));
     }
     this.hip.material.color.setStyle(color('accent'));
     this.paint(this.by);
@@ -259,7 +307,8 @@ export class Stage {
   pick(x, y) {
     const {origin: o, direction: d} = this.ray(x, y);
     let best = Infinity, found = null;
-    for (const shown of this.shown.filter(Boolean)) {
+    for (const [object, shown] of this.shown.entries()) {
+      if (!shown || this.hidden.has(object)) continue;
       const p = shown.data.position, index = shown.data.index;
       for (let t = 0; t < index.length; t += 3) {
         const a = 3 * index[t], b = 3 * index[t + 1], c = 3 * index[t + 2];
