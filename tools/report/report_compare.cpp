@@ -69,7 +69,7 @@ constexpr PictureArray kPictureArrays[] = {{"face", "u32", 1},      {"position",
 // Bounds of a page: what a file has beyond them is left out.
 constexpr std::size_t kMostJumps = 20000;  // of all rows
 
-[[noreturn]] void refuse_result(const ReportSource& source, const std::string& what) {
+[[noreturn]] void refuse(const ReportSource& source, const std::string& what) {
   throw InputError(fmt::format("{}: {} is not what {} writes", source.path, what, kWriter));
 }
 
@@ -107,7 +107,7 @@ Json read_picture(const Json& picture, const ReportSource& source) {
       Json array = picture[i].value(name, Json());
       if (!(points >= 1 && points <= 1e6) ||
           !is_packed(array, type, numbers * static_cast<std::size_t>(points)))
-        refuse_result(source, fmt::format("'picture' {}: '{}'", i, name));
+        refuse(source, fmt::format("'picture' {}: '{}'", i, name));
       bytes += 4 * numbers * static_cast<std::size_t>(points);
       read[i][name] = std::move(array);
     }
@@ -130,7 +130,7 @@ Json read_jumps(const Json& jumps, std::size_t most, const std::string& row,
                                        [](const Json& x) { return x.is_number(); });
     if (!has_place || !is("face", &Json::is_number_unsigned) || !is("step", &Json::is_number) ||
         !is("lost", &Json::is_boolean))
-      refuse_result(source, fmt::format("{}: 'jumps' {}", row, step.size()));
+      refuse(source, fmt::format("{}: 'jumps' {}", row, step.size()));
     for (const Json& x : jump["position"]) position.push_back(x.get<float>());
     face.push_back(jump["face"].get<std::uint32_t>());
     step.push_back(jump["step"].get<float>());
