@@ -47,7 +47,7 @@ std::vector<TraceStatistics> trace(const PatchCache& cache, std::span<const Vec3
   }
   std::optional<Effects> effects;
   if (options.effects.any()) effects.emplace(options.effects, options.stiffness, cache.unit);
-  const std::vector<PathLoop> loops = closed_loops(hips);
+  const std::vector<PathLoop> loops = closed_loops(hips, options.poll);
   std::vector<LoopMeter> meters(options.methods.size(), LoopMeter(loops, options.stiffness));
   std::vector<TraceStep> steps(options.methods.size());
   for (std::size_t tick = 0, last = 0; tick < hips.size(); ++tick) {

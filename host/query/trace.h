@@ -26,6 +26,7 @@ struct TraceOptions : SolverOptions {
   std::span<const std::chrono::nanoseconds> times = {};
   // The device's own velocity at each HIP (m/s), for effects; none: it tells none.
   std::span<const Vec3> velocities = {};
+  Poll poll = {};  // asked before the first tick; then the sink is
 };
 
 struct TraceStep {

@@ -23,7 +23,7 @@ struct CellHash {
 
 }  // namespace
 
-std::vector<PathLoop> closed_loops(std::span<const Vec3> path) {
+std::vector<PathLoop> closed_loops(std::span<const Vec3> path, const Poll& poll) {
   std::vector<PathLoop> loops;
   std::vector<double> length(path.size(), 0.0);  // of the path as far as each point
   for (std::size_t i = 1; i < path.size(); ++i)
@@ -49,7 +49,9 @@ std::vector<PathLoop> closed_loops(std::span<const Vec3> path) {
     }
     return path.size();
   };
+  ItemPoll ask(poll);
   for (std::size_t i = 0; i < path.size(); ++i) {
+    ask();
     Cell cell;
     for (int axis = 0; axis < 3; ++axis)
       cell[static_cast<std::size_t>(axis)] =

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gliss/base/export.h"
+#include "gliss/base/poll.h"
 #include "gliss/base/vector.h"
 
 namespace gliss {
@@ -39,7 +40,8 @@ struct PathLoop {
 
 // Closed parts of a path, one after another: those that come back to within half of the path's mean
 // step after 16 of them at least, having been farther away. Allocates.
-GLISS_EXPORT std::vector<PathLoop> closed_loops(std::span<const Vec3> path);
+GLISS_EXPORT std::vector<PathLoop> closed_loops(std::span<const Vec3> path,
+                                                const Poll& poll = {});
 
 // Net work that a closed loop gives the hand, as a share of its effort, and how far the truth may
 // lie from that. NaN: there was no loop with a force.

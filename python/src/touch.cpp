@@ -95,6 +95,7 @@ py::tuple trace(const OpenSurface& surface, const Reals& path, const std::option
   const std::vector<Vec3> hips = hips_of(path, surface.cache->unit);
   const std::vector<std::chrono::nanoseconds> times = times_of(time, hips.size());
   options.times = times;
+  options.poll = poll;
   TickArrays ticks(hips.size());
   const TraceStatistics statistics = released([&] {
     return gliss::trace(*surface.cache, hips, options,

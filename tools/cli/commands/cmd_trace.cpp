@@ -203,7 +203,9 @@ Traced follow(const TracingOptions& options, const PatchCache& cache, const Poin
     if (rows.size() >= kBlockRows) write();
     watch.reach(tick + 1);
   };
-  traced.statistics = trace(cache, hips, options.trace, add);
+  TraceOptions interruptible = options.trace;
+  interruptible.poll = stop_if_interrupted;
+  traced.statistics = trace(cache, hips, interruptible, add);
   write();
   file->close();
   return traced;
