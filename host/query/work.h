@@ -40,8 +40,7 @@ struct PathLoop {
 
 // Closed parts of a path, one after another: those that come back to within half of the path's mean
 // step after 16 of them at least, having been farther away. Allocates.
-GLISS_EXPORT std::vector<PathLoop> closed_loops(std::span<const Vec3> path,
-                                                const Poll& poll = {});
+GLISS_EXPORT std::vector<PathLoop> closed_loops(std::span<const Vec3> path, const Poll& poll = {});
 
 // Net work that a closed loop gives the hand, as a share of its effort, and how far the truth may
 // lie from that. NaN: there was no loop with a force.
