@@ -16,8 +16,8 @@ typedef struct {
                // tracking 0
   int iterations, crossings;
   uint flags;  // FOOT_*
-  // From tick to tick only, never in memory that devices share: the foot's bend, and how far the
-  // last tick moved the SCP in the patch's domain.
+  // From tick to tick only, never in memory that devices share: the foot's curvature term, and how
+  // far the last tick moved the SCP in the patch's domain.
   int warm;  // whether they are there
   sym2 curvature_term;
   domain_vector drift;

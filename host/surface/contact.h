@@ -32,7 +32,7 @@ struct RawContact {
   Real reals[kContactReals] = {};
   std::uint32_t uints[kContactUints] = {};
   int evaluations = 0;  // that the query took, or the time of as many
-  // Left by a tick for the next one: bend and drift, once warm.
+  // Left by a tick for the next one: curvature term and drift, once warm.
   Real warmth[5] = {};
   bool warm = false;
   // Points of other parts that a contact on a seam rests against too: patch, xi, eta.
