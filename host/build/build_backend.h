@@ -1,4 +1,4 @@
-// Where the patches of a build are computed: on the host's threads, or by OpenCL.
+// A backend computes the patches of a build: the host's threads, or OpenCL.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@ struct PatchBatch;
 // Computes what of a batch is to be computed.
 using BatchBuilder = std::function<void(PatchBatch&, const ParallelFor&)>;
 
-// With the machine's best lanes.
+// Builds them with the machine's best lanes.
 GLISS_EXPORT void build_patches(PatchBatch& batch, const ParallelFor& parallel);
 
 // The backend that a build runs on.

@@ -64,8 +64,8 @@ GLISS_EXPORT std::size_t part_count(const PatchCache& cache, const SweepOptions&
 // no further: a sweep() with these parts takes them from there. Shards do so at the same time, in
 // whatever processes, and may do a part twice. Progress counts all samples that stand before what
 // is done in the order of the grid, whoever did them. The statistics are of the parts done here.
-// With a sink the source may wait until others have done a part. One that names every part makes it
-// a sweep(); of others the sink has the blocks of the parts that they name.
+// The source may wait, with a sink, until others have done a part. One that names every part makes
+// it a sweep(); of others the sink has the blocks of the parts that they name.
 GLISS_EXPORT SweepResult sweep_parts(const PatchCache& cache, const Engine& engine,
                                      const SweepOptions& options, const PartSource& source,
                                      SweepParts& parts, const SweepProgress& progress = nullptr,

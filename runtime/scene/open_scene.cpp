@@ -86,6 +86,17 @@ std::vector<Vec3> open_hips(const Scene& scene, const SceneOpening& opening) {
   return spread_points(mesh, static_cast<std::size_t>(scene.tool->points), opening.poll);
 }
 
+Eigen::AlignedBox3d box_of(const SceneObject& object) {
+  const Box own = object.cache->bounds();
+  Eigen::AlignedBox3d box;
+  for (int i = 0; i < 8; ++i) {
+    const Vec3 corner(i & 1 ? own.low.x() : own.high.x(), i & 2 ? own.low.y() : own.high.y(),
+                      i & 4 ? own.low.z() : own.high.z());
+    box.extend(object.pose * (corner * object.cache->unit));
+  }
+  return box;
+}
+
 LoopOptions loop_options(const Scene& scene, const DeviceInfo& device) {
   const double most = std::min(scene.max_stiffness, device.max_stiffness);
   const auto check = [&](const std::string& what, double stiffness) {

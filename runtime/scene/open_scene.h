@@ -1,6 +1,7 @@
 // From a scene to what a loop runs: its objects, and its rules for a device.
 #pragma once
 
+#include <Eigen/Geometry>
 #include <functional>
 #include <vector>
 
@@ -31,6 +32,9 @@ GLISS_EXPORT std::vector<SceneObject> open_objects(const Scene& scene,
 // The HIPs of a scene's tool, for a Tracker: those that it lists, or points of its mesh. Throws
 // MeshError, NoFileError, std::system_error.
 GLISS_EXPORT std::vector<Vec3> open_hips(const Scene& scene, const SceneOpening& opening = {});
+
+// Returns the box of an object in the world's frame, m: that of its cache, which it must have.
+GLISS_EXPORT Eigen::AlignedBox3d box_of(const SceneObject& object);
 
 // The rules of a loop with these objects under a device: the scene's, and no force or torque
 // above what the scene allows. Throws SceneError where an object is stiffer than the scene or the

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "gliss/query/query.h"
+#include "gliss/query/work.h"
 #include "gliss/surface/surface.h"
 #include "tools/view/bytes.h"
 
@@ -35,8 +36,8 @@ FeltBeside felt_of(const Tracker& tracker, const std::vector<SceneObject>& objec
 }  // namespace
 
 MethodsBeside::MethodsBeside(std::vector<SceneObject> objects, const std::vector<Vec3>& hips,
-                             bool turns)
-    : objects_(std::move(objects)), turns_(turns) {
+                             bool has_orientation)
+    : objects_(std::move(objects)), has_orientation_(has_orientation) {
   for (const Method method : kViewMethods) {
     for (SceneObject& object : objects_) object.method = method;
     trackers_.emplace_back(objects_, hips);
@@ -47,13 +48,13 @@ TickBeside MethodsBeside::step(const LoopTick& tick) noexcept {
   TickBeside beside{tick, {}};
   const Vec3& hip = tick.input.position;
   Pose tool = Pose::Identity();
-  if (turns_) tool.linear() = tick.input.orientation.normalized().toRotationMatrix();
+  if (has_orientation_) tool.linear() = tick.input.orientation.normalized().toRotationMatrix();
   tool.translation() = hip;
   for (std::size_t m = 0; m < trackers_.size(); ++m) {
     const Vec3 force = trackers_[m].step(tool, tick.time, tick.input.velocity).force;
     beside.felt[m] = felt_of(trackers_[m], objects_, force, hip);
-    if (last_)  // by the trapezium rule
-      work_[m] += (force + last_->felt[m].force).dot(hip - last_->tick.input.position) / 2;
+    if (last_)
+      work_[m] += Work::of_step(last_->felt[m].force, force, hip - last_->tick.input.position);
     beside.felt[m].work = work_[m];
   }
   last_ = beside;

@@ -35,9 +35,9 @@ struct TickBeside {
 // has trackers of its own, and touches nothing of the loop's.
 class MethodsBeside {
  public:
-  // `turns`: the device's orientation turns the HIPs.
+  // `has_orientation`: the device's turns the HIPs.
   MethodsBeside(std::vector<SceneObject> objects, const std::vector<Vec3>& hips,
-                bool turns = false);
+                bool has_orientation = false);
 
   TickBeside step(const LoopTick& tick) noexcept;
   // Makes all objects feel so, but each tracker keeps its method. False for what a Tracker refuses.
@@ -45,7 +45,7 @@ class MethodsBeside {
 
  private:
   std::vector<SceneObject> objects_;
-  bool turns_;
+  bool has_orientation_;
   std::vector<Tracker> trackers_;  // [kViewMethods]
   std::array<double, 3> work_{};   // J, that each force has done on the hand
   std::optional<TickBeside> last_;

@@ -3,18 +3,13 @@
 #include <algorithm>
 #include <utility>
 
+#include "gliss/scene/open_scene.h"
+
 namespace gliss::tools {
 
 Eigen::AlignedBox3d box_of(const std::vector<SceneObject>& objects) {
   Eigen::AlignedBox3d box;
-  for (const SceneObject& object : objects) {
-    const Box own = object.cache->bounds();
-    for (int i = 0; i < 8; ++i) {
-      const Vec3 corner(i & 1 ? own.low.x() : own.high.x(), i & 2 ? own.low.y() : own.high.y(),
-                        i & 4 ? own.low.z() : own.high.z());
-      box.extend(object.pose * (corner * object.cache->unit));
-    }
-  }
+  for (const SceneObject& object : objects) box.extend(gliss::box_of(object));
   return box;
 }
 

@@ -1,4 +1,4 @@
-// What gliss view shows, and one loop among its objects.
+// The objects that gliss view shows, and one loop among them.
 #pragma once
 
 #include <memory>

@@ -260,7 +260,7 @@ ViewServer::~ViewServer() {
   state_->pause.cancel();
   const auto open = state_->open;
   for (const auto& connection : open) connection->end();
-  // What was under way ends with the sockets.
+  // The sockets end what was under way.
   state_->io.restart();
   state_->io.run_for(std::chrono::milliseconds(100));
 }
@@ -287,7 +287,6 @@ void ViewServer::send_frame(const SharedPayload& payload) {
 }
 
 std::size_t ViewServer::watching() const { return state_->pages.size(); }
-bool ViewServer::is_steered() const { return !state_->pages.empty(); }
 const ViewServer::Counts& ViewServer::counts() const { return state_->counts; }
 
 std::string policy_of(const std::string& page) {

@@ -59,7 +59,6 @@ class ViewServer {
   // Sends to the pages that have taken all before it; the others lose it.
   void send_frame(const SharedPayload& payload);
   std::size_t watching() const;  // pages, with the one that steers
-  bool is_steered() const;
   const Counts& counts() const;
 
  private:

@@ -219,7 +219,7 @@ void ViewSession::follow(const HandMessage& hand) {
   if (hand_) hand_->point(hand.target, monotonic_time());
 }
 
-// What the device does not allow is brought to its limit, and told so by the state.
+// Brings what the device does not allow to its limit, which the state then tells.
 void ViewSession::follow(const TuneMessage& wanted) {
   TuneMessage allowed = wanted;
   allowed.stiffness = std::min(wanted.stiffness, run_->scene().max_stiffness);
@@ -252,9 +252,7 @@ void ViewSession::follow(const RecordMessage& wish) {
       end_recording();
     }
   } catch (const std::exception& error) {
-    recording_.reset();
-    recording_path_.clear();
-    failure_ = error.what();
+    lose_recording(error);
   }
   send_state();
 }
@@ -336,11 +334,15 @@ void ViewSession::record() {
   try {
     recording_->write(run_->ticks());
   } catch (const std::exception& error) {
-    recording_.reset();
-    recording_path_.clear();
-    failure_ = error.what();
+    lose_recording(error);
     send_state();
   }
+}
+
+void ViewSession::lose_recording(const std::exception& error) {
+  recording_.reset();
+  recording_path_.clear();
+  failure_ = error.what();
 }
 
 void ViewSession::take_ticks() {

@@ -1,6 +1,7 @@
 // One sitting of gliss view: a loop under a hand, the methods beside it, and the pages that watch.
 #pragma once
 
+#include <exception>
 #include <functional>
 #include <future>
 #include <memory>
@@ -90,6 +91,7 @@ class ViewSession {
   static Opened open(const ViewSetting& setting, const BuildChoice& build);
   void begin_recording(const std::string& path);
   void end_recording();
+  void lose_recording(const std::exception& error);
   void take_ticks();
   void record();
 

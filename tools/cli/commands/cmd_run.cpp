@@ -41,13 +41,7 @@ void describe(Command& command, RunOptions& options) {
                "run ticks as fast as possible, in simulated time; for sim and replay");
   command.option({"--seconds", "SECONDS", "end after this time; default: when the device ends"},
                  options.seconds, 1e-3, 1e7);
-  command.option(
-      {"-o,--record", "FILE", "record each tick: .h5, .hdf5 or .csv"},
-      [&](const std::string& path) {
-        if (!path.ends_with(".csv") && !path.ends_with(".h5") && !path.ends_with(".hdf5"))
-          throw InputError(fmt::format("'{}' must end in .h5, .hdf5 or .csv", path));
-        options.recording = path;
-      });
+  add_record_option(command, "record each tick", options.recording);
   command.option({"--summary", "FILE",
                   "write a summary as JSON: figures, histograms, the ticks before each trip"},
                  options.summary);
@@ -229,13 +223,7 @@ std::vector<Box> boxes_of(const std::vector<SceneObject>& objects) {
   std::vector<Box> boxes;
   for (const SceneObject& object : objects) {
     if (object.cache == nullptr) continue;
-    const Box own = object.cache->bounds();
-    Eigen::AlignedBox3d box;
-    for (int i = 0; i < 8; ++i) {
-      const Vec3 corner(i & 1 ? own.low.x() : own.high.x(), i & 2 ? own.low.y() : own.high.y(),
-                        i & 4 ? own.low.z() : own.high.z());
-      box.extend(object.pose * (corner * object.cache->unit));
-    }
+    const Eigen::AlignedBox3d box = box_of(object);
     boxes.push_back({box.min(), box.max()});
   }
   return boxes;

@@ -20,11 +20,6 @@
 namespace gliss::tools {
 namespace {
 
-void check_recording_name(const std::string& path) {
-  if (!path.ends_with(".csv") && !path.ends_with(".h5") && !path.ends_with(".hdf5"))
-    throw InputError(fmt::format("'{}' must end in .h5, .hdf5 or .csv", path));
-}
-
 void describe_feel(Command& command, ViewingOptions& options) {
   add_name_option(command,
                   {"--method", "NAME",
@@ -33,15 +28,7 @@ void describe_feel(Command& command, ViewingOptions& options) {
                   options.method, kMethodNames);
   command.option({"--stiffness", "STIFFNESS", "stiffness: force over depth; default 0.5N/mm"},
                  [&](const std::string& text) { options.stiffness = positive_stiffness(text); });
-  command.option(
-      {"--settle", "TIME",
-       "when the nearest point leaps elsewhere, the contact slides there: the time in "
-       "which the force changes by 20 % meanwhile; 0: it leaps; default 5ms"},
-      [&](const std::string& text) {
-        options.settle = parse_time(text);
-        if (!(*options.settle >= 0 && *options.settle <= kMostSettleTime))
-          throw InputError(fmt::format("--settle: '{}' is not from 0 to 1 s; 5ms is usual", text));
-      });
+  add_settle_option(command, options.settle);
   add_friction_options(command, options.friction);
   add_effect_options(command, options.effects);
 }
@@ -54,11 +41,7 @@ void describe(Command& command, ViewingOptions& options) {
                  options.port, 0, 65535);
   command.flag("--open", options.open, "open the page in a browser, by xdg-open");
   command.flag("--watch", options.watch, "read the mesh or scene again when its file changes");
-  command.option({"-o,--record", "FILE", "record each tick from the first: .h5, .hdf5 or .csv"},
-                 [&](const std::string& path) {
-                   check_recording_name(path);
-                   options.recording = path;
-                 });
+  add_record_option(command, "record each tick from the first", options.recording);
   command.option({"--replay", "FILE", "move the hand along a path first, such as a recording"},
                  options.replay);
   command.option({"--seconds", "SECONDS", "end after this time; default: when interrupted"},

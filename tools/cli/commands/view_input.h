@@ -1,4 +1,4 @@
-// What gliss view opens, and how it is written down again.
+// Opens what gliss view shows, and writes it down as a command or a scene.
 #pragma once
 
 #include <limits>

@@ -39,6 +39,16 @@ double time_of_option(const std::string& option, const std::string& text,
   return seconds;
 }
 
+// Adds --settle, whose `usual` value the help tells, for a number or an optional one.
+void add_settle(Command& command, auto& settle, double usual) {
+  command.option(
+      {"--settle", "TIME",
+       fmt::format("when the nearest point leaps elsewhere, the contact slides there: the time in "
+                   "which the force changes by 20 % meanwhile; 0: it leaps; default {}",
+                   usual > 0 ? fmt::format("{:g}ms", 1e3 * usual) : "0")},
+      [&settle](const std::string& text) { settle = time_of_option("--settle", text, "5ms"); });
+}
+
 std::vector<std::string>& kept_words() {  // quoted for a shell where they need it
   static std::vector<std::string> words;
   return words;
@@ -201,14 +211,9 @@ void add_step_options(Command& command, SolverOptions& options) {
                  options.max_iterations, 1, 10000);
 }
 
-void add_settle_option(Command& command, double& settle) {
-  command.option(
-      {"--settle", "TIME",
-       fmt::format("when the nearest point leaps elsewhere, the contact slides there: the time in "
-                   "which the "
-                   "force changes by 20 % meanwhile; 0: it leaps; default {}",
-                   settle > 0 ? fmt::format("{:g}ms", 1e3 * settle) : "0")},
-      [&settle](const std::string& text) { settle = time_of_option("--settle", text, "5ms"); });
+void add_settle_option(Command& command, double& settle) { add_settle(command, settle, settle); }
+void add_settle_option(Command& command, std::optional<double>& settle) {
+  add_settle(command, settle, QueryOptions{}.settle);
 }
 
 void add_friction_options(Command& command, FrictionOptions& friction) {

@@ -71,6 +71,8 @@ double positive_stiffness(const std::string& text);  // N/m, of --stiffness
 void add_stiffness_option(Command& command, double& stiffness);
 // --settle TIME; `settle` (s), whose value is the default.
 void add_settle_option(Command& command, double& settle);
+// The same; nothing: nobody has told it.
+void add_settle_option(Command& command, std::optional<double>& settle);
 // --friction and --friction-settle.
 void add_friction_options(Command& command, FrictionOptions& friction);
 // --damping, --viscosity, --magnet and --texture.

@@ -1,6 +1,7 @@
 // Points lit as if the directions of their forces were normals, on a canvas; the camera is shared. They may have colours
 // by a number of theirs, and marks over them.
 import {BufferAttribute, BufferGeometry, GLSL3, Points, Scene, ShaderMaterial, Vector3, WebGLRenderer, Color} from 'three';
+import {beforeNextPicture} from './dom.js';
 import {color, onTheme} from './theme.js';
 
 // Browsers allow few contexts: one draws all views, one after the other, each is copied to its canvas.
@@ -106,6 +107,7 @@ export class CloudView {
   // canvas; points: {positions, spacing, heat} as BufferAttributes, heat from 0 to 1 or absent; forces: Float32Array.
   constructor(canvas, points, forces, orbit) {
     this.canvas = canvas;
+    this.ask = beforeNextPicture(() => this.draw());
     this.orbit = orbit;
     this.positions = points.positions.array;
     const geometry = new BufferGeometry();
@@ -145,16 +147,6 @@ export class CloudView {
     this.marks.geometry.setAttribute('position', new BufferAttribute(positions, 3));
     this.marks.geometry.setAttribute('size', new BufferAttribute(sizes, 1));
     this.ask();
-  }
-
-  // Drawn once before the next picture, however often it is asked for.
-  ask() {
-    if (this.asked) return;
-    this.asked = true;
-    requestAnimationFrame(() => {
-      this.asked = false;
-      this.draw();
-    });
   }
 
   draw() {

@@ -74,6 +74,19 @@ export function select(label, choices, chosen, action) {
 }
 
 // A method's name with its colour.
+// Makes a function that draws once before the next picture, however often it is called.
+export function beforeNextPicture(draw) {
+  let asked = false;
+  return () => {
+    if (asked) return;
+    asked = true;
+    requestAnimationFrame(() => {
+      asked = false;
+      draw();
+    });
+  };
+}
+
 export function swatch(color, text) {
   const mark = el('span.swatch', {'aria-hidden': 'true'});
   mark.style.background = `var(--${color})`;

@@ -3,6 +3,7 @@ import {AmbientLight, ArrowHelper, BufferAttribute, BufferGeometry, Camera, Colo
   HalfFloatType, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, MeshLambertMaterial, Plane, PlaneGeometry, Raycaster, Scene,
   ShaderMaterial, SphereGeometry, Vector2, Vector3, WebGLRenderer, WebGLRenderTarget} from 'three';
 import {ramp} from './cloud.js';
+import {beforeNextPicture} from './dom.js';
 import {keysHint, Orbit} from './orbit.js';
 import {color, onTheme} from './theme.js';
 
@@ -130,6 +131,7 @@ class Shown {
 export class Stage {
   constructor(canvas, box) {
     this.canvas = canvas;
+    this.ask = beforeNextPicture(() => this.draw());
     this.renderer = new WebGLRenderer({canvas, alpha: true});
     this.renderer.autoClear = false;
     // Objects are drawn anew only where the camera or they have changed: the hand moves over large ones as well.
@@ -251,15 +253,6 @@ export class Stage {
   askAll() {
     this.isOld = true;
     this.ask();
-  }
-
-  ask() {
-    if (this.asked) return;
-    this.asked = true;
-    requestAnimationFrame(() => {
-      this.asked = false;
-      this.draw();
-    });
   }
 
   draw() {
