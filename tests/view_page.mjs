@@ -69,9 +69,9 @@ const browser = await launch(packages);
 let server = null;
 try {
   server = await serve(gliss, folder, 'knot.obj', '--record', 'whole.h5');
-  assert.match(server.told, /no --unit: taken as mm/);
   const {page, complaints} = await open(browser, server.url);
   await until('it steers', async () => /^The loop/.test(await status(page)));
+  assert.match(server.told, /no --unit: taken as mm/);
   assert(await colors(page) > 100, 'the knot is drawn');
 
   await isRunning(page);

@@ -199,7 +199,6 @@ void UdpServer::let_go() noexcept {
   silent_ = false;
   if (guard_) guard_->trip(GuardReason::kStopRequested);
   peer_ = 0;
-  newest_ = 0;
   socket_.disconnect();
 }
 

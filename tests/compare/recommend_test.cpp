@@ -50,6 +50,14 @@ TEST(Recommend, takes_no_baseline_that_jumps_more_or_makes_energy) {
   EXPECT_EQ(recommend(rows, {}).row, &rows[2]);
 }
 
+TEST(Recommend, takes_what_is_no_number_for_no_figure_within_a_budget) {
+  std::vector<CompareRow> rows = {row_of(Method::kGregory, 2, 0.5)};
+  EXPECT_EQ(recommend(rows, {20, {}, {}}).row, &rows[0]);
+  rows[0].max_force_error = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(recommend(rows, {}).row, &rows[0]);
+  EXPECT_EQ(recommend(rows, {20, {}, {}}).row, nullptr);
+}
+
 // At the rim of an open mesh all patches give some.
 TEST(Recommend, takes_patches_that_give_energy_only_where_all_do) {
   std::vector<CompareRow> rows = {row_of(Method::kGregory, 0, 0), row_of(Method::kGregory, 4, 0.5),

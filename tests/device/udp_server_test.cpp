@@ -178,6 +178,17 @@ TEST(UdpServer, ends_the_force_with_a_bye) {
   EXPECT_EQ(served.server.counts().watchdog_trips, 0u);
 }
 
+// It waited in the queue, as after a process stood still: the place is free at once all the same.
+TEST(UdpServer, takes_a_bye_however_old_it_is) {
+  Served served;
+  Peer loop(served.server), next(served.server);
+  served.push(loop);
+  loop.force({2, 0, 0}, 2, served.now, udp::kBye);
+  served.step(30ms);
+  EXPECT_EQ(served.device.last, Vec3::Zero());
+  served.push(next);
+}
+
 TEST(UdpServer, ends_the_force_in_the_tick_that_finds_the_loop_dead) {
   Served served;
   {
@@ -358,6 +369,48 @@ TEST_F(GuardedServer, fades_a_silent_loop_out_and_starts_it_again_in_the_open) {
   engage();
   for (int i = 0; i < 10; ++i) push({2, 0, 0});
   EXPECT_EQ(last_, Vec3(2, 0, 0));
+}
+
+TEST_F(GuardedServer, engages_no_loop_again_by_itself_after_a_clock_that_stood_still) {
+  engage();
+  for (int i = 0; i < 10; ++i) server_.step(now_);
+  engage();
+  for (int i = 0; i < 10; ++i) push({2, 0, 0});
+  EXPECT_EQ(last_, Vec3::Zero());
+}
+
+// Whatever its guard would still let through.
+TEST(UdpServer, takes_the_force_away_in_time_with_a_guard_that_is_slower) {
+  test::FakeDevice device;
+  UdpServer server(device, 0, {.watchdog = 5ms});
+  Peer loop(server);
+  Nanoseconds now = monotonic_time();
+  for (std::uint64_t i = 1; i <= 610; ++i) {
+    loop.force(i <= 600 ? Vec3::Zero() : Vec3(2, 0, 0), i, now += 1ms);
+    server.step(now);
+  }
+  ASSERT_EQ(device.last, Vec3(2, 0, 0));
+  server.step(now + 4ms);
+  EXPECT_NE(device.last, Vec3::Zero());
+  server.step(now + 4ms + 1ns);
+  EXPECT_EQ(device.last, Vec3::Zero());
+}
+
+// The ramp after it engages ends with what the device can, not above.
+TEST(UdpServer, lets_a_weak_device_begin_as_gently_as_a_strong_one) {
+  struct Weak : test::FakeDevice {
+    Weak() { info_.max_force = 1; }
+  } device;
+  UdpServer server(device, 0);
+  Peer loop(server);
+  Nanoseconds now = monotonic_time();
+  const auto half = static_cast<std::uint64_t>(GuardLimits{}.engage_ramp / 2ms);
+  for (std::uint64_t i = 1; i <= half + 5; ++i) {
+    loop.force(i <= half ? Vec3::Zero() : Vec3(1, 0, 0), i, now += 1ms);
+    server.step(now);
+  }
+  EXPECT_GT(device.last.x(), 0.4);
+  EXPECT_LT(device.last.x(), 0.6);
 }
 
 // By max_rate, not at once; then the place is free.

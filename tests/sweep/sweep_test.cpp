@@ -151,6 +151,93 @@ TEST(Sweep, tells_leaps_from_bends_between_samples) {
   EXPECT_LE(edges.leaps, edges.jumps);
 }
 
+// Its samples of one method and depth, as they come: each with its neighbours, found anew.
+struct Pairs {
+  Histogram step, edge_step;
+  std::uint64_t felt = 0, jumps = 0, lost = 0, leaps = 0;
+};
+
+Pairs pairs_of(const SweepBlock& all, const std::vector<Vec3>& places, std::uint32_t rings,
+               std::uint32_t sides, double full, double stiffness) {
+  Pairs pairs;
+  const auto add = [&](std::size_t p, std::size_t q, Histogram& step) {
+    const double size = (all.force[p] - all.force[q]).norm();
+    const bool p_felt = all.force[p] != Vec3::Zero(), q_felt = all.force[q] != Vec3::Zero();
+    step.add(size);
+    pairs.felt += p_felt || q_felt;
+    if (size <= 0.2 * full) return;
+    ++pairs.jumps;
+    pairs.lost += p_felt != q_felt;
+    pairs.leaps += size - 0.2 * full > 2 * stiffness * (all.hip[p] - all.hip[q]).norm();
+  };
+  const std::size_t points = std::size_t{sides} * rings * (rings + 1) / 2;
+  const auto begin_of = [&](std::size_t ring) { return sides * ring * (ring - 1) / 2; };
+  std::vector<std::size_t> last;  // samples of the last rings
+  for (std::size_t face = 0; face < all.face.size(); face += points) {
+    for (std::size_t r = 1; r <= rings; ++r) {
+      const std::size_t ring = face + begin_of(r), size = sides * r;
+      for (std::size_t i = 0; i < size; ++i) add(ring + i, ring + (i + 1) % size, pairs.step);
+      for (std::size_t i = 0; r < rings && i < size; ++i) {
+        // Outward in its sector, at the nearest share of the way along the side; of two the later.
+        const double share = (static_cast<double>(i % r) + 0.5) / static_cast<double>(r);
+        std::size_t nearest = 0;
+        for (std::size_t j = 1; j <= r; ++j) {
+          const auto off = [&](std::size_t at) {
+            return std::abs((static_cast<double>(at) + 0.5) / static_cast<double>(r + 1) - share);
+          };
+          if (off(j) <= off(nearest) + 1e-12) nearest = j;
+        }
+        add(ring + i, face + begin_of(r + 1) + i / r * (r + 1) + nearest, pairs.step);
+      }
+      if (r < rings) continue;
+      for (std::size_t i = 0; i < size; ++i) last.push_back(ring + i);
+    }
+  }
+  for (const std::size_t p : last) {
+    std::size_t nearest = p;
+    double least = std::numeric_limits<double>::infinity();
+    for (const std::size_t q : last) {
+      const double distance = (places[p] - places[q]).squaredNorm();
+      if (all.face[q] == all.face[p] || !(distance < least)) continue;
+      least = distance;
+      nearest = q;
+    }
+    if (p < nearest) add(p, nearest, pairs.edge_step);
+  }
+  return pairs;
+}
+
+// A dodecahedron mirrors each face at its edges. Its faces have more points than a chunk, and deep
+// HIPs leave it on the other side.
+TEST(Sweep, counts_each_pair_of_neighbours_once) {
+  const Mesh mesh = goldberg(1).mesh;
+  const PatchCache cache = test::cache_of(test::with_creases(mesh));
+  const std::uint32_t rings = 45;
+  for (const double depth : {1.0, 14.0, 15.5}) {  // of a radius of 10
+    SweepOptions options = options_of({depth * cache.unit}, rings);
+    options.methods = {Method::kGregory};
+    SweepBlock all;
+    const SweepStatistics s =
+        sweep(cache, *make_tbb_engine(2), options, [&](const SweepBlock& block) {
+          all.face.insert(all.face.end(), block.face.begin(), block.face.end());
+          all.hip.insert(all.hip.end(), block.hip.begin(), block.hip.end());
+          all.force.insert(all.force.end(), block.force.begin(), block.force.end());
+        }).statistics[0];
+    const double full = options.stiffness * options.depths[0];
+    std::vector<Vec3> places;  // on the flat faces
+    for (std::size_t i = 0; i < all.hip.size(); ++i)
+      places.push_back(all.hip[i] + depth * newell_normal(mesh, all.face[i]).normalized());
+    const Pairs pairs = pairs_of(all, places, rings, 5, full, options.stiffness * cache.unit);
+    EXPECT_EQ(s.step.bins(), pairs.step.bins()) << depth;
+    EXPECT_EQ(s.edge_step.bins(), pairs.edge_step.bins()) << depth;
+    EXPECT_EQ(s.felt_pairs, pairs.felt) << depth;
+    EXPECT_EQ(s.jumps, pairs.jumps) << depth;
+    EXPECT_EQ(s.lost, pairs.lost) << depth;
+    EXPECT_EQ(s.leaps, pairs.leaps) << depth;
+    EXPECT_EQ(s.jumps > 0, depth < 15) << depth;
+  }
+}
+
 // A patch that gives no numbers: all pairs with one of its samples are jumps, and none is small.
 TEST(Sweep, never_takes_what_is_not_finite_for_a_small_step) {
   const Mesh mesh = goldberg(3).mesh;
@@ -166,6 +253,7 @@ TEST(Sweep, never_takes_what_is_not_finite_for_a_small_step) {
   EXPECT_GE(s.step.unsound(), broken);
   EXPECT_EQ(s.edge_step.unsound(), std::uint64_t{n} * rings);
   EXPECT_GE(s.jumps, s.step.unsound() + s.edge_step.unsound());
+  EXPECT_EQ(s.lost, s.edge_step.unsound());  // of which one alone is broken
   for (const Histogram* of : {&s.step, &s.edge_step, &s.error}) {
     EXPECT_EQ(of->max(), infinity);
     EXPECT_TRUE(std::isfinite(of->mean()));
@@ -192,6 +280,15 @@ TEST(HistogramTest, merges_to_the_same_in_any_order) {
   EXPECT_GE(all.quantile(0.5), 0.5 / bin);
   EXPECT_LE(all.quantile(0.5), 0.5 * bin);
   EXPECT_EQ(all.quantile(1), 1.0);
+}
+
+// Half of three is the second of them, not the first.
+TEST(Histogram, quantiles_are_of_the_rank_that_holds_them) {
+  Histogram three;
+  for (const double value : {1.0, 10.0, 100.0}) three.add(value);
+  EXPECT_NEAR(three.quantile(0.5), 10, 1.3);
+  EXPECT_NEAR(three.quantile(0.34), 10, 1.3);
+  EXPECT_NEAR(three.quantile(0.33), 1, 0.13);
 }
 
 // An edge of a bin would be up to 12 % off.

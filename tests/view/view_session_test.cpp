@@ -84,6 +84,11 @@ class ViewSessionTest : public testing::Test {
       session_->end();
     });
     ASSERT_FALSE(page_->open(token_));
+    std::string text;
+    do {  // a hand that comes before the scene is not heard
+      text = page_->receive();
+      ASSERT_NE(text, "");
+    } while (!text.starts_with("{\"hello\""));
   }
   ViewScene open(const BuildChoice& build) const {
     if (refuses_) throw std::runtime_error("no mesh");

@@ -71,31 +71,25 @@ ViewSession::Opened ViewSession::open(const ViewSetting& setting, const BuildCho
 
 ViewSession::ViewSession(ViewSetting setting)
     : setting_(std::move(setting)), began_(monotonic_time()) {
-  auto [scene, scenery] = open(setting_, build_);
-  scenery_ = std::move(scenery);
-  if (!setting_.device)
-    hand_ = std::make_unique<PointerHand>(start_of(scene.objects), scene.hand,
-                                          fastest_on(scene.objects));
-  files_.watch(scene.files);
   if (!setting_.replay.empty()) begin_replay(setting_.replay);
   const auto steered = [this](const ViewMessage& message) {
-    std::visit([this](const auto& wish) { follow(wish); }, message);
+    if (run_) std::visit([this](const auto& wish) { follow(wish); }, message);
   };
   const auto promoted = [] { return text_of({{"steers", true}}); };
   server_ = std::make_unique<ViewServer>(
       setting_.port, std::move(setting_.page), std::move(setting_.token),
       ViewEvents{[this](bool steers) { return greet(steers); }, steered, promoted});
   url_ = server_->url();
-  if (!setting_.recording.empty()) begin_recording(setting_.recording);
-  begin(std::move(scene));
+  reopen(build_);
 }
 
 ViewSession::~ViewSession() { run_.reset(); }
 
 bool ViewSession::turn() {
   server_->run_for(16ms);
+  take_opened();
+  if (!run_) return true;
   take_ticks();
-  take_reopened();
   if (setting_.watch) look_at_files();
   if (!run_->loop().wait_for(0ns)) return true;
   if (!replay_) return false;
@@ -111,14 +105,20 @@ void ViewSession::look_at_files() {
 }
 
 void ViewSession::end() {
-  stop_loop();
+  if (run_) stop_loop();
   end_recording();
-  run_->loop().join();
+  if (run_) run_->loop().join();
 }
 
 HapticDevice& ViewSession::device() {
   if (replay_) return *replay_;
   return setting_.device ? *setting_.device : *hand_;
+}
+
+void ViewSession::begin_hand(const ViewScene& scene) {
+  if (setting_.device) return;
+  hand_ =
+      std::make_unique<PointerHand>(start_of(scene.objects), scene.hand, fastest_on(scene.objects));
 }
 
 // Begins a loop of its own, whose ticks are counted from 0.
@@ -137,8 +137,8 @@ void ViewSession::stop_loop() {
   run_->loop().wait();
   take_ticks();
   if (!recording_) return;
-  recording_->add_histogram("wake_lateness", loop().loop().record().lateness());
-  recording_->add_histogram("compute", loop().loop().record().compute());
+  recording_->add_histogram("wake_lateness", loop()->loop().record().lateness());
+  recording_->add_histogram("compute", loop()->loop().record().compute());
 }
 
 SharedPayload ViewSession::hello() const {
@@ -167,7 +167,9 @@ SharedPayload ViewSession::hello() const {
 }
 
 std::vector<SharedPayload> ViewSession::greet(bool steers) const {
-  std::vector<SharedPayload> all{hello(), state(), text_of({{"steers", steers}})};
+  const SharedPayload steering = text_of({{"steers", steers}});
+  if (!run_) return {text_of({{"opens", setting_.title}}), steering};
+  std::vector<SharedPayload> all{hello(), state(), steering};
   all.insert(all.end(), scenery_.begin(), scenery_.end());
   return all;
 }
@@ -294,22 +296,28 @@ void ViewSession::reopen(const BuildChoice& build) {
   if (opened_.valid()) return;
   opening_ = build;
   opened_ = std::async(std::launch::async, [this, build] { return open(setting_, build); });
-  send_state();
+  if (run_) send_state();
 }
 
-void ViewSession::take_reopened() {
+void ViewSession::take_opened() {
   if (!opened_.valid() || opened_.wait_for(0ns) != std::future_status::ready) return;
   trouble_.clear();
   try {
     auto [scene, scenery] = opened_.get();
-    stop_loop();
-    end_recording();
+    if (run_) {
+      stop_loop();
+      end_recording();
+    } else {
+      begin_hand(scene);
+      if (!setting_.recording.empty()) begin_recording(setting_.recording);
+    }
     scenery_ = std::move(scenery);
     build_ = opening_;
     files_.watch(scene.files);
     begin(std::move(scene));
     send_all();
   } catch (const std::exception& error) {
+    if (!run_) throw;
     trouble_ = error.what();
     send_state();
   }

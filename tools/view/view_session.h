@@ -21,7 +21,8 @@ namespace gliss::tools {
 using BuildChoice = std::optional<BuildMessage>;
 
 struct ViewSetting {
-  // Opens what is viewed; after the first time in another thread. What it throws is told.
+  // Opens what is viewed, in another thread. What it throws ends the session the first time, and is
+  // told later on.
   std::function<ViewScene(const BuildChoice& build)> open;
   // Returns the command that shows the same, without its tuning.
   std::function<std::string(const BuildChoice& build)> command;
@@ -42,18 +43,20 @@ struct ViewSetting {
 // A sitting. All of it is one thread's but the loop, and what opens files again.
 class ViewSession {
  public:
-  // Opens, listens, and begins the loop. Throws as `open`, LoopError, std::invalid_argument, and as
+  // Listens, and begins to open: pages that come meanwhile wait. Throws LoopError and as
   // RecordingFile.
   explicit ViewSession(ViewSetting setting);
   ~ViewSession();
 
   const std::string& url() const { return url_; }
-  // Serves for a sixtieth of a second. False once the loop has ended.
+  // Serves for a sixtieth of a second, and begins the loop once the scene is open. False once the
+  // loop has ended. Throws as `open`, LoopError, std::invalid_argument.
   bool turn();
   // Ends the loop, and closes a recording.
   void end();
 
-  const LoopSession& loop() const { return run_->loop(); }
+  // Null before the scene is open.
+  const LoopSession* loop() const { return run_ ? &run_->loop() : nullptr; }
   const ViewServer::Counts& counts() const { return server_->counts(); }
   std::uint64_t touched() const { return touched_; }                      // ticks in contact
   const std::vector<std::string>& recorded() const { return recorded_; }  // files
@@ -81,12 +84,13 @@ class ViewSession {
   SharedPayload state() const;
   std::string command() const;
   HapticDevice& device();
+  void begin_hand(const ViewScene& scene);
   void begin(ViewScene scene);
   void stop_loop();
   void begin_replay(const std::string& path);
   void end_replay();
   void reopen(const BuildChoice& build);
-  void take_reopened();
+  void take_opened();
   void look_at_files();
   static Opened open(const ViewSetting& setting, const BuildChoice& build);
   void begin_recording(const std::string& path);
@@ -98,7 +102,7 @@ class ViewSession {
   ViewSetting setting_;
   BuildChoice build_;  // of what is shown
   std::optional<TuneMessage> tuned_;
-  std::unique_ptr<PointerHand> hand_;     // null where there is a device
+  std::unique_ptr<PointerHand> hand_;     // null where there is a device, or no scene yet
   std::unique_ptr<HapticDevice> replay_;  // null where none is under way
   std::unique_ptr<ViewRun> run_;
   std::vector<SharedPayload> scenery_;  // as every page gets it

@@ -114,7 +114,7 @@ void serve(ViewSession& session, bool quiet) {
   if (!quiet)
     tell("open it in a browser of this machine; from elsewhere: ssh -L PORT:127.0.0.1:PORT\n");
   for (bool told = quiet; session.turn() && !interrupted();) {
-    const auto grants = told ? std::nullopt : session.loop().grants();
+    const auto grants = told || !session.loop() ? std::nullopt : session.loop()->grants();
     if (!grants) continue;
     for (const std::string& line : grants->refusals) tell(fmt::format("gliss: {}\n", line));
     told = true;
@@ -123,7 +123,8 @@ void serve(ViewSession& session, bool quiet) {
 }
 
 void report_end(const ViewingOptions& options, const ViewSession& session) {
-  const TickRecord& record = session.loop().loop().record();
+  if (!session.loop()) return;
+  const TickRecord& record = session.loop()->loop().record();
   const ViewServer::Counts& counts = session.counts();
   std::string text = fmt::format(
       "{} ticks, {} missed, {} in contact; {} pages, {} refused, {} closed, {} frames lost\n",

@@ -36,7 +36,7 @@ function readout() {
 const tuning = new Tuning(message => page.link.send(message), () => page.hello?.max_stiffness ?? 2000);
 const press = slider('Press', {to: share => page.hand.least * (page.hand.most / page.hand.least) ** share, from: m => Math.log(m / page.hand.least) / Math.log(page.hand.most / page.hand.least),
   text: m => `${number(1e3 * m)} mm`, change: m => pressTo(m)});
-const cut = slider('Cut', {to: share => share, from: share => share, text: share => share < 1 ? `${Math.round(100 * share)} %` : 'none', change: share => page.stage?.cutAt(page.cutAxis ?? 0, share)});
+const cut = slider('Cut', {to: share => share, from: share => share, text: share => share < 1 ? `${Math.round(100 * share)} %` : 'none', change: share => page.stage.cutAt(page.cutAxis ?? 0, share)});
 
 const pauseButton = button('Pause', 'Hold the plots (P)', () => {
   page.plots.paused = !page.plots.paused;
@@ -53,14 +53,14 @@ const copyButton = button('Copy command', 'The command that shows the same (C)',
 const touchButton = button('Touch', 'Press in where the pointer is, and lift again (space)', () => hold(!page.hand?.held));
 const soundChoice = select('Sound of steps', [['', 'off'], ...methods.map((method, m) => [String(m), methodTitle(method)])], '',
     value => page.sound.choose(value === '' ? null : Number(value)));
-const cutAxis = select('across', [['0', 'x'], ['1', 'y'], ['2', 'z']], '0', value => (page.cutAxis = Number(value), page.stage?.cutAt(page.cutAxis, cut.input.value / 1000)));
-const showChoice = select('Show', [['both', 'surface and edges'], ['surface', 'surface'], ['polygons', 'polygons'], ['edges', 'edges']], 'both', value => page.stage?.show(value));
+const cutAxis = select('across', [['0', 'x'], ['1', 'y'], ['2', 'z']], '0', value => (page.cutAxis = Number(value), page.stage.cutAt(page.cutAxis, cut.input.value / 1000)));
+const showChoice = select('Show', [['both', 'surface and edges'], ['surface', 'surface'], ['polygons', 'polygons'], ['edges', 'edges']], 'both', value => page.stage.show(value));
 const objectBoxes = el('span.methods');
 const legend = el('p.legend');
 const note = el('p.notice', {role: 'status'});
 
 function paint(by) {
-  const most = page.stage?.paint(by, page.hand.press);
+  const most = page.stage.paint(by, page.hand?.press);
   if (by === 'kind') legend.replaceChildren(...kinds.map(([name, text]) => {
     const mark = el('span.swatch');
     mark.style.background = text;
@@ -165,7 +165,7 @@ addEventListener('keydown', event => {
 addEventListener('blur', () => hold(false));
 
 function greet(hello) {
-  const first = !page.stage;
+  const first = !page.hello;
   page.hello = hello;
   document.title = `${hello.title} – Gliss view`;
   title.textContent = hello.title;
@@ -177,7 +177,7 @@ function greet(hello) {
     page.stage.keep(hello.objects.length);
     return objectBoxes.replaceChildren(...boxes(hello.objects));
   }
-  page.stage = new Stage(canvas, new Box3(new Vector3(...hello.min), new Vector3(...hello.max)));
+  page.stage.frame(new Box3(new Vector3(...hello.min), new Vector3(...hello.max)));
   const {size} = page.stage, rest = hello.max.map((x, i) => x + 0.1 * (x - hello.min[i]));
   page.hand = new Hand(page.stage, rest, Math.min(0.0053, 0.05 * size));
   objectBoxes.replaceChildren(...boxes(hello.objects));
@@ -213,7 +213,7 @@ const whose = () => page.state?.replaying ? '; a recording moves the hand' : pag
 function showStatus() {
   const {link} = page;
   document.body.dataset.steers = String(Boolean(link?.steers));
-  status.textContent = !page.connected ? 'The server is gone; trying again' : link.steers ? `The loop ${guards[page.guard] ?? 'waits'}${whose()}` : 'Another page steers; this one watches';
+  status.textContent = !page.connected ? 'The server is gone; trying again' : !page.hello ? `Opens ${page.opens}` : link.steers ? `The loop ${guards[page.guard] ?? 'waits'}${whose()}` : 'Another page steers; this one watches';
 }
 
 function showFrame(frame) {
@@ -225,7 +225,7 @@ function showFrame(frame) {
   if (page.hand) page.hand.isSafe = tick.guard === 4;
   const method = methods.indexOf(page.state.method);
   page.pad?.feel(steps.reduce((most, own) => Math.max(most, own[method]), 0));
-  page.stage?.place(tick, method, methodColor(page.state.method));
+  page.stage.place(tick, method, methodColor(page.state.method));
   if (page.guard !== tick.guard) (page.guard = tick.guard, showStatus());
 }
 
@@ -254,11 +254,17 @@ function start() {
               el('.controls', {},
                   showChoice,
                   select('Colour', [['clay', 'one'], ['kind', 'by kind of patch'], ['height', 'by departure from the polygons'], ['curvature', 'by curvature against the press']], 'clay', paint),
-                  cut.element, cutAxis, button('Reset view', 'All of the objects (0)', () => page.stage?.orbit.reset()), objectBoxes),
+                  cut.element, cutAxis, button('Reset view', 'All of the objects (0)', () => page.stage.orbit?.reset()), objectBoxes),
               legend,
               el('.controls', {}, recordButton, replayButton, saveButton, copyButton, shotButton, soundChoice), note,
               el('p.notice', {}, 'Drag on an object to touch it, the wheel presses deeper; drag beside it to turn, shift-drag to move, the wheel zooms. Keys: space touches, W A S D move the hand, E and Q press more and less, M the next method, P pause, L begin and end a loop, R record, Y replay, V save, G screenshot, C copy; arrows turn.')),
           el('div', {}, readout(), el('.controls', {}, pauseButton, loopButton, page.work.told), page.plots.element)));
+  try {
+    page.stage = new Stage(canvas);
+  } catch (error) {
+    status.textContent = `This browser draws no WebGL: ${error.message}`;
+    return;
+  }
   page.link = new Link({
     open() {
       page.connected = true;
@@ -270,6 +276,7 @@ function start() {
       showStatus();
     },
     text(message) {
+      if (message.opens) page.opens = message.opens;
       if (message.hello) greet(message.hello);
       if (message.state) showState(message.state);
       showStatus();

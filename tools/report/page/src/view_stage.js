@@ -1,7 +1,8 @@
 // The scene of gliss view: surfaces, polygons, the hand and what it touches; and the place under the pointer.
-import {AmbientLight, ArrowHelper, BufferAttribute, BufferGeometry, Camera, Color, DepthTexture, DirectionalLight, DoubleSide, GLSL3,
-  HalfFloatType, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, MeshLambertMaterial, Plane, PlaneGeometry, Raycaster, Scene,
-  ShaderMaterial, SphereGeometry, Vector2, Vector3, WebGLRenderer, WebGLRenderTarget} from 'three';
+import {AlwaysDepth, AmbientLight, ArrowHelper, Box2, Box3, BufferAttribute, BufferGeometry, Camera, Color, DepthTexture, DirectionalLight,
+  DoubleSide, GLSL3, HalfFloatType, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, MeshLambertMaterial, PerspectiveCamera, Plane,
+  PlaneGeometry, Raycaster, Scene, ShaderMaterial, SphereGeometry, Triangle, Vector2, Vector3, WebGLRenderer, WebGLRenderTarget} from 'three';
+import {MeshBVH} from 'three-mesh-bvh';
 import {ramp} from './cloud.js';
 import {beforeNextPicture} from './dom.js';
 import {keysHint, Orbit} from './orbit.js';
@@ -25,6 +26,7 @@ class Backdrop {
     this.target = new WebGLRenderTarget(1, 1, {type: HalfFloatType, depthTexture: new DepthTexture(1, 1)});
     const material = new ShaderMaterial({
       glslVersion: GLSL3,
+      depthFunc: AlwaysDepth,
       uniforms: {picture: {value: this.target.texture}, depths: {value: this.target.depthTexture}},
       vertexShader: 'out vec2 at; void main() { at = uv; gl_Position = vec4(position.xy, 0.0, 1.0); }',
       fragmentShader: `in vec2 at;
@@ -43,32 +45,42 @@ void main() {
   }
 }
 
+// The materials that all objects share.
+function makeMaterials() {
+  const offset = (factor, units) => ({polygonOffset: true, polygonOffsetFactor: factor, polygonOffsetUnits: units});
+  return {
+    surface: new MeshLambertMaterial({vertexColors: true, side: DoubleSide, ...offset(1, 1)}),
+    polygons: new MeshLambertMaterial({flatShading: true, side: DoubleSide, ...offset(1, 1)}),
+    edges: new LineBasicMaterial({transparent: true, opacity: 0.55}),
+    touched: [0.5, 0.2].map(opacity => new MeshBasicMaterial({side: DoubleSide, transparent: true, opacity, ...offset(-1, -4)})),
+  };
+}
+
 // An object's meshes, and the arrays that are picked in.
 class Shown {
-  constructor(geometry) {
+  constructor(geometry, materials) {
     this.data = geometry;
     const surface = new BufferGeometry();
     surface.setAttribute('position', new BufferAttribute(geometry.position, 3));
     const normals = new Int8Array(geometry.position.length);
     for (let i = 0; i < normals.length; i++) normals[i] = geometry.packed[4 * Math.floor(i / 3) + i % 3];
-    this.normals = normals;
     surface.setAttribute('normal', new BufferAttribute(normals, 3, true));
     this.colors = new BufferAttribute(new Uint8Array(geometry.position.length), 3, true);
     surface.setAttribute('color', this.colors);
     surface.setIndex(new BufferAttribute(geometry.index, 1));
-    this.surface = new Mesh(surface, new MeshLambertMaterial({vertexColors: true, side: DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1}));
+    this.surface = new Mesh(surface, materials.surface);
     const touched = new BufferGeometry();
     for (const name of ['position', 'normal']) touched.setAttribute(name, surface.getAttribute(name));
     touched.setIndex(new BufferAttribute(new Uint32Array(mostMarked), 1));
     touched.setDrawRange(0, 0);
-    this.touched = new Mesh(touched, [0.5, 0.2].map(opacity => new MeshBasicMaterial({side: DoubleSide, transparent: true, opacity, polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -4})));
+    this.touched = new Mesh(touched, materials.touched);
+    this.touchedBox = new Box3();
     const polygons = new BufferGeometry();
     polygons.setAttribute('position', new BufferAttribute(geometry.polygons, 3));
-    polygons.computeVertexNormals();
-    this.polygons = new Mesh(polygons, new MeshLambertMaterial({side: DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1}));
+    this.polygons = new Mesh(polygons, materials.polygons);
     const edges = new BufferGeometry();
     edges.setAttribute('position', new BufferAttribute(geometry.edges, 3));
-    this.edges = new LineSegments(edges, new LineBasicMaterial({transparent: true, opacity: 0.55}));
+    this.edges = new LineSegments(edges, materials.edges);
     // The triangles of a face stand together.
     this.firstOfFace = new Map();
     for (let t = 0; t < geometry.index.length; t += 3) {
@@ -121,46 +133,85 @@ class Shown {
     });
     own.index.needsUpdate = true;
     own.setDrawRange(0, at);
+    this.touchedBox.makeEmpty();
+    for (let i = 0; i < at; i++) this.touchedBox.expandByPoint(new Vector3().fromArray(this.data.position, 3 * list[i]));
+  }
+
+  // Where a ray meets the surface: {point, face: {a, b, c}, distance} each.
+  hits(ray) {
+    this.tree ??= new MeshBVH(this.surface.geometry, {indirect: true});
+    return this.tree.raycast(ray, DoubleSide);
+  }
+
+  // The surface's normal at such a place.
+  normalAt({point, face: {a, b, c}}) {
+    const {position, normal} = this.surface.geometry.attributes, corner = i => new Vector3().fromBufferAttribute(position, i);
+    const weights = Triangle.getBarycoord(point, corner(a), corner(b), corner(c), new Vector3()) ?? new Vector3(1, 0, 0);
+    return Triangle.getInterpolatedAttribute(normal, a, b, c, weights, new Vector3()).normalize();
   }
 
   dispose() {
-    for (const mesh of this.all) (mesh.geometry.dispose(), [mesh.material].flat().forEach(material => material.dispose()));
+    for (const mesh of this.all) mesh.geometry.dispose();
   }
 }
 
+// An object of one triangle that cannot be seen.
+const unseen = () => ({position: new Float32Array(9), packed: new Int8Array(12), height: new Float32Array(3), face: new Uint32Array(3),
+  index: new Uint32Array([0, 1, 2]), edges: new Float32Array(6), polygons: new Float32Array(9), curvature: new Float32Array(1),
+  firstSide: new Uint32Array(1), across: new Uint32Array(0)});
+
 export class Stage {
-  constructor(canvas, box) {
+  constructor(canvas) {
     this.canvas = canvas;
     this.ask = beforeNextPicture(() => this.draw());
-    this.renderer = new WebGLRenderer({canvas, alpha: true});
+    this.renderer = new WebGLRenderer({canvas, alpha: true, preserveDrawingBuffer: true});
     this.renderer.autoClear = false;
+    this.renderer.debug.checkShaderErrors = false;  // it waits for each of them
+    this.materials = makeMaterials();
     // Objects are drawn anew only where the camera or they have changed: the hand moves over large ones as well.
     [this.objects, this.scene, this.backdrop] = [new Scene(), new Scene(), new Backdrop()];
     this.fine = devicePixelRatio < 2 ? 2 : 1;  // scaled down, edges are smooth
-    this.orbit = new Orbit(box, () => this.askAll());
-    this.size = 2 * this.orbit.radius;
     this.light = new DirectionalLight(0xffffff, 2.2);
     this.objects.add(new AmbientLight(0xffffff, 1.1), this.light);
     this.shown = [];
     this.hidden = new Set();
     this.view = 'both';
     this.by = 'clay';
-    const ball = radius => new SphereGeometry(radius * this.size, 20, 14);
-    this.hip = new Mesh(ball(0.011), new MeshBasicMaterial());
-    this.scp = new Mesh(ball(0.008), new MeshBasicMaterial());
+    const ball = () => new Mesh(new SphereGeometry(1, 20, 14), new MeshBasicMaterial());
+    [this.hip, this.scp] = [ball(), ball()];
     this.arrow = new ArrowHelper(new Vector3(0, 0, 1), new Vector3(), 1);
-    this.hip.visible = this.scp.visible = this.arrow.visible = false;
     this.scene.add(this.hip, this.scp, this.arrow);
+    this.hip.visible = this.scp.visible = this.arrow.visible = false;
     this.raycaster = new Raycaster();
     this.cuts = [];
     this.cut = new Plane(new Vector3(0, 0, -1), Infinity);
     canvas.setAttribute('aria-label', `The objects, and the hand on them. ${keysHint}`);
+    this.prepare();
     onTheme(() => this.recolor());
     new ResizeObserver(() => this.askAll()).observe(canvas);
   }
 
+  // Has the first picture's programs made, by drawing what cannot be seen: in software that takes longer than to read a mesh.
+  prepare() {
+    const nothing = new Shown(unseen(), this.materials), camera = new PerspectiveCamera();
+    this.objects.add(nothing.surface);
+    this.renderer.setRenderTarget(this.backdrop.target);
+    this.renderer.render(this.objects, camera);
+    this.renderer.setRenderTarget(null);
+    this.renderer.render(this.backdrop.scene, this.backdrop.camera);
+    this.remove(nothing);
+  }
+
+  // All that is shown lies in this box.
+  frame(box) {
+    this.orbit = new Orbit(box, () => this.askAll());
+    this.size = 2 * this.orbit.radius;
+    this.hip.scale.setScalar(0.011 * this.size);
+    this.scp.scale.setScalar(0.008 * this.size);
+  }
+
   add(geometry) {
-    const shown = new Shown(geometry), old = this.shown[geometry.object];
+    const shown = new Shown(geometry, this.materials), old = this.shown[geometry.object];
     if (old) this.remove(old);
     this.shown[geometry.object] = shown;
     this.objects.add(...shown.still);
@@ -211,17 +262,17 @@ export class Stage {
   }
 
   recolor() {
-    for (const shown of this.shown.filter(Boolean)) {
-      shown.polygons.material.color.setStyle(color('clay'));
-      shown.edges.material.color.setStyle(color('ink'));
-      for (const material of shown.touched.material) material.color.setStyle(color('accent'));
-    }
+    const {polygons, edges, touched} = this.materials;
+    polygons.color.setStyle(color('clay'));
+    edges.color.setStyle(color('ink'));
+    for (const material of touched) material.color.setStyle(color('accent'));
     this.hip.material.color.setStyle(color('accent'));
     this.paint(this.by);
   }
 
   // Hides what is beyond a share of the way along an axis; 1: nothing.
   cutAt(axis, share) {
+    if (!this.orbit) return;
     const {min, max} = this.box;
     const at = min.getComponent(axis) + share * (max.getComponent(axis) - min.getComponent(axis));
     this.cut.normal.set(0, 0, 0).setComponent(axis, -1);
@@ -232,7 +283,12 @@ export class Stage {
 
   // A tick: where the hand is, and the force of the method that it feels.
   place(tick, method, name) {
+    if (!this.orbit) return;
     const felt = tick.felt[method], touching = felt.contact > 0;
+    const state = [...[...tick.hip, ...felt.scp].map(x => Math.round(1e4 * x / this.size)), ...[...felt.force].map(f => Math.round(1e3 * f)),
+      felt.contact, felt.object, felt.face, name].join();
+    if (state === this.placed) return;  // no pixel differs
+    this.placed = state;
     this.hip.visible = true;
     this.hip.position.fromArray(tick.hip);
     this.scp.visible = touching;
@@ -257,7 +313,7 @@ export class Stage {
 
   draw() {
     const {clientWidth, clientHeight} = this.canvas;
-    if (!clientWidth) return;
+    if (!clientWidth || !this.orbit) return;
     const ratio = Math.min(2, devicePixelRatio);
     if (this.canvas.width !== Math.floor(clientWidth * ratio) || this.canvas.height !== Math.floor(clientHeight * ratio)) {
       this.renderer.setPixelRatio(ratio);
@@ -266,12 +322,37 @@ export class Stage {
     const {camera} = this.orbit;
     camera.aspect = clientWidth / clientHeight;
     camera.updateProjectionMatrix();
+    const all = new Box2(new Vector2(), new Vector2(clientWidth, clientHeight)), covered = this.coveredByHand().intersect(all);
+    const changed = this.isOld ? all : covered.clone().union(this.covered);
+    this.covered = covered;
     if (this.isOld) this.drawObjects(camera);
     else this.wasOld = false;
+    if (changed.isEmpty()) return;
+    const {min, max} = changed;
+    this.renderer.setScissor(min.x, min.y, max.x - min.x, max.y - min.y);
+    this.renderer.setScissorTest(true);
     this.renderer.setRenderTarget(null);
     this.renderer.clear();
     this.renderer.render(this.backdrop.scene, this.backdrop.camera);
     this.renderer.render(this.scene, camera);
+    this.renderer.setScissorTest(false);
+  }
+
+  // The part of the canvas, in its pixels from below, that the hand and what it touches are in: all else stays as it is.
+  coveredByHand() {
+    const {camera} = this.orbit, {clientWidth, clientHeight} = this.canvas, place = new Box3(), part = new Box2();
+    for (const ball of [this.hip, this.scp]) if (ball.visible) place.union(new Box3().setFromObject(ball));
+    if (this.arrow.visible) place.union(new Box3().setFromObject(this.arrow));
+    for (const shown of this.shown.filter(Boolean)) if (shown.touched.visible) place.union(shown.touchedBox);
+    if (place.isEmpty()) return part;
+    for (let i = 0; i < 8; i++) {
+      const corner = new Vector3(...[0, 1, 2].map(k => (i >> k & 1 ? place.max : place.min).getComponent(k)));
+      if (corner.clone().applyMatrix4(camera.matrixWorldInverse).z > -camera.near) return part.set(new Vector2(), new Vector2(clientWidth, clientHeight));
+      const {x, y} = corner.project(camera);
+      part.expandByPoint(new Vector2(0.5 * (1 + x) * clientWidth, 0.5 * (1 + y) * clientHeight));
+    }
+    part.expandByScalar(2);
+    return part.set(part.min.floor(), part.max.ceil());
   }
 
   // Without a graphics card a picture takes long: then edges are less smooth.
@@ -298,36 +379,16 @@ export class Stage {
 
   // The foremost place of the surfaces there: {point, normal}; null: there is none.
   pick(x, y) {
-    const {origin: o, direction: d} = this.ray(x, y);
-    let best = Infinity, found = null;
+    const ray = this.ray(x, y);
+    let found = null;
     for (const [object, shown] of this.shown.entries()) {
       if (!shown || this.hidden.has(object)) continue;
-      const p = shown.data.position, index = shown.data.index;
-      for (let t = 0; t < index.length; t += 3) {
-        const a = 3 * index[t], b = 3 * index[t + 1], c = 3 * index[t + 2];
-        const ux = p[b] - p[a], uy = p[b + 1] - p[a + 1], uz = p[b + 2] - p[a + 2];
-        const vx = p[c] - p[a], vy = p[c + 1] - p[a + 1], vz = p[c + 2] - p[a + 2];
-        const hx = d.y * vz - d.z * vy, hy = d.z * vx - d.x * vz, hz = d.x * vy - d.y * vx;
-        const det = ux * hx + uy * hy + uz * hz;
-        if (det === 0) continue;
-        const sx = o.x - p[a], sy = o.y - p[a + 1], sz = o.z - p[a + 2];
-        const u = (sx * hx + sy * hy + sz * hz) / det;
-        if (u < 0 || u > 1) continue;
-        const qx = sy * uz - sz * uy, qy = sz * ux - sx * uz, qz = sx * uy - sy * ux;
-        const v = (d.x * qx + d.y * qy + d.z * qz) / det;
-        if (v < 0 || u + v > 1) continue;
-        const far = (vx * qx + vy * qy + vz * qz) / det;
-        if (far <= 0 || far >= best) continue;
-        const at = o.clone().addScaledVector(d, far);
-        if (this.cuts.some(plane => plane.distanceToPoint(at) < 0)) continue;
-        best = far;
-        found = {shown, point: at, weights: [[a, 1 - u - v], [b, u], [c, v]]};
+      for (const hit of shown.hits(ray)) {
+        if (hit.distance >= (found?.distance ?? Infinity) || this.cuts.some(plane => plane.distanceToPoint(hit.point) < 0)) continue;
+        found = {shown, ...hit};
       }
     }
-    if (!found) return null;
-    const normal = new Vector3();
-    for (const [at, weight] of found.weights) normal.addScaledVector(new Vector3().fromArray(found.shown.normals, at), weight);
-    return {point: found.point, normal: normal.normalize()};
+    return found && {point: found.point, normal: found.shown.normalAt(found)};
   }
 
   get box() { return this.orbit.box; }
