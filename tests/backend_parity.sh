@@ -7,7 +7,7 @@ gliss=$1
 . "$(dirname "$0")/support/isas.sh"
 . "$(dirname "$0")/support/skip.sh"
 methods=${2:-gregory}
-samples=${3:-3e5}
+samples=${3:-1e5}
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 

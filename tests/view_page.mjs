@@ -28,7 +28,7 @@ async function onTheKnot(page) {
 }
 
 // Presses somewhere on the knot and slides about, until edges were crossed.
-async function slide(page) {
+async function slide(page, seconds) {
   const {x, y, width, height} = await onTheKnot(page);
   // The middle may be a hole of the knot: look for a place to touch, beside it.
   let from = null;
@@ -46,15 +46,15 @@ async function slide(page) {
     }
   }
   assert(from, 'some place can be touched');
-  await slideFrom(page, from);
+  await slideFrom(page, from, seconds);
   return from;
 }
 
-// Slides to and fro, from a place that is touched.
-async function slideFrom(page, from) {
+// Slides to and fro, from a place that is touched: longer than the plots show, so that the way in is forgotten, and by
+// small steps, however busy the machine is.
+async function slideFrom(page, from, seconds = 12) {
   const {x, y} = await onTheKnot(page), [dx, dy] = [x - from[0], y - from[1]];
-  // Longer than the plots show, so that the way in is forgotten, and by small steps, however busy the machine is.
-  const end = Date.now() + 12000;
+  const end = Date.now() + 1000 * seconds;
   for (let turn = 0; Date.now() < end; turn += 0.06) {
     const share = 0.12 * Math.sin(turn);
     await page.mouse.move(from[0] - share * dy, from[1] + share * dx);
@@ -158,7 +158,7 @@ try {
   await other.close();
   await until('it steers', async () => /^The loop/.test(await status(page)));
   await isRunning(page);
-  await slide(page);
+  await slide(page, 3);
   await page.mouse.up();
   await sleep(300);
 
