@@ -371,6 +371,74 @@ TEST(LazyContact, no_speed_tunnels_through_a_plate) {
   gate.shut = false;
 }
 
+// A worker that was sent elsewhere meanwhile has built what the contact is not on.
+TEST(LazyContact, keeps_its_patches_where_a_new_region_lacks_them) {
+  LazyContact lazy(lazy_knot(), {});
+  const std::vector<Vec3> path = way_on_knot(0.1, 2000);
+  Vec3 hip = path[100];
+  ASSERT_TRUE(settle(lazy, hip).touching);
+  const std::uint64_t regions = lazy.worker().regions();
+  while (lazy.worker().regions() == regions) {
+    lazy.post(path.back());
+    std::this_thread::sleep_for(1ms);
+  }
+  for (int i = 0; i < 5; ++i) {
+    const Contact contact = lazy.tick(hip += Vec3(1e-3, 0, 0));
+    EXPECT_TRUE(contact.touching);
+    EXPECT_EQ(contact.flags & kNotBuilt, 0u) << i;
+  }
+}
+
+// Patches stand out of their polygons by no more than the mesh's reach.
+TEST(LazyContact, is_clear_of_patches_not_of_polygons_alone) {
+  LazyContact lazy(lazy_knot(), {});
+  const double reach = lazy_knot()->reach();
+  const auto start = knot().exact->nearest(knot().mesh.positions[0]);
+  const auto above = [&](double height) -> Vec3 { return start.position + height * start.normal; };
+  const double far = lazy.tick(above(5 * reach)).distance;
+  EXPECT_TRUE(lazy.is_clear(above(5 * reach - 0.9 * (far - reach))));
+  EXPECT_FALSE(lazy.is_clear(above(5 * reach - far + 0.5 * reach)));
+  // Nor of anything where it may be met.
+  const Contact near = lazy.tick(above(0.5 * reach));
+  EXPECT_FALSE(near.touching);
+  EXPECT_FALSE(lazy.is_clear(above(0.5 * reach)));
+}
+
+TEST(LazyContact, stands_in_with_shaded_polygons) {
+  Gate gate;
+  gate.shut = true;
+  const auto mesh = lazy_knot();
+  LazyContact lazy(mesh, {}, gate.options());
+  QueryOptions shaded;
+  shaded.method = Method::kShaded;
+  ContactTracker polygons(mesh->base(), shaded);
+  for (const Vec3& hip : way_on_knot(0.1, 200)) {
+    const Contact got = lazy.tick(hip), want = polygons.tick(hip);
+    ASSERT_EQ(got.touching, want.touching);
+    if (got.touching) ASSERT_EQ(got.push, want.push);
+  }
+  EXPECT_TRUE(lazy.touching());
+  gate.shut = false;
+}
+
+// What it felt of the polygons on one side, before there were patches, is over when it has let go.
+TEST(LazyContact, goes_round_a_plate_that_it_has_touched_by_its_polygons) {
+  Gate gate;
+  gate.shut = true;
+  const auto mesh = std::make_shared<const LazyMesh>(thin_plate(40, 40).mesh);
+  LazyContact lazy(mesh, {}, gate.options());
+  const Box box = mesh->base().bounds();
+  const double rim = box.low.x(), y = 0.5 * (box.low.y() + box.high.y());
+  for (double z = box.high.z() + 1; z > box.high.z() - 0.1; z -= 0.1) lazy.tick({rim + 3, y, z});
+  ASSERT_TRUE(lazy.touching());
+  gate.shut = false;
+  ASSERT_TRUE(settle(lazy, {rim + 3, y, box.high.z() - 0.1}).touching);
+  gate.shut = true;
+  ASSERT_FALSE(lazy.tick({rim - 1, y, 0.5 * (box.low.z() + box.high.z())}).touching);
+  EXPECT_FALSE(lazy.tick({rim + 2, y + 10, box.low.z() - 1}).touching);
+  gate.shut = false;
+}
+
 TEST(LazyContact, builds_nothing_far_from_a_surface_and_little_near_it) {
   LazyContact lazy(lazy_knot(), {});
   for (int i = 0; i < 50; ++i) {

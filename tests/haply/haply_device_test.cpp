@@ -312,8 +312,19 @@ TEST(HaplyDevice, a_service_that_lost_a_message_is_asked_again) {
     return number == 20 || number == 40 ? HaplyReply{"", HaplyReply::kStaySilent} : well(number);
   });
   HaplyDevice device(options(mock));
-  EXPECT_TRUE(eventually([&] { return read(device).sequence > 60; }));
+  // At the service's own rate again, not one state every kAskAgain.
+  EXPECT_TRUE(eventually([&] { return read(device).sequence > 300; }));
   EXPECT_FALSE(read(device).fault);
+}
+
+TEST(HaplyDevice, a_force_of_a_clock_that_is_ahead_is_zero) {
+  HaplyMock mock(well);
+  HaplyDevice device(options(mock));
+  ASSERT_TRUE(eventually([&] {
+    device.write(Vec3(0, 0, 1), monotonic_time() + 1s);
+    return mock.commands().size() > 50;
+  }));
+  for (const HaplyCommand& command : mock.commands()) ASSERT_EQ(command.force, Vec3(0, 0, 0));
 }
 
 TEST(HaplyDevice, a_force_that_is_not_finite_is_zero) {
