@@ -1,12 +1,13 @@
-// Records docs/view.webp, the moving picture of gliss view: a hand slides over the knot. usage: node
-// record_view.mjs GLISS PACKAGES OUT.webp; PACKAGES: build/report. It needs Chromium.
+// Records the pictures of gliss view for docs/: view.webp, which moves, a hand that slides over the knot; and
+// view-*.webp, what the page can show of it. usage: node record_view.mjs GLISS PACKAGES DOCS; PACKAGES:
+// build/report. It needs Chromium.
 import {execFileSync} from 'node:child_process';
 import {mkdtempSync, rmSync, writeFileSync} from 'node:fs';
 import {tmpdir} from 'node:os';
 import {join, resolve} from 'node:path';
-import {cell, interrupt, launch, number, open, serve, sleep} from '../../tests/support/view_browser.mjs';
+import {cell, choose, interrupt, launch, number, open, serve, sleep} from '../../tests/support/view_browser.mjs';
 
-const [gliss, packages, out] = process.argv.slice(2).map(path => resolve(path));
+const [gliss, packages, docs] = process.argv.slice(2).map(path => resolve(path));
 const size = {width: 1080, height: 620}, scale = 0.75, frames = 64, every = 120;  // pixels of the page; ms
 
 // A chunk of a RIFF file: its name, its length, its bytes to an even end.
@@ -53,12 +54,8 @@ async function findPlace(page) {
   throw new Error('the hand feels nothing');
 }
 
-const folder = mkdtempSync(join(tmpdir(), 'gliss-view-'));
-execFileSync(gliss, ['generate', 'knot', '-o', 'knot.obj', '--quiet'], {cwd: folder});
-const browser = await launch(packages);
-const server = await serve(gliss, folder, 'knot.obj', '--unit', 'mm', '--settle', '0');
-try {
-  const {page} = await open(browser, server.url, 'light', size.width);
+// The page while a hand slides over the knot.
+async function recordSlide(page) {
   await page.setViewport({...size, deviceScaleFactor: scale});
   await page.focus('.stage');
   for (let i = 0; i < 2; i++) await page.keyboard.press('+');
@@ -71,11 +68,50 @@ try {
     pictures.push(Buffer.from(await page.screenshot({type: 'webp', quality: 55, clip: {x: 0, y: 0, ...size}})));
     await sleep(Math.max(0, due - performance.now()));
   }
-  const file = animation(pictures, size.width * scale, size.height * scale, every);
-  writeFileSync(out, file);
-  console.log(`${out}: ${(file.length / 1e6).toFixed(2)} MB`);
+  return animation(pictures, size.width * scale, size.height * scale, every);
+}
+
+// What the stage shows by each of these choices, touched where the hand feels something.
+const views = {
+  edges: [['Show', 'both']],
+  polygons: [['Show', 'polygons']],
+  departure: [['Show', 'surface'], ['Colour', 'height']],
+  cut: [['Show', 'both'], ['Colour', 'clay'], ['across', '2'], ['Cut', 500]],
+};
+async function takeViews(page) {
+  await page.setViewport({width: 480, height: 620});
+  await sleep(500);
+  await findPlace(page);
+  const pictures = {};
+  for (const [name, choices] of Object.entries(views)) {
+    for (const choice of choices) await choose(page, ...choice);
+    await sleep(800);
+    pictures[name] = Buffer.from(await (await page.$('.stage')).screenshot({type: 'webp', quality: 70}));
+  }
+  return pictures;
+}
+
+function write(name, bytes) {
+  writeFileSync(join(docs, name), bytes);
+  console.log(`${name}: ${(bytes.length / 1e3).toFixed(0)} kB`);
+}
+
+const folder = mkdtempSync(join(tmpdir(), 'gliss-view-'));
+const browser = await launch(packages);
+// Calls `act` with a page of a knot of so many polygons.
+async function onKnot(words, act) {
+  execFileSync(gliss, ['generate', 'knot', '-o', 'knot.obj', '--quiet', ...words], {cwd: folder});
+  const server = await serve(gliss, folder, 'knot.obj', '--unit', 'mm', '--settle', '0');
+  try {
+    return await act((await open(browser, server.url, 'light', size.width)).page);
+  } finally {
+    await interrupt(server);
+  }
+}
+try {
+  for (const [name, bytes] of Object.entries(await onKnot(['--along', '36', '--around', '5'], takeViews))) write(`view-${name}.webp`, bytes);
+  write('view.webp', await onKnot([], recordSlide));
 } finally {
   await browser.close();
-  await interrupt(server);
   rmSync(folder, {recursive: true});
 }
