@@ -49,7 +49,8 @@ add_tool_room(tools/cli/parts USES words)
 add_tool_room(tools/report USES words)
 add_tool_room(tools/view LINKS Boost::headers)
 if(GLISS_SANITIZE)  # headers alone, as runtime/haply
-  set_source_files_properties(tools/view/view_server.cpp tools/view/view_protocol.cpp PROPERTIES COMPILE_OPTIONS -O0)
+  set_source_files_properties(tools/view/view_server.cpp tools/view/view_protocol.cpp PROPERTIES
+    COMPILE_OPTIONS -O0 SKIP_PRECOMPILE_HEADERS ON)
 endif()
 add_tool_room(tools/cli/commands USES parts report view LINKS gliss_toml)
 

@@ -89,6 +89,27 @@ TEST(Walk, starts_again_where_it_leaves_an_open_surface) {
   EXPECT_EQ(ticks, 4 * 20000u);
 }
 
+// There the guide is held by the side that the HIP came from, ever deeper.
+TEST(Walk, ends_where_it_has_gone_through_a_thin_part) {
+  const Mesh mesh = test::with_normals(thin_plate().mesh);
+  const PatchCache base = build_base(mesh, build_topology(mesh), Precision::kDouble);
+  WalkOptions options = options_of(mesh, 20, 2500);
+  options.step = 0.1;
+  const std::vector<Walk> walks = walks_on(mesh, options);
+  std::size_t ended = 0;
+  for (const Walk& walk : walks) {
+    ContactTracker guide(base, {{}, Method::kShaded, QueryOptions{}.budget, 0});
+    double deepest = 0;
+    for (std::size_t i = 0; i < walk.hips.size(); ++i) {
+      EXPECT_LT(deepest, 3 * options.depth);
+      deepest = -guide.tick(walk.hips[i]).distance;
+    }
+    ended += deepest >= 3 * options.depth;
+  }
+  test::record("through", "{} of {} walks", ended, walks.size());
+  EXPECT_GT(ended, 0u);
+}
+
 TEST(Walk, tells_smooth_surfaces_from_those_that_jump) {
   const Mesh mesh = test::with_normals(torus_knot().mesh);
   const std::vector<Walk> walks = walks_on(mesh, options_of(mesh, 20, 2500));
@@ -115,15 +136,37 @@ TEST(Walk, tells_where_it_jumps) {
   };
   const QueryOptions flat = test::leaping(Method::kFlat);
   std::vector<WalkJump> jumps, shared;
-  const ForceStatistics felt = feel_walks(cache, flat, walks, depth, serial_for, &jumps);
+  const FeltWalks felt = feel_walks(cache, flat, walks, depth, serial_for, &jumps);
   feel_walks(cache, flat, walks, depth, parallel, &shared);
   ASSERT_GT(jumps.size(), 5u);
   EXPECT_EQ(jumps.size(), felt.jumps());
   EXPECT_EQ(felt.jumps(), feel_walks(cache, flat, walks, depth).jumps());
   ASSERT_EQ(shared.size(), jumps.size());
+  std::vector<Vec3> places;  // that contacts leave, or find
+  std::uint64_t beyond = 0;
+  double farthest = 0;
+  for (const Walk& walk : walks) {
+    ContactTracker tracker(cache, flat);
+    Contact before;
+    for (std::size_t tick = 0; tick < walk.hips.size(); ++tick) {
+      const Contact contact = tracker.tick(walk.hips[tick]);
+      if (tick >= Walk::kEntry && (contact.touching || before.touching)) {
+        const double step = (contact.push - before.push).norm();
+        const double excess = step - 2 * (walk.hips[tick] - walk.hips[tick - 1]).norm();
+        beyond += excess > 0;
+        farthest = std::max(farthest, excess);
+        if (step > 0.2 * depth) places.push_back(before.touching ? before.scp : contact.scp);
+      }
+      before = contact;
+    }
+  }
+  ASSERT_EQ(places.size(), jumps.size());
+  EXPECT_EQ(felt.steps_beyond_2dx, beyond);
+  EXPECT_EQ(felt.largest_beyond_2dx, farthest);
   std::size_t lost = 0;
   double largest = 0;
   for (std::size_t i = 0; i < jumps.size(); ++i) {
+    EXPECT_EQ(jumps[i].scp, places[i]);
     EXPECT_GT(jumps[i].step, ForceStatistics::kJump);
     EXPECT_LE(std::abs(nearest(cache, jumps[i].scp, flat).distance), 1e-9);
     ASSERT_LT(jumps[i].face, mesh.face_count());
