@@ -254,6 +254,19 @@ TEST_F(Compare, measures_distances_where_parts_overlap) {
   EXPECT_LT(rows[1]["max_distance"], 1e-5);
 }
 
+// A thin fin makes the nearest point leap: with another --settle the reference would feel
+// otherwise.
+TEST_F(Compare, the_reference_has_no_error_from_itself) {
+  save_obj(fin().mesh, folder_ / "torus.obj");
+  for (const char* settle : {"0", "20ms"}) {
+    const Json row =
+        json_of({"--settle", settle, "--depth", "1.5mm", "--levels", "fair", "--precisions",
+                 "double", "--walks", "0", "--dense-limit", "0"})["rows"][0];
+    EXPECT_EQ(row["max_force_error"], 0) << settle;
+    EXPECT_EQ(row["max_force_step"] > 1, settle == std::string("0"));
+  }
+}
+
 TEST_F(Compare, recommends_what_the_budget_allows) {
   const std::vector<std::string> words = {"--dense-limit", "0",        "--precisions",
                                           "double",        "--levels", "exact,fair,shaded,flat"};
