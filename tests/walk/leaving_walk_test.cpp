@@ -176,6 +176,38 @@ TEST(HeldOutside, counts_no_solid_that_holds_the_finger_pressed_through_it) {
   expect_held_justly(two, test::leaping(), {-1, 13, 0.3}, {13, -1.1, 0.4});
 }
 
+// A hand out of the object that is told again and again to feel this place, as from `near`.
+HeldContacts held_at(const PatchCache& cache, const Vec3& near, const Vec3& hip,
+                     std::uint32_t flags) {
+  HeldOutsideCounter counter(cache, test::leaping());
+  Contact contact = nearest(cache, near, test::leaping());
+  contact.touching = true;
+  contact.push = contact.scp - hip;
+  contact.flags = flags;
+  for (int i = 0; i < 60; ++i) counter.add(hip, contact, contact);
+  return counter.count();
+}
+
+// Of two plates it is beyond both: the far side of both holds it, and the near side of the other
+// pulls.
+TEST(HeldOutside, counts_what_pulls_through_another_part) {
+  const Mesh plate = test::with_normals(thin_plate().mesh);
+  const PatchCache cache = test::cache_of(test::joined({plate, test::moved(plate, {0, 0, 3})}));
+  const Vec3 hip(0.2, 0.1, 5);
+  EXPECT_EQ(held_at(cache, {0.2, 0.1, -1}, hip, kConverged).held, 0u);
+  EXPECT_EQ(held_at(cache, {0.2, 0.1, 1}, hip, kConverged).held, 1u);
+}
+
+// On an edge of a box whose other places are nearer, no valley holds it.
+TEST(HeldOutside, counts_an_edge_that_leads_on) {
+  const PatchCache cache = test::cache_of(test::with_creases(gliss::cube(3, 10).mesh));
+  const Box box = cache.bounds();
+  const Vec3 middle = 0.5 * (box.low + box.high);
+  const Vec3 below(middle.x(), middle.y(), box.low.z() - 1);
+  const Vec3 edge(box.low.x() - 1, box.low.y() + 1, box.high.z() + 1);
+  EXPECT_EQ(held_at(cache, edge, below, kConverged | kOnCrease).held, 1u);
+}
+
 // A surface that hands leave.
 struct Left {
   std::string name;
