@@ -214,6 +214,7 @@ export class Stage {
     const shown = new Shown(geometry, this.materials), old = this.shown[geometry.object];
     if (old) this.remove(old);
     this.shown[geometry.object] = shown;
+    this.placed = null;  // its face is to be marked anew
     this.objects.add(...shown.still);
     this.scene.add(shown.touched);
     this.recolor();
