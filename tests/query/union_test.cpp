@@ -535,6 +535,21 @@ TEST(Union, of_boxes_that_touch_has_no_surface_between_them) {
   }
 }
 
+// Files have a part twice now and then: of two surfaces in one place neither buries the other.
+TEST(Union, of_a_part_and_its_copy_is_the_part) {
+  for (const Mesh& mesh : {sphere().mesh, test::cube()}) {
+    const auto cache_of = [](const Mesh& of) { return test::cache_of(test::with_creases(of)); };
+    const PatchCache one = cache_of(mesh), two = cache_of(test::joined({mesh, mesh}));
+    for (const Vec3& hip : hips_near(one, 0.2 * size_of(one), 300, 8)) {
+      const Contact want = nearest(one, hip), got = nearest(two, hip);
+      EXPECT_EQ(got.touching, want.touching);
+      EXPECT_NEAR(got.distance, want.distance, 1e-12 * kRadius);
+      EXPECT_NEAR((got.push - want.push).norm(), 0, 1e-7 * kRadius);
+      EXPECT_TRUE(got.flags & kConverged);
+    }
+  }
+}
+
 TEST(Union, costs_nothing_where_parts_do_not_meet) {
   const auto part_arrays = [](const PatchCache& cache) {
     const auto& s = std::get<Surface<double>>(cache.surface);

@@ -196,6 +196,12 @@ TEST(HeldOutside, counts_what_pulls_through_another_part) {
   const Vec3 hip(0.2, 0.1, 5);
   EXPECT_EQ(held_at(cache, {0.2, 0.1, -1}, hip, kConverged).held, 0u);
   EXPECT_EQ(held_at(cache, {0.2, 0.1, 1}, hip, kConverged).held, 1u);
+  // From beyond the edge of the one, as seen through the other.
+  const Mesh aside = test::moved(plate, {8, 0, 3});
+  const PatchCache edged = test::cache_of(test::with_creases(test::joined({plate, aside})));
+  const HeldContacts pulled =
+      held_at(edged, {15.5, 0.1, 0.75}, {19.2, 0.1, 4.45}, kConverged | kOnCrease);
+  EXPECT_EQ(pulled.held, 1u);
 }
 
 // On an edge of a box whose other places are nearer, no valley holds it.
