@@ -50,8 +50,8 @@ async function slide(page, seconds) {
   return from;
 }
 
-// Slides to and fro, from a place that is touched: longer than the plots show, so that the way in is forgotten, and by
-// small steps, however busy the machine is.
+// Slides to and fro, from a place that is touched, by small steps, however busy the machine is. Twelve seconds are longer
+// than the plots show, so that the way in is forgotten.
 async function slideFrom(page, from, seconds = 12) {
   const {x, y} = await onTheKnot(page), [dx, dy] = [x - from[0], y - from[1]];
   const end = Date.now() + 1000 * seconds;

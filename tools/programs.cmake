@@ -48,10 +48,6 @@ add_tool_room(tools/cli/words USES terminal LINKS CLI11::CLI11)
 add_tool_room(tools/cli/parts USES words)
 add_tool_room(tools/report USES words)
 add_tool_room(tools/view LINKS Boost::headers)
-if(GLISS_SANITIZE)  # headers alone, as runtime/haply
-  set_source_files_properties(tools/view/view_server.cpp tools/view/view_protocol.cpp PROPERTIES
-    COMPILE_OPTIONS -O0 SKIP_PRECOMPILE_HEADERS ON)
-endif()
 add_tool_room(tools/cli/commands USES parts report view LINKS gliss_toml)
 
 # What all programs are made of. Objects of others are linked only where they are named, so all are.

@@ -8,8 +8,8 @@
 namespace gliss {
 namespace {
 
-// With gradients of length 2 / sqrt(3), noise is from -1 to 1. kNoiseSlope bounds its slope, over
-// all gradients of a cell and all places in it.
+// Noise is from -1 to 1, for its gradients have length 2 / sqrt(3). kNoiseSlope bounds its slope,
+// over all gradients of a cell and all places in it.
 constexpr double kNoiseSlope = 3.23;
 
 // From the middle of a cube to the middles of its edges, by three bits of a cell's hash and one

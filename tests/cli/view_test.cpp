@@ -18,11 +18,15 @@ class ViewCommand : public ::testing::Test {
  protected:
   ViewCommand() { save_obj(torus_knot(24, 6).mesh, folder_ / "knot.obj"); }
 
-  test::Outcome run(const std::string& words, const std::string& before = "") const {
-    const std::string command = fmt::format("cd '{}' && {} '{}' view {} >out 2>err </dev/null",
-                                            folder_.path(), before, test::kProgram, words);
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, folder_.read("out"), folder_.read("err")};
+  // With these programs, and the folder for what only its user can read.
+  test::Outcome open_browser(const std::string& programs) const {
+    return test::Process(folder_.path(), test::kProgram,
+                         {"view", "knot.obj", "--unit", "mm", "--open", "--seconds", "1"},
+                         [&] {
+                           return setenv("PATH", programs.c_str(), 1) == 0 &&
+                                  setenv("XDG_RUNTIME_DIR", folder_.path().c_str(), 1) == 0;
+                         })
+        .wait();
   }
 
   const test::ScratchFolder folder_;
@@ -33,9 +37,7 @@ TEST_F(ViewCommand, opens_a_browser_by_a_file_that_its_user_alone_can_read) {
   const std::string browser = folder_.write(
       "xdg-open", "#!/bin/sh\nstat -c %a \"$1\" >mode\ncp \"$1\" door\necho \"$*\" >words\n");
   std::filesystem::permissions(browser, std::filesystem::perms::owner_all);
-  const test::Outcome viewed =
-      run("knot.obj --unit mm --open --seconds 1",
-          fmt::format("PATH='{0}':\"$PATH\" XDG_RUNTIME_DIR='{0}'", folder_.path()));
+  const test::Outcome viewed = open_browser(folder_.path() + ":" + std::getenv("PATH"));
   EXPECT_EQ(viewed.code, 0) << viewed.err;
   const std::string url = viewed.err.substr(0, viewed.err.find('\n'));
   EXPECT_THAT(url, ::testing::StartsWith("http://127.0.0.1:"));
@@ -48,17 +50,19 @@ TEST_F(ViewCommand, opens_a_browser_by_a_file_that_its_user_alone_can_read) {
 }
 
 TEST_F(ViewCommand, says_where_there_is_no_browser) {
-  const test::Outcome viewed =
-      run("knot.obj --unit mm --open --seconds 1", "PATH=/nowhere XDG_RUNTIME_DIR=.");
+  const test::Outcome viewed = open_browser("/nowhere");
   EXPECT_EQ(viewed.code, 4);
   EXPECT_THAT(viewed.err, HasSubstr("--open: there is no xdg-open here (package xdg-utils)"));
-  EXPECT_EQ(folder_.file_count(), 3u);  // the mesh, and what it said
+  EXPECT_EQ(folder_.file_count(), 1u);  // the mesh
 }
 
 // It is read after the page is served.
 TEST_F(ViewCommand, ends_where_a_mesh_cannot_be_shown_and_leaves_no_recording) {
   folder_.write("bad.obj", "v 0 0 0\nv 1 0 0\nv 0 1 nonsense\nf 1 2 3\n");
-  const test::Outcome viewed = run("bad.obj --unit mm --record ticks.h5");
+  const test::Outcome viewed =
+      test::Process(folder_.path(), test::kProgram,
+                    {"view", "bad.obj", "--unit", "mm", "--record", "ticks.h5"})
+          .wait();
   EXPECT_EQ(viewed.code, 2);
   EXPECT_THAT(viewed.err, HasSubstr("bad.obj:3"));
   EXPECT_EQ(viewed.out, "");

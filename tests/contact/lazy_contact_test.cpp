@@ -398,7 +398,7 @@ TEST(LazyContact, is_clear_of_patches_not_of_polygons_alone) {
   const double far = lazy.tick(above(5 * reach)).distance;
   EXPECT_TRUE(lazy.is_clear(above(5 * reach - 0.9 * (far - reach))));
   EXPECT_FALSE(lazy.is_clear(above(5 * reach - far + 0.5 * reach)));
-  // Nor of anything where it may be met.
+  // It is clear of nothing where it may meet a patch.
   const Contact near = lazy.tick(above(0.5 * reach));
   EXPECT_FALSE(near.touching);
   EXPECT_FALSE(lazy.is_clear(above(0.5 * reach)));
@@ -421,7 +421,8 @@ TEST(LazyContact, stands_in_with_shaded_polygons) {
   gate.shut = false;
 }
 
-// What it felt of the polygons on one side, before there were patches, is over when it has let go.
+// The contact with the polygons of one side, before there were patches, is over when the hand has
+// let go.
 TEST(LazyContact, goes_round_a_plate_that_it_has_touched_by_its_polygons) {
   Gate gate;
   gate.shut = true;

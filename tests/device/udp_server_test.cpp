@@ -379,16 +379,23 @@ TEST_F(GuardedServer, engages_no_loop_again_by_itself_after_a_clock_that_stood_s
   EXPECT_EQ(last_, Vec3::Zero());
 }
 
-// Whatever its guard would still let through.
+// A loop is in the open for some ticks and then pushes for some. Returns the time of the last.
+Nanoseconds push_from_the_open(UdpServer& server, Peer& loop, std::uint64_t open, const Vec3& force,
+                               std::uint64_t pushed) {
+  Nanoseconds now = monotonic_time();
+  for (std::uint64_t i = 1; i <= open + pushed; ++i) {
+    loop.force(i <= open ? Vec3::Zero() : force, i, now += 1ms);
+    server.step(now);
+  }
+  return now;
+}
+
+// The watchdog ends a force that the guard would still let through.
 TEST(UdpServer, takes_the_force_away_in_time_with_a_guard_that_is_slower) {
   test::FakeDevice device;
   UdpServer server(device, 0, {.watchdog = 5ms});
   Peer loop(server);
-  Nanoseconds now = monotonic_time();
-  for (std::uint64_t i = 1; i <= 610; ++i) {
-    loop.force(i <= 600 ? Vec3::Zero() : Vec3(2, 0, 0), i, now += 1ms);
-    server.step(now);
-  }
+  const Nanoseconds now = push_from_the_open(server, loop, 600, {2, 0, 0}, 10);
   ASSERT_EQ(device.last, Vec3(2, 0, 0));
   server.step(now + 4ms);
   EXPECT_NE(device.last, Vec3::Zero());
@@ -403,12 +410,8 @@ TEST(UdpServer, lets_a_weak_device_begin_as_gently_as_a_strong_one) {
   } device;
   UdpServer server(device, 0);
   Peer loop(server);
-  Nanoseconds now = monotonic_time();
   const auto half = static_cast<std::uint64_t>(GuardLimits{}.engage_ramp / 2ms);
-  for (std::uint64_t i = 1; i <= half + 5; ++i) {
-    loop.force(i <= half ? Vec3::Zero() : Vec3(1, 0, 0), i, now += 1ms);
-    server.step(now);
-  }
+  push_from_the_open(server, loop, half, {1, 0, 0}, 5);
   EXPECT_GT(device.last.x(), 0.4);
   EXPECT_LT(device.last.x(), 0.6);
 }

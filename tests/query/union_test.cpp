@@ -220,33 +220,23 @@ TEST(Union, of_boxes_is_exact_by_formula) {
 
 // A long box across the x-y plane, turned in it.
 struct Beam {
-  double x, y, half_x, half_y, angle;
+  test::Vec2 middle, half;
+  double angle;
 
-  std::array<double, 2> to_own(const std::array<double, 2>& p) const {
-    const double c = std::cos(angle), s = std::sin(angle), px = p[0] - x, py = p[1] - y;
-    return {c * px + s * py, c * py - s * px};
+  test::Vec2 to_own(const test::Vec2& p) const { return Eigen::Rotation2Dd(-angle) * (p - middle); }
+  test::Vec2 from_own(const test::Vec2& p) const { return middle + Eigen::Rotation2Dd(angle) * p; }
+  std::array<test::Vec2, 4> corners() const {
+    const double x = half.x(), y = half.y();
+    return {from_own({-x, -y}), from_own({x, -y}), from_own({x, y}), from_own({-x, y})};
   }
-  std::array<double, 2> from_own(double px, double py) const {
-    const double c = std::cos(angle), s = std::sin(angle);
-    return {x + c * px - s * py, y + s * px + c * py};
-  }
-  std::array<std::array<double, 2>, 4> corners() const {
-    return {from_own(-half_x, -half_y), from_own(half_x, -half_y), from_own(half_x, half_y),
-            from_own(-half_x, half_y)};
-  }
-  bool holds(const std::array<double, 2>& p) const {
-    const auto own = to_own(p);
-    return std::abs(own[0]) < half_x && std::abs(own[1]) < half_y;
-  }
+  bool holds(const test::Vec2& p) const { return (to_own(p).array().abs() < half.array()).all(); }
   // The share [from, to] of the way from a to b within it; empty where from >= to.
-  std::array<double, 2> within(const std::array<double, 2>& a,
-                               const std::array<double, 2>& b) const {
-    const auto p = to_own(a), q = to_own(b);
+  std::array<double, 2> within(const test::Vec2& a, const test::Vec2& b) const {
+    const test::Vec2 at = to_own(a), way = to_own(b) - at;
     double from = 0, to = 1;
-    for (const auto& [at, by, half] :
-         {std::tuple(p[0], q[0] - p[0], half_x), std::tuple(p[1], q[1] - p[1], half_y)}) {
-      double low = (-half - at) / by, high = (half - at) / by;
-      if (low > high) std::swap(low, high);
+    for (int axis = 0; axis < 2; ++axis) {
+      const auto [low, high] =
+          std::minmax({(-half[axis] - at[axis]) / way[axis], (half[axis] - at[axis]) / way[axis]});
       from = std::max(from, low);
       to = std::min(to, high);
     }
@@ -255,32 +245,30 @@ struct Beam {
   Mesh mesh(double half_length) const {
     Mesh box = test::cube();
     for (Vec3& p : box.positions) {
-      const auto at = from_own(half_x * (2 * p.x() - 1), half_y * (2 * p.y() - 1));
-      p = Vec3(at[0], at[1], half_length * (2 * p.z() - 1));
+      const Vec3 own = 2 * p - Vec3::Ones();
+      p << from_own(half.cwiseProduct(own.head<2>())), half_length * own.z();
     }
     return box;
   }
 };
 
 // From a point to the sides of the beams that are in no other beam.
-double to_outline(const std::vector<Beam>& beams, const std::array<double, 2>& p) {
+double to_outline(const std::vector<Beam>& beams, const test::Vec2& p) {
   double least = std::numeric_limits<double>::infinity();
   for (const Beam& beam : beams) {
     const auto corners = beam.corners();
     for (std::size_t k = 0; k < 4; ++k) {
-      const auto &a = corners[k], &b = corners[(k + 1) % 4];
+      const test::Vec2 a = corners[k], b = corners[(k + 1) % 4];
       std::vector<std::array<double, 2>> hidden;
       for (const Beam& other : beams) {
         if (&other != &beam) hidden.push_back(other.within(a, b));
       }
       std::sort(hidden.begin(), hidden.end());
-      const double bx = b[0] - a[0], by = b[1] - a[1];
-      const double foot = ((p[0] - a[0]) * bx + (p[1] - a[1]) * by) / (bx * bx + by * by);
+      const double foot = (p - a).dot(b - a) / (b - a).squaredNorm();
       double seen = 0;
       const auto add = [&](double from, double to) {
-        if (from >= to) return;
-        const double t = std::clamp(foot, from, to);
-        least = std::min(least, std::hypot(a[0] + t * bx - p[0], a[1] + t * by - p[1]));
+        if (from < to)
+          least = std::min(least, (a + std::clamp(foot, from, to) * (b - a) - p).norm());
       };
       for (const auto& [from, to] : hidden) {
         if (from >= to) continue;
@@ -296,7 +284,8 @@ double to_outline(const std::vector<Beam>& beams, const std::array<double, 2>& p
 // Their planes meet at angles that are neither right nor flat, so that a seam may bound the union
 // without being nearest.
 TEST(Union, of_beams_at_angles_is_exact_by_formula) {
-  const std::vector<Beam> beams = {{0, 0, 4, 2, 0.1}, {1.5, 0.5, 4, 2, 0.7}, {0.5, 1, 4, 2, 1.3}};
+  const std::vector<Beam> beams = {
+      {{0, 0}, {4, 2}, 0.1}, {{1.5, 0.5}, {4, 2}, 0.7}, {{0.5, 1}, {4, 2}, 1.3}};
   std::vector<Mesh> parts;
   for (const Beam& beam : beams) parts.push_back(beam.mesh(50));
   const PatchCache cache = test::cache_of(test::with_creases(test::joined(parts)));
@@ -304,7 +293,7 @@ TEST(Union, of_beams_at_angles_is_exact_by_formula) {
   const int count = static_cast<int>(test::samples(3000, 100'000));
   int inside = 0, wrong = 0, far = 0;
   for (int i = 0; i < count; ++i) {
-    const std::array<double, 2> p = {uniform(rng, -5, 5), uniform(rng, -5, 5)};
+    const test::Vec2 p{uniform(rng, -5, 5), uniform(rng, -5, 5)};
     const bool held =
         std::any_of(beams.begin(), beams.end(), [&](const Beam& beam) { return beam.holds(p); });
     const Contact contact = nearest(cache, Vec3(p[0], p[1], uniform(rng, -1, 1)));

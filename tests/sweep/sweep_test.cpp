@@ -151,7 +151,7 @@ TEST(Sweep, tells_leaps_from_bends_between_samples) {
   EXPECT_LE(edges.leaps, edges.jumps);
 }
 
-// Its samples of one method and depth, as they come: each with its neighbours, found anew.
+// The pairs of neighbours of a sweep, found anew from its samples of one method and depth.
 struct Pairs {
   Histogram step, edge_step;
   std::uint64_t felt = 0, jumps = 0, lost = 0, leaps = 0;

@@ -188,15 +188,15 @@ HeldContacts held_at(const PatchCache& cache, const Vec3& near, const Vec3& hip,
   return counter.count();
 }
 
-// Of two plates it is beyond both: the far side of both holds it, and the near side of the other
-// pulls.
+// The hand is beyond two plates: the far side of the farther one holds it, the near side of the
+// same one pulls.
 TEST(HeldOutside, counts_what_pulls_through_another_part) {
   const Mesh plate = test::with_normals(thin_plate().mesh);
   const PatchCache cache = test::cache_of(test::joined({plate, test::moved(plate, {0, 0, 3})}));
   const Vec3 hip(0.2, 0.1, 5);
   EXPECT_EQ(held_at(cache, {0.2, 0.1, -1}, hip, kConverged).held, 0u);
   EXPECT_EQ(held_at(cache, {0.2, 0.1, 1}, hip, kConverged).held, 1u);
-  // From beyond the edge of the one, as seen through the other.
+  // The edge of the one pulls it through the other.
   const Mesh aside = test::moved(plate, {8, 0, 3});
   const PatchCache edged = test::cache_of(test::with_creases(test::joined({plate, aside})));
   const HeldContacts pulled =

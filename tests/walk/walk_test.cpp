@@ -98,7 +98,7 @@ TEST(Walk, ends_where_it_has_gone_through_a_thin_part) {
   const std::vector<Walk> walks = walks_on(mesh, options);
   std::size_t ended = 0;
   for (const Walk& walk : walks) {
-    ContactTracker guide(base, {{}, Method::kShaded, QueryOptions{}.budget, 0});
+    ContactTracker guide(base, test::leaping(Method::kShaded));
     double deepest = 0;
     for (std::size_t i = 0; i < walk.hips.size(); ++i) {
       EXPECT_LT(deepest, 3 * options.depth);

@@ -80,7 +80,7 @@ ViewSession::ViewSession(ViewSetting setting)
       setting_.port, std::move(setting_.page), std::move(setting_.token),
       ViewEvents{[this](bool steers) { return greet(steers); }, steered, promoted});
   url_ = server_->url();
-  reopen(build_);
+  begin_opening(build_);
 }
 
 ViewSession::~ViewSession() { run_.reset(); }
@@ -101,7 +101,7 @@ void ViewSession::look_at_files() {
   const Nanoseconds now = monotonic_time();
   if (now < next_look_ || opened_.valid()) return;
   next_look_ = now + kLookEvery;
-  if (files_.changed()) reopen(build_);
+  if (files_.changed()) begin_opening(build_);
 }
 
 void ViewSession::end() {
@@ -230,7 +230,7 @@ void ViewSession::follow(const TuneMessage& wanted) {
   send_state();
 }
 
-void ViewSession::follow(const BuildMessage& build) { reopen(build); }
+void ViewSession::follow(const BuildMessage& build) { begin_opening(build); }
 
 void ViewSession::follow(const EngageMessage&) { run_->loop().request_engage(); }
 
@@ -291,8 +291,8 @@ void ViewSession::end_replay() {
   send_all();
 }
 
-// Opens with another choice, beside the loop; a choice that comes meanwhile is not heard.
-void ViewSession::reopen(const BuildChoice& build) {
+// Opens in another thread, beside a loop that there is; a choice that comes meanwhile is not heard.
+void ViewSession::begin_opening(const BuildChoice& build) {
   if (opened_.valid()) return;
   opening_ = build;
   opened_ = std::async(std::launch::async, [this, build] { return open(setting_, build); });

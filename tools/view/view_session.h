@@ -40,17 +40,17 @@ struct ViewSetting {
   std::vector<Attribute> provenance;
 };
 
-// A sitting. All of it is one thread's but the loop, and what opens files again.
+// A sitting. All of it is one thread's but the loop, and what opens files.
 class ViewSession {
  public:
-  // Listens, and begins to open: pages that come meanwhile wait. Throws LoopError and as
-  // RecordingFile.
+  // Listens, and begins to open: pages that come meanwhile wait. Throws LoopError, and as
+  // open_device for a replay.
   explicit ViewSession(ViewSetting setting);
   ~ViewSession();
 
   const std::string& url() const { return url_; }
   // Serves for a sixtieth of a second, and begins the loop once the scene is open. False once the
-  // loop has ended. Throws as `open`, LoopError, std::invalid_argument.
+  // loop has ended. Throws as `open` and RecordingFile, LoopError, std::invalid_argument.
   bool turn();
   // Ends the loop, and closes a recording.
   void end();
@@ -89,7 +89,7 @@ class ViewSession {
   void stop_loop();
   void begin_replay(const std::string& path);
   void end_replay();
-  void reopen(const BuildChoice& build);
+  void begin_opening(const BuildChoice& build);
   void take_opened();
   void look_at_files();
   static Opened open(const ViewSetting& setting, const BuildChoice& build);

@@ -73,7 +73,6 @@ export function select(label, choices, chosen, action) {
   return el('span.choice', {}, el('label', {for: id}, label), list);
 }
 
-// A method's name with its colour.
 // Makes a function that draws once before the next picture, however often it is called.
 export function beforeNextPicture(draw) {
   let asked = false;
@@ -87,6 +86,7 @@ export function beforeNextPicture(draw) {
   };
 }
 
+// A method's name with its colour.
 export function swatch(color, text) {
   const mark = el('span.swatch', {'aria-hidden': 'true'});
   mark.style.background = `var(--${color})`;

@@ -210,10 +210,15 @@ function showState(state) {
 
 const whose = () => page.state?.replaying ? '; a recording moves the hand' : page.hello?.device ? `; ${page.hello.device} moves the hand` : '';
 
+function statusText() {
+  if (!page.connected) return 'The server is gone; trying again';
+  if (!page.hello) return `Opens ${page.opens}`;
+  return page.link.steers ? `The loop ${guards[page.guard] ?? 'waits'}${whose()}` : 'Another page steers; this one watches';
+}
+
 function showStatus() {
-  const {link} = page;
-  document.body.dataset.steers = String(Boolean(link?.steers));
-  status.textContent = !page.connected ? 'The server is gone; trying again' : !page.hello ? `Opens ${page.opens}` : link.steers ? `The loop ${guards[page.guard] ?? 'waits'}${whose()}` : 'Another page steers; this one watches';
+  document.body.dataset.steers = String(Boolean(page.link?.steers));
+  status.textContent = statusText();
 }
 
 function showFrame(frame) {

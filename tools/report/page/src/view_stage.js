@@ -155,11 +155,6 @@ class Shown {
   }
 }
 
-// An object of one triangle that cannot be seen.
-const unseen = () => ({position: new Float32Array(9), packed: new Int8Array(12), height: new Float32Array(3), face: new Uint32Array(3),
-  index: new Uint32Array([0, 1, 2]), edges: new Float32Array(6), polygons: new Float32Array(9), curvature: new Float32Array(1),
-  firstSide: new Uint32Array(1), across: new Uint32Array(0)});
-
 export class Stage {
   constructor(canvas) {
     this.canvas = canvas;
@@ -191,15 +186,19 @@ export class Stage {
     new ResizeObserver(() => this.askAll()).observe(canvas);
   }
 
-  // Has the first picture's programs made, by drawing what cannot be seen: in software that takes longer than to read a mesh.
+  // Has the first picture's programs made, by drawing a triangle that is a point: in software that takes longer than to
+  // read a mesh.
   prepare() {
-    const nothing = new Shown(unseen(), this.materials), camera = new PerspectiveCamera();
-    this.objects.add(nothing.surface);
+    const point = new Mesh(new BufferGeometry(), this.materials.surface);
+    for (const name of ['position', 'normal', 'color']) point.geometry.setAttribute(name, new BufferAttribute(new Float32Array(9), 3));
+    point.frustumCulled = false;
+    this.objects.add(point);
     this.renderer.setRenderTarget(this.backdrop.target);
-    this.renderer.render(this.objects, camera);
+    this.renderer.render(this.objects, new PerspectiveCamera());
     this.renderer.setRenderTarget(null);
     this.renderer.render(this.backdrop.scene, this.backdrop.camera);
-    this.remove(nothing);
+    this.objects.remove(point);
+    point.geometry.dispose();
   }
 
   // All that is shown lies in this box.
@@ -284,7 +283,6 @@ export class Stage {
 
   // A tick: where the hand is, and the force of the method that it feels.
   place(tick, method, name) {
-    if (!this.orbit) return;
     const felt = tick.felt[method], touching = felt.contact > 0;
     const state = [...[...tick.hip, ...felt.scp].map(x => Math.round(1e4 * x / this.size)), ...[...felt.force].map(f => Math.round(1e3 * f)),
       felt.contact, felt.object, felt.face, name].join();
@@ -319,6 +317,7 @@ export class Stage {
     if (this.canvas.width !== Math.floor(clientWidth * ratio) || this.canvas.height !== Math.floor(clientHeight * ratio)) {
       this.renderer.setPixelRatio(ratio);
       this.renderer.setSize(clientWidth, clientHeight, false);
+      this.isOld = true;  // it is empty now
     }
     const {camera} = this.orbit;
     camera.aspect = clientWidth / clientHeight;
