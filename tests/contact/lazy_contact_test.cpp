@@ -415,7 +415,9 @@ TEST(LazyContact, stands_in_with_shaded_polygons) {
   for (const Vec3& hip : way_on_knot(0.1, 200)) {
     const Contact got = lazy.tick(hip), want = polygons.tick(hip);
     ASSERT_EQ(got.touching, want.touching);
-    if (got.touching) ASSERT_EQ(got.push, want.push);
+    if (got.touching) {
+      ASSERT_EQ(got.push, want.push);
+    }
   }
   EXPECT_TRUE(lazy.touching());
   gate.shut = false;
