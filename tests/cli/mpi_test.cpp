@@ -215,9 +215,9 @@ TEST_F(Mpi, leaves_parts_when_it_is_interrupted_and_shards_and_gliss_go_on_from_
   // Open MPI kills a second later, before which a busy machine may say nothing.
   bool told = false;
   for (int tries = 0; tries < 4 && !told; ++tries) {
+    fs::remove_all(folder_ / "s.json.parts");  // else the last try has little left to do
     const auto job = start(2, words);
-    const std::size_t before = parts();
-    ASSERT_TRUE(test::await([&] { return parts() > before || job->over(); }));
+    ASSERT_TRUE(test::await([&] { return parts() > 0 || job->over(); }));
     job->kill(SIGINT);
     const Outcome outcome = job->wait();
     ASSERT_NE(outcome.code, 0);

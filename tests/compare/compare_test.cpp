@@ -360,6 +360,12 @@ TEST(Fidelity, never_takes_what_is_not_finite_for_a_small_step) {
   // The polygon's normal stands in for the patch's.
   EXPECT_GT(normal_gaps(mesh, topology, broken, Method::kGregory).largest, 0.1);
   EXPECT_LT(normal_gaps(mesh, topology, sound, Method::kGregory).largest, 1e-10);
+  // Bent patches give up their neighbours' normals, and say so.
+  const Mesh folding = test::with_normals(fin().mesh);
+  EXPECT_LT(normal_gaps(folding, build_topology(folding), test::cache_of(folding),
+                        Method::kGregory)
+                .largest,
+            1e-6);
   const Vec3 to = test::at(sound, 0, {0, 0}).position,
              from = 0.9 * test::at(sound, 1, {0, 0}).position;
   std::vector<Vec3> path;

@@ -389,6 +389,24 @@ TEST(LazyContact, keeps_its_patches_where_a_new_region_lacks_them) {
   }
 }
 
+// Of the regions that came and were of no use, the last one alone is kept.
+TEST(LazyContact, gives_back_regions_that_it_never_used) {
+  LazyContact lazy(lazy_knot(), {});
+  const std::vector<Vec3> path = way_on_knot(0.1, 2000);
+  ASSERT_TRUE(settle(lazy, path[100]).touching);
+  for (std::size_t i = 1000; i < path.size(); i += 100) {
+    const std::uint64_t regions = lazy.worker().regions();
+    while (lazy.worker().regions() == regions) {
+      lazy.post(path[i]);
+      std::this_thread::sleep_for(1ms);
+    }
+    ASSERT_TRUE(lazy.tick(path[100]).touching);
+  }
+  // That of the contact, the last one that was taken, and the last one that was built.
+  for (int i = 0; i < 100 && lazy.worker().held() > 3; ++i) std::this_thread::sleep_for(1ms);
+  EXPECT_LE(lazy.worker().held(), 3u);
+}
+
 // Patches stand out of their polygons by no more than the mesh's reach.
 TEST(LazyContact, is_clear_of_patches_not_of_polygons_alone) {
   LazyContact lazy(lazy_knot(), {});
@@ -402,6 +420,56 @@ TEST(LazyContact, is_clear_of_patches_not_of_polygons_alone) {
   const Contact near = lazy.tick(above(0.5 * reach));
   EXPECT_FALSE(near.touching);
   EXPECT_FALSE(lazy.is_clear(above(0.5 * reach)));
+}
+
+// A patch that stands out of its polygon is touched before that is.
+TEST(LazyContact, touches_patches_above_their_polygons) {
+  const auto mesh = std::make_shared<const LazyMesh>(goldberg(1).mesh);
+  LazyContact lazy(mesh, {});
+  const PatchCache cache = test::cache_of(goldberg(1).mesh);
+  const SurfacePoint top = test::at(cache, 0, {0, 0});
+  const auto at = [&](double height) -> Vec3 { return top.position + height * top.normal; };
+  const Vec3 within = at(-0.1);
+  QueryOptions flat;
+  flat.method = Method::kFlat;
+  ASSERT_GT(ContactTracker(mesh->base(), flat).tick(within).distance, 0);
+  settle(lazy, at(0.1));
+  EXPECT_FALSE(lazy.tick(at(0.01)).touching);
+  EXPECT_TRUE(lazy.tick(within).touching);
+}
+
+// Patches that come while a position is late take up where the hand was.
+TEST(LazyContact, no_speed_tunnels_where_a_position_is_no_number) {
+  const auto mesh = std::make_shared<const LazyMesh>(thin_plate(40, 40).mesh);
+  LazyContact lazy(mesh, {});
+  const Vec3 centre = 0.5 * (mesh->base().bounds().low + mesh->base().bounds().high);
+  EXPECT_FALSE(lazy.tick(centre + Vec3(0.1, 0.2, 5)).touching);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(lazy.tick({nan, nan, nan}).touching);
+  while (lazy.worker().regions() == 0) {
+    lazy.post(centre + Vec3(0.1, 0.2, 0.5));
+    std::this_thread::sleep_for(1ms);
+  }
+  const Contact contact = lazy.tick(centre - Vec3(0.1, 0.2, 3));
+  EXPECT_TRUE(contact.touching);
+  EXPECT_GT(contact.push.z(), 3);
+  EXPECT_EQ(contact.flags & kNotBuilt, 0u);
+}
+
+TEST(LazyContact, takes_friction_in_contact) {
+  LazyContact lazy(lazy_knot(), {});
+  const std::vector<Vec3> path = way_on_knot(0.1, 400);
+  std::size_t slips = 0;
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    if (i % 10 == 0) settle(lazy, path[i]);
+    if (i == 200) {
+      ASSERT_TRUE(lazy.set_friction({0.5, 0.3}));
+    }
+    lazy.post(path[i]);
+    const Contact contact = lazy.tick(path[i]);
+    if (!(contact.flags & kNotBuilt)) slips += is_slipping(contact.flags);
+  }
+  EXPECT_GT(slips, 50u);
 }
 
 TEST(LazyContact, stands_in_with_shaded_polygons) {

@@ -78,6 +78,33 @@ TEST_P(Cavities, push_a_hand_away_from_their_walls) {
   }
 }
 
+// An open part that is wound inward encloses nothing: in a ball it is buried, wherever its walls are.
+TEST(Cavity, is_closed) {
+  Mesh mesh = nested_balls({20, -10}, 6).mesh;
+  std::vector<std::uint32_t> begin{0}, vertex;
+  for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
+    double lowest = 20;
+    for (std::uint32_t c = mesh.face_begin[f]; c < mesh.face_begin[f + 1]; ++c)
+      lowest = std::min(lowest, mesh.positions[mesh.corner_vertex[c]].z());
+    const Vec3 any = mesh.positions[mesh.corner_vertex[mesh.face_begin[f]]];
+    if (any.norm() < 15 && lowest > 5) continue;
+    vertex.insert(vertex.end(), mesh.corner_vertex.begin() + mesh.face_begin[f],
+                  mesh.corner_vertex.begin() + mesh.face_begin[f + 1]);
+    begin.push_back(static_cast<std::uint32_t>(vertex.size()));
+  }
+  Mesh bowl;
+  bowl.positions = mesh.positions;
+  bowl.face_begin = begin;
+  bowl.corner_vertex = vertex;
+  validate(bowl);
+  const PatchCache cache = build_cache(bowl);
+  for (const double z : {-9.0, -5.0, 0.0, 5.0, 9.0, 12.0}) {
+    const Contact contact = nearest(cache, Vec3(0.1, 0.2, z));
+    EXPECT_TRUE(contact.touching) << z;
+    EXPECT_NEAR(contact.distance, Vec3(0.1, 0.2, z).norm() - 20, 0.1) << z;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(
     , Cavities,
     ::testing::Values(CavityCase{Precision::kDouble, Level::kExact, Construction::kFair},

@@ -218,6 +218,20 @@ TEST(Union, of_boxes_is_exact_by_formula) {
   }
 }
 
+// Two bars that cross: in the corner between them the contact is on both.
+TEST(Union, names_the_part_that_a_seam_presses_most) {
+  std::vector<Mesh> bars{test::cube(), test::cube()};
+  for (Vec3& p : bars[0].positions) p = Vec3(-9, -2, 0) + p.cwiseProduct(Vec3(18, 4, 9));
+  for (Vec3& p : bars[1].positions) p = Vec3(-2, -9, 0) + p.cwiseProduct(Vec3(4, 18, 9));
+  const PatchCache cache = test::cache_of(test::with_creases(test::joined(bars)));
+  for (const Vec3& push : {Vec3(0.5, 1, 0), Vec3(1, 0.5, 0)}) {
+    const Contact contact = nearest(cache, Vec3(2, 2, 4.5) - push);
+    ASSERT_TRUE(contact.flags & kOnCrease);
+    ASSERT_LT((contact.push - push).norm(), 1e-9);
+    EXPECT_EQ(contact.at.face < bars[0].face_count(), push.y() > push.x());
+  }
+}
+
 // A long box across the x-y plane, turned in it.
 struct Beam {
   test::Vec2 middle, half;
