@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <random>
 
 #include "gliss/mesh/sectors.h"
@@ -16,106 +17,191 @@ bool is_bent(const PatchCache& cache, std::uint32_t face) {
   return cache.kind[cache.first_patch(face)] == PatchKind::kBent;
 }
 
-constexpr double kCrease = 0.866;  // cosine of the least cosine at a crease that a path goes round
+constexpr double kCrease = 0.866;  // cosine of the least turn at a crease that a path goes round
+constexpr double kLeastDepth = 0.9, kMostDepth = 1.1;  // of a contact on a path, of its depth
 
-// HIPs about `step` apart, beneath a surface or, where that does not do, as high above it.
+// HIPs about `step` apart, beneath a surface or, where that does not do, as high above it. A hand
+// that follows them without settling feels no contact that is deeper.
 class SlidingPath {
  public:
-  SlidingPath(const PatchCache& cache, bool has_creases, double depth, double step)
-      : cache_(cache), has_creases_(has_creases), depth_(depth), step_(step) {}
+  SlidingPath(const PatchCache& cache, double depth, double step)
+      : cache_(cache), depth_(depth), step_(step), hand_(cache, leaping()) {}
 
-  void add(const SurfacePoint& on) {
-    const bool is_outside = has_creases_ && is_beside_crease(on);
-    const Vec3 hip = on.position + (is_outside ? depth_ : -depth_) * on.normal;
-    if (!hips_.empty() && (is_outside || was_outside_)) {
-      const Vec3 over = last_.normal + on.normal;
-      if (!was_outside_) lead_to(last_.position + depth_ * last_.normal);
-      if (last_.normal.dot(on.normal) < kCrease)
-        lead_to(on.position + depth_ * over.stableNormalized());
-      if (!is_outside) lead_to(on.position + depth_ * on.normal);
-      lead_to(hip);
-    } else {
-      hips_.push_back(hip);
-    }
-    last_ = on;
-    was_outside_ = is_outside;
+  // Goes on to beneath a point of the surface, or above it. False, and nothing changes, where a
+  // hand can be in neither place.
+  bool add(const SurfacePoint& on) {
+    if (!is_beside_crease(on) && go(on, false)) return true;
+    return go(on, true);
   }
   const std::vector<Vec3>& hips() const { return hips_; }
 
+  // Where a path has come to, to go back to.
+  struct Place {
+    std::size_t ticks;
+    SurfacePoint on;
+    bool outside;
+    ContactTracker hand;
+  };
+  Place place() const { return {hips_.size(), last_, was_outside_, hand_}; }
+  void go_back(const Place& place) {
+    hips_.resize(place.ticks);
+    last_ = place.on;
+    was_outside_ = place.outside;
+    hand_ = place.hand;
+  }
+
  private:
+  static QueryOptions leaping() {
+    QueryOptions options;
+    options.settle = 0;
+    return options;
+  }
   // True if the surface nearest to the HIP beneath is another side, up to that across a thin part.
   bool is_beside_crease(const SurfacePoint& on) const {
     const Contact contact = nearest(cache_, on.position - depth_ * on.normal);
     const double cosine = contact.normal.dot(on.normal);
-    return contact.distance > -0.9 * depth_ && cosine < kCrease && cosine > -0.5;
+    return contact.distance > -kLeastDepth * depth_ && cosine < kCrease && cosine > -0.5;
   }
-  void lead_to(const Vec3& place) {
+  Vec3 above(const SurfacePoint& on) const { return on.position + depth_ * on.normal; }
+
+  bool go(const SurfacePoint& on, bool outside) {
+    const Place from = place();
+    const Vec3 hip = outside ? above(on) : on.position - depth_ * on.normal;
+    bool goes = true;
+    if (!hips_.empty() && (outside || was_outside_)) {
+      const Vec3 over = last_.normal + on.normal;
+      if (!was_outside_) goes = lead_to(above(last_));
+      if (last_.normal.dot(on.normal) < kCrease)
+        goes = goes && lead_to(on.position + depth_ * over.stableNormalized());
+      if (!outside) goes = goes && lead_to(above(on));
+      goes = goes && lead_to(hip);
+    } else if (!hips_.empty() && (hip - hips_.back()).norm() > 2 * step_) {
+      goes = lead_to(hip);
+    } else if (goes = tick(hip); hips_.size() == 1 && !outside && !is_as_deep()) {
+      go_back(from);  // nearer to the other side of a thin part: comes in from here
+      tick(above(on));
+      goes = lead_to(hip);
+    }
+    if (!goes || hand_.touching() == outside) {
+      go_back(from);
+      return false;
+    }
+    last_ = on;
+    was_outside_ = outside;
+    return true;
+  }
+  // False where the contact is too deep.
+  bool tick(const Vec3& hip) {
+    hips_.push_back(hip);
+    felt_depth_ = -hand_.tick(hip).distance;
+    return !(felt_depth_ > kMostDepth * depth_);
+  }
+  bool is_as_deep() const { return felt_depth_ > kLeastDepth * depth_; }
+  bool lead_to(const Vec3& place) {
     const Vec3 from = hips_.back();
     const double step = std::min(step_, depth_ / 10);  // pressing in is no jump
     const auto ticks = static_cast<int>(std::max(1.0, std::ceil((place - from).norm() / step)));
-    for (int i = 1; i <= ticks; ++i) hips_.push_back(from + i / double(ticks) * (place - from));
+    for (int i = 1; i <= ticks; ++i) {
+      if (!tick(from + i / double(ticks) * (place - from))) return false;
+    }
+    return true;
   }
 
   const PatchCache& cache_;
-  const bool has_creases_;
   const double depth_, step_;
+  ContactTracker hand_;
+  double felt_depth_ = 0;  // of the hand's last tick
   std::vector<Vec3> hips_;
   SurfacePoint last_{};
   bool was_outside_ = false;
 };
 
+// A way over a face: in by a side and out by one, at `t` of them.
+struct WayOver {
+  std::uint32_t face, enter, leave;
+  double t_in, t_out;
+};
+
+// Goes over a face, up to `count` HIPs in all. False, and nothing changes, where a hand cannot.
+bool go_over(const PatchCache& cache, const WayOver& way, double depth, double step,
+             std::size_t count, SlidingPath& path) {
+  const std::uint32_t n = cache.face_valence[way.face];
+  const DomainPoint a = on_side(way.face, n, way.enter, way.t_in),
+                    b = on_side(way.face, n, way.leave, way.t_out);
+  // Through the centre where it leaves by the side that it came in by.
+  const Eigen::Vector2d from(a.xi, a.eta), to(b.xi, b.eta),
+      bow = way.leave == way.enter ? Eigen::Vector2d(-0.5 * (from + to)) : Eigen::Vector2d::Zero();
+  const auto on = [&](double s) {
+    const Eigen::Vector2d x = (1 - s) * from + s * to + 2 * s * (1 - s) * bow;
+    return evaluate(cache, {way.face, x.x(), x.y()});
+  };
+  const auto at = [&](double s) {
+    const SurfacePoint p = on(s);
+    return Vec3(p.position - depth * p.normal);
+  };
+  double length = 0;
+  constexpr int kPieces = 8;
+  for (int i = 0; i < kPieces; ++i)
+    length += (at((i + 1.0) / kPieces) - at(i / double{kPieces})).norm();
+  const auto ticks = static_cast<std::size_t>(std::max(1.0, std::ceil(length / step)));
+  const SlidingPath::Place begin = path.place();
+  for (std::size_t i = 0; i < ticks && path.hips().size() < count; ++i) {
+    if (path.add(on(static_cast<double>(i) / static_cast<double>(ticks)))) continue;
+    path.go_back(begin);
+    return false;
+  }
+  return true;
+}
+
+// To the end of a path and back again, until there are `count` HIPs.
+std::vector<Vec3> to_and_fro(const std::vector<Vec3>& path, std::size_t count) {
+  std::vector<Vec3> hips;
+  for (std::size_t i = 0; i < count && !path.empty(); ++i) {
+    const std::size_t last = path.size() - 1, at = last == 0 ? 0 : i % (2 * last);
+    hips.push_back(path[std::min(at, 2 * last - at)]);
+  }
+  return hips;
+}
+
 }  // namespace
 
 std::vector<Vec3> path_over(const Mesh& mesh, const Topology& topology, const PatchCache& cache,
                             double depth, double step, std::size_t count) {
-  std::mt19937 random(1);  // whose numbers the standard fixes; its distributions are not
+  constexpr int kMostTries = 64;  // faces that a path may begin on
+  std::mt19937 random(1);         // whose numbers the standard fixes; its distributions are not
   const auto below = [&](std::uint32_t n) { return static_cast<std::uint32_t>(random() % n); };
   const auto part = [&] { return 0.2 + 0.6 * (random() / 4294967296.0); };
-  SlidingPath path(cache, !mesh.sharp.empty(), depth, step);
-  std::uint32_t face = below(static_cast<std::uint32_t>(mesh.face_count())), enter = 0;
-  double t = 0.5;
-  for (int stuck = 0; path.hips().size() < count && stuck < 64;) {
-    const std::uint32_t n = mesh.valence(face), first = mesh.face_begin[face];
-    // Opposite, now and then any other; the way back where all others are borders.
-    std::uint32_t leave = enter;
+  SlidingPath path(cache, depth, step);
+  WayOver way{below(static_cast<std::uint32_t>(mesh.face_count())), 0, 0, 0.5, 0};
+  for (int stuck = 0; path.hips().size() < count && stuck < kMostTries;) {
+    const std::uint32_t n = mesh.valence(way.face), first = mesh.face_begin[way.face];
+    // Opposite, now and then any other; the way back where no hand gets by any other.
     const std::uint32_t wish = below(6) == 0 ? 1 + below(n - 1) : n / 2 + (n % 2) * below(2);
-    for (std::uint32_t i = 0; i < n && leave == enter; ++i) {
-      const std::uint32_t k = (enter + wish + i) % n;
-      if (k != enter && topology.side_twin[first + k] != kNone) leave = k;
+    bool goes = false;
+    std::optional<double> t_out;
+    for (std::uint32_t back = 0; back < 2 && !goes; ++back) {
+      for (std::uint32_t i = 0; i < n && !goes; ++i) {
+        way.leave = (way.enter + wish + i) % n;
+        if ((way.leave == way.enter) != (back == 1) ||
+            topology.side_twin[first + way.leave] == kNone)
+          continue;
+        if (!t_out) t_out = part();
+        way.t_out = *t_out;
+        goes = go_over(cache, way, depth, step, count, path);
+      }
     }
-    if (topology.side_twin[first + leave] == kNone) {  // a face by itself: another one
-      face = below(static_cast<std::uint32_t>(mesh.face_count()));
+    if (!goes) {
+      if (!path.hips().empty()) break;
+      way.face = below(static_cast<std::uint32_t>(mesh.face_count()));
       ++stuck;
       continue;
     }
-    const double t_out = part();
-    const DomainPoint a = on_side(face, n, enter, t), b = on_side(face, n, leave, t_out);
-    // Through the centre where it leaves by the side that it came in by.
-    const Eigen::Vector2d from(a.xi, a.eta), to(b.xi, b.eta),
-        bow = leave == enter ? Eigen::Vector2d(-0.5 * (from + to)) : Eigen::Vector2d::Zero();
-    const auto on = [&](double s) {
-      const Eigen::Vector2d x = (1 - s) * from + s * to + 2 * s * (1 - s) * bow;
-      return evaluate(cache, {face, x.x(), x.y()});
-    };
-    const auto at = [&](double s) {
-      const SurfacePoint p = on(s);
-      return Vec3(p.position - depth * p.normal);
-    };
-    double length = 0;
-    constexpr int kPieces = 8;
-    for (int i = 0; i < kPieces; ++i)
-      length += (at((i + 1.0) / kPieces) - at(i / double{kPieces})).norm();
-    const auto ticks = static_cast<std::size_t>(std::max(1.0, std::ceil(length / step)));
-    for (std::size_t i = 0; i < ticks && path.hips().size() < count; ++i)
-      path.add(on(static_cast<double>(i) / static_cast<double>(ticks)));
-    const std::uint32_t twin = topology.side_twin[first + leave];
-    face = topology.side_face[twin];
-    enter = twin - mesh.face_begin[face];
-    t = 1 - t_out;
+    const std::uint32_t twin = topology.side_twin[first + way.leave];
+    way.face = topology.side_face[twin];
+    way.enter = twin - mesh.face_begin[way.face];
+    way.t_in = 1 - way.t_out;
   }
-  std::vector<Vec3> hips = path.hips();
-  hips.resize(std::min(hips.size(), count));
-  return hips;
+  return to_and_fro(path.hips(), count);
 }
 
 std::vector<DomainPoint> spread_points(const PatchCache& cache, std::size_t count) {

@@ -8,6 +8,7 @@
 #include "gliss/engine/engine.h"
 #include "gliss/files/mesh_file.h"
 #include "gliss/generate/generate.h"
+#include "gliss/query/contact_tracker.h"
 #include "gliss/surface/names.h"
 #include "gliss/walk/fidelity.h"
 #include "tests/oracle/union_oracle.h"
@@ -344,6 +345,35 @@ TEST(Fidelity, its_path_stays_at_its_depth_and_goes_in_small_steps) {
   }
 }
 
+// Ridges, creases, parts that overlap, and a plate that is thinner than the path is deep.
+TEST(Fidelity, its_path_lets_no_hand_go_deeper) {
+  Mesh box = test::with_creases(test::cube());
+  Mesh balls = test::joined({goldberg(4, 10).mesh, goldberg(4, 6).mesh});
+  for (std::size_t v = goldberg(4, 10).mesh.positions.size(); v < balls.positions.size(); ++v)
+    balls.positions[v].x() += 9;
+  const std::pair<Mesh, double> all[] = {{test::with_normals(fin().mesh), 0.3},
+                                         {box, 0.05},
+                                         {test::with_normals(balls), 0.2},
+                                         {thin_plate().mesh, 0.7}};
+  for (const auto& [mesh, depth] : all) {
+    const PatchCache cache = test::cache_of(mesh);
+    const double step = 1e-3 * (cache.bounds().high - cache.bounds().low).norm();
+    ContactTracker hand(cache, test::leaping());
+    int touching = 0;
+    double deepest = 0;
+    const auto path = path_over(mesh, build_topology(mesh), cache, depth, step, 4000);
+    ASSERT_EQ(path.size(), 4000);
+    for (const Vec3& hip : path) {
+      const Contact contact = hand.tick(hip);
+      touching += contact.touching;
+      deepest = std::max(deepest, -contact.distance);
+    }
+    EXPECT_LE(deepest, 1.1 * depth) << mesh.source;
+    EXPECT_GE(deepest, 0.9 * depth) << mesh.source;
+    EXPECT_GT(touching, 2000) << mesh.source;
+  }
+}
+
 // A patch that gives no numbers, on a path over it and along its edges.
 TEST(Fidelity, never_takes_what_is_not_finite_for_a_small_step) {
   const double infinity = std::numeric_limits<double>::infinity(), nan = std::nan("");
@@ -362,8 +392,7 @@ TEST(Fidelity, never_takes_what_is_not_finite_for_a_small_step) {
   EXPECT_LT(normal_gaps(mesh, topology, sound, Method::kGregory).largest, 1e-10);
   // Bent patches give up their neighbours' normals, and say so.
   const Mesh folding = test::with_normals(fin().mesh);
-  EXPECT_LT(normal_gaps(folding, build_topology(folding), test::cache_of(folding),
-                        Method::kGregory)
+  EXPECT_LT(normal_gaps(folding, build_topology(folding), test::cache_of(folding), Method::kGregory)
                 .largest,
             1e-6);
   const Vec3 to = test::at(sound, 0, {0, 0}).position,
