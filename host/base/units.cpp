@@ -92,6 +92,7 @@ double parse(std::string_view text, std::optional<Factor> (*find_factor)(std::st
         detail::message("'", text, "' does not begin with a finite number; ", accepted));
   }
   const std::string_view unit = trim(rest.substr(static_cast<std::size_t>(end - rest.data())));
+  if (unit == "%") throw UnitError(detail::message("'", text, "' is a share; ", accepted));
   const auto factor = unit.empty() ? Factor{} : find_factor(unit);
   if (!factor)
     throw UnitError(detail::message("'", text, "' has an unknown unit '", unit, "'; ", accepted));

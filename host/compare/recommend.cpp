@@ -69,43 +69,61 @@ bool is_within(const CompareRow& row, const CompareBudget& budget) {
          within(row.bytes, budget.memory);
 }
 
-// `equals`: the rows that are as good but for the error, itself among them.
+// The jumps of a row, with the walks in which there are most.
+std::string jumps_text(const CompareRow& row) {
+  const Count jumps = jumps_of(row);
+  std::string text = fmt::format("the force jumps {:.0f} ± {:.0f} times in 100,000 ticks",
+                                 jumps.value, jumps.spread);
+  if (row.walks.size() < 2) return text;
+  const CompareWalk& most = *std::max_element(
+      row.walks.begin(), row.walks.end(), [](const CompareWalk& a, const CompareWalk& b) {
+        return a.felt.jumps_per_100k() < b.felt.jumps_per_100k();
+      });
+  return text +
+         fmt::format(" of all walks (at most {:.0f}, at {:.3g} mm/s and a settle of {:.3g} ms)",
+                     most.felt.jumps_per_100k(), most.way * 1e6, 1e3 * most.settle);
+}
+
+std::string energy_text(const CompareRow& row) {
+  return fmt::format("closed loops give the hand up to {:.2g} % of force x way",
+                     100 * row.loop_gain.gain);
+}
+
+// `equals`: the rows that are as good but for the error, itself among them. One sentence why, and
+// others on what stands against it.
 std::string reason_for(const CompareRow& row, const std::vector<CompareRow>& rows,
                        const Rows& patches, std::size_t equals, const CompareBudget& budget) {
   const Count jumps = jumps_of(row);
-  std::vector<std::string> reasons;
   const CompareRow* least = fewest(patches, jumps_of);
   const bool is_least =
       least == nullptr || is_baseline(row) || jumps.value - jumps_of(*least).value <= jumps.spread;
-  reasons.push_back(
-      fmt::format("the force jumps {:.0f} ± {:.0f} times in 100,000 ticks{}, {}", jumps.value,
-                  jumps.spread, row.walks.size() > 1 ? " (the mean of all walks)" : "",
-                  is_least ? "no more than with any patches" : "as seldom as the budget allows"));
+  std::string text = jumps_text(row) + (is_least ? ", no more than with any patches"
+                                                 : ", as seldom as the budget allows");
   if (makes_energy(row))
-    reasons.push_back(
-        fmt::format("closed loops give the hand up to {:.2g} % of force x way, as "
-                    "with all patches here (at rims, say)",
-                    100 * row.loop_gain.gain));
+    text += ", and " + energy_text(row) + ", as with all patches here";
   else if (!std::isnan(row.loop_gain.gain))
-    reasons.push_back("closed loops give the hand no energy");
+    text += ", and closed loops give the hand no energy";
+  text += ".";
   if (row.leaving.contacts > 0)
-    reasons.push_back(fmt::format("{} of {} contacts are held after the hand has left",
-                                  row.leaving.held, row.leaving.contacts));
-  std::string text = reasons.front();
-  for (std::size_t i = 1; i < reasons.size(); ++i)
-    text += (i + 1 < reasons.size() ? ", " : ", and ") + reasons[i];
+    text += fmt::format(" {} of {} contacts are held after the hand has left.", row.leaving.held,
+                        row.leaving.contacts);
   if (equals > 1)
     text += budget.force_error
-                ? fmt::format("; of the {} that are as good it is the quickest", equals)
+                ? fmt::format(" Of the {} that are as good it is the quickest.", equals)
                 : fmt::format(
-                      "; of the {} that are as good its force is nearest to the exact "
-                      "surface's (p99 of the error: {:.2g} %)",
-                      equals, 100 * row.p99_force_error);
+                      " Of the {} that are as good its force is nearest to the exact "
+                      "surface's.",
+                      equals);
+  if (is_baseline(row) || (equals > 1 && !budget.force_error))
+    text += fmt::format(" Its force is off by less than {:.2g} % in 99 of 100 ticks.",
+                        100 * row.p99_force_error);
   for (const CompareRow& other : rows) {
     if (!is_baseline(other) || !makes_energy(other) || jumps_of(other).value >= jumps.value)
       continue;
-    text += fmt::format("; {} jumps {:.0f} times, but may give the hand energy",
-                        other.candidate.name(), jumps_of(other).value);
+    text += fmt::format(
+        " {} jumps {:.0f} times, but {}.", other.candidate.name(), jumps_of(other).value,
+        std::isnan(other.loop_gain.gain) ? "no loop tells if it gives the hand energy"
+                                         : energy_text(other));
     break;
   }
   return text;

@@ -18,7 +18,8 @@ Json json_of(const SweepStatistics& s) {
                {"crossings_sum", s.crossings},
                {"jumps_per_100k", s.jumps_per_100k()},
                {"lost_per_100k", s.lost_per_100k()},
-               {"leaps_per_100k", s.leaps_per_100k()}};
+               {"leaps_per_100k", s.leaps_per_100k()},
+               {"may_be_sparse", s.may_be_sparse()}};
   for (const auto& [name, unit, histogram] : kHistograms) {
     const Histogram& h = s.*histogram;
     json[fmt::format("{}_{}", name, unit)] = {

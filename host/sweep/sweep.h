@@ -77,6 +77,9 @@ struct SweepStatistics {
   double jumps_per_100k() const { return per_100k(jumps); }
   double lost_per_100k() const { return per_100k(lost); }
   double leaps_per_100k() const { return per_100k(leaps); }
+  // The jumps that are no leaps: where there are many, samples may be too far apart to count any.
+  double bends_per_100k() const { return per_100k(jumps - leaps); }
+  bool may_be_sparse() const { return bends_per_100k() > leaps_per_100k() + 1; }
   double per_100k(std::uint64_t count) const {
     return felt_pairs == 0 ? 0 : 1e5 * static_cast<double>(count) / static_cast<double>(felt_pairs);
   }

@@ -79,7 +79,7 @@ TEST(Recommend, takes_differences_within_the_spread_for_none) {
                                   row_of(Method::kGregory, 16, 0), row_of(Method::kGregory, 24, 0)};
   const Recommendation best = recommend(rows, {});
   EXPECT_EQ(best.row, &rows[2]);
-  EXPECT_THAT(best.reason, HasSubstr("of the 3 that are as good"));
+  EXPECT_THAT(best.reason, HasSubstr("Of the 3 that are as good"));
   rows[2].leaving.contacts = 500;
   rows[2].leaving.held = 20;
   EXPECT_EQ(recommend(rows, {}).row, &rows[1]);  // it holds contacts outside

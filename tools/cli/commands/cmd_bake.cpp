@@ -99,12 +99,12 @@ void report_bake(const BakeOptions& options, const Mesh& mesh, std::size_t faces
          fmt::format("{}: {} of {} faces, {} patches of level {}, {} construction, in {}, unit {}\n"
                      "{}{}\n"
                      "{}\n"
-                     "least radius of curvature {} {}, {} bytes, {:.2f} s\n",
+                     "least radius of curvature {}, {} bytes, {:.2f} s\n",
                      options.output, faces, mesh.face_count(), cache.patch_count(),
                      level_name(cache.level), construction_name(cache.level.construction),
                      precision_name(cache.precision()), unit, built_text(found),
                      creases_text(cache.crease_count) + rounded_text(mesh), departure_text(cache),
-                     radius_text(cache.smallest_rho()), unit, cache.bytes(), seconds),
+                     radius_text(cache.smallest_rho(), unit), cache.bytes(), seconds),
          json);
 }
 

@@ -106,7 +106,7 @@ std::string text_of(const Checked& checked, const std::string& path) {
                         mesh.strips.empty() ? creases_text(creases.size()) : rounded_text(mesh),
                         surface.departure_text);
   return text +
-         listed("flagged", surface.report.flagged_faces,
+         listed("faces that fold or degenerate as drafted", surface.report.flagged_faces,
                 [](std::uint32_t face) { return std::to_string(face); }) +
          listed("not smooth, edges of vertices", surface.rough_edges,
                 [](const VertexPair& edge) { return fmt::format("{}-{}", edge[0], edge[1]); });

@@ -307,14 +307,15 @@ void add_compare(Command& program) {
       "Measure what each level costs and gives, on this mesh and machine.\n"
       "First a table of what a hand feels: jumps of the force, per 100,000 ticks in contact of "
       "random walks (steps above 20 % of stiffness x depth), slow and ten times as fast, with "
-      "settle 0 and above; lost/: contacts that end under more, as often; held: contacts that are "
+      "settle 0 and above; lost/100k: contacts that end under more, as often; held: contacts that "
+      "are "
       "felt for longer than 5 x --settle while the hand is out of the object, of how many; loops: "
       "what closed loops give the hand, in % of force x way. error: largest difference of the "
       "force from the exact surface's of its own construction, or from that of --reference, in % "
       "of stiffness x depth, along a path; p99: a hundredth of the samples are above it. Then "
       "costs and shape. far: from the exact surface. gap: angle between the normals on both sides "
       "of edges. step: change of the force from tick to tick of its own path; walk: of the slow "
-      "walks; beyond/: steps there above twice the way of the hand. Last a recommendation: no "
+      "walks; beyond/100k: steps there above twice the way of the hand. Last a recommendation: no "
       "energy, fewest jumps and held contacts, least error.\n",
       "gliss compare teeth.obj --unit mm --depth 0.5mm --max-force-error 1% --max-tick 5us",
       describe, run);

@@ -101,20 +101,16 @@ struct Figures {
 
 std::string text_of(const PatchCache& cache, const Figures& figures, const std::string& unit) {
   const auto& [shape, kinds, forms, low, high, rho_min, rho_median] = figures;
-  const auto with_unit = [&](double radius) {
-    const std::string text = radius_text(radius);
-    return text == "none" ? text : text + " " + unit;
-  };
   return fmt::format(
       "faces         {} of {}: {}\n"
       "vertices      {}, edges {}, border sides {}, parts {}\n"
-      "patches       {}: exact {}, eased {}, split {}, bent {}\n"
+      "patches       {}: plain {}, eased {}, split {}, bent {}\n"
       "folded faces  {}{}\n"
       "unit          {} (coordinates here in {})\n"
       "bounds        {:.6g} {:.6g} {:.6g} to {:.6g} {:.6g} {:.6g} {}, {:.4g} {} across\n"
       "departure     {}\n"
       "curvature     least radius of curvature {}, median of the patches {}\n"
-      "level         {}, {} construction: {}\n"
+      "level         {}, {} construction; forms: {}\n"
       "precision     {}, {:.2f} MiB\n"
       "mesh hash     {}\n",
       shape.faces, cache.mesh_face_count, list_text(shape.valences, "{} x {} sides"),
@@ -122,7 +118,7 @@ std::string text_of(const PatchCache& cache, const Figures& figures, const std::
       kinds.at("exact"), kinds.at("eased"), kinds.at("split"), kinds.at("bent"), shape.folded,
       creases_text(cache.crease_count), unit_name(cache.unit), unit, low.x(), low.y(), low.z(),
       high.x(), high.y(), high.z(), unit, (high - low).norm(), unit, departure_text(cache),
-      with_unit(rho_min), with_unit(rho_median), level_name(cache.level),
+      radius_text(rho_min, unit), radius_text(rho_median, unit), level_name(cache.level),
       construction_name(cache.level.construction), list_text(forms, "{} {}"),
       precision_name(cache.precision()), static_cast<double>(cache.bytes()) / (1 << 20),
       hash_name(cache.mesh_hash));

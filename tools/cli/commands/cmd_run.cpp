@@ -176,7 +176,7 @@ Json figures_of(const RunOptions& options, const Scene& scene, const HapticLoop&
 std::string steps_text(const ForceStatistics& s) {
   return fmt::format(
       "force up to {:.3f} N, largest step {:.4f} N, jumps {:.1f} and lost {:.1f} per 100,000 ticks "
-      "in contact",
+      "in contact of this motion",
       s.largest_force, s.largest_step, s.jumps_per_100k(), s.lost_per_100k());
 }
 
@@ -194,7 +194,9 @@ std::string text_of(const HapticLoop& loop, const Outcome& outcome, const Json& 
       unsound_text(rendered.unsound + sent.unsound, "steps") + "guards:";
   std::string acts;
   for (const auto& [reason, count] : json["guards"].items()) {
-    if (count != 0) acts += fmt::format(" {} {}x,", reason, count.get<std::uint64_t>());
+    // Each loop that ends well ends by that.
+    const bool is_end = reason == guard_reason_name(GuardReason::kStopRequested);
+    if (count != 0 && !is_end) acts += fmt::format(" {} {}x,", reason, count.get<std::uint64_t>());
   }
   if (!acts.empty()) acts.pop_back();
   out += acts.empty() ? " none acted" : acts;

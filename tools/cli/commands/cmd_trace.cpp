@@ -83,7 +83,21 @@ std::string gain_text(const LoopGain& loops) {
                         : "; closed loops give the hand up to " + share;
 }
 
-void report_statistics(const TracingOptions& options, const std::vector<TraceStatistics>& found) {
+struct Traced {
+  std::vector<TraceStatistics> statistics;
+  double deepest = 0;  // of the patches' contacts, m
+  double way = 0;      // of a tick, the median, m
+};
+
+// What jumps depend on besides the surface.
+std::string motion_text(const TracingOptions& options, const Traced& traced) {
+  return fmt::format(
+      "jumps and lost contacts of this path: {:.3g} mm/s (half of the ticks are slower, at 1 kHz), "
+      "contacts of patches up to {:.3g} mm deep, settle {:.3g} ms\n",
+      traced.way * 1e6, traced.deepest * 1e3, options.trace.settle * 1e3);
+}
+
+void report_statistics(const TracingOptions& options, const Traced& traced) {
   std::string text =
       fmt::format("{:<8} {:>14} {:>10} {:>10} {:>14} {:>14} {:>10} {:>10} {:>8} {:>10}\n", "method",
                   "max step, N", "jumps/100k", "lost/100k", "mean step, N", "max force, N", "ticks",
@@ -91,7 +105,10 @@ void report_statistics(const TracingOptions& options, const std::vector<TraceSta
   std::string slips, work;
   Json json;
   json["stiffness_N_per_m"] = options.trace.stiffness;
-  for (const TraceStatistics& s : found) {
+  json["settle_s"] = options.trace.settle;
+  json["deepest_contact_m"] = traced.deepest;
+  json["median_way_m"] = traced.way;
+  for (const TraceStatistics& s : traced.statistics) {
     text += fmt::format(
         "{:<8} {:>14.6g} {:>10.1f} {:>10.1f} {:>14.6g} {:>14.6g} {:>10} {:>10} {:>8} {:>10}\n",
         method_name(s.method), s.largest_step, s.jumps_per_100k(), s.lost_per_100k(), s.mean_step,
@@ -100,12 +117,12 @@ void report_statistics(const TracingOptions& options, const std::vector<TraceSta
     if (options.trace.friction.any())
       slips += fmt::format("{:<8} slips in {:.1f} % of the ticks in contact\n",
                            method_name(s.method), 100 * s.slipping_share());
-    work += fmt::format("{:<8} net work {:>12.6g} J of {:.6g} J{}\n", method_name(s.method),
+    work += fmt::format("{:<8} net work {:>12.6g} J of {:.6g} J moved{}\n", method_name(s.method),
                         s.work.net, s.work.gross, gain_text(s.loop_gain));
     json["methods"].push_back(json_of(s));
     if (options.trace.friction.any()) json["methods"].back()["slipping"] = s.slipping;
   }
-  report(options, text + slips + work, json, options.output == "-");
+  report(options, text + motion_text(options, traced) + slips + work, json, options.output == "-");
 }
 
 PointTable path_of(const TracingOptions& options, const PatchCache& cache) {
@@ -168,10 +185,16 @@ void check(const TracingOptions& options) {
   check_outputs({options.output}, {options.surface, options.path});
 }
 
-struct Traced {
-  std::vector<TraceStatistics> statistics;
-  double deepest = 0;  // of the patches' contacts, m
-};
+// The median way of a tick, m.
+double median_way(std::span<const Vec3> hips, double unit) {
+  std::vector<double> ways;
+  for (std::size_t i = 1; i < hips.size(); ++i) ways.push_back((hips[i] - hips[i - 1]).norm());
+  std::erase_if(ways, [](double way) { return !std::isfinite(way); });
+  if (ways.empty()) return 0;
+  const auto middle = ways.begin() + static_cast<std::ptrdiff_t>(ways.size() / 2);
+  std::nth_element(ways.begin(), middle, ways.end());
+  return *middle * unit;
+}
 
 // Follows the path, and writes a row for each tick and method.
 Traced follow(const TracingOptions& options, const PatchCache& cache, const PointTable& path) {
@@ -191,6 +214,7 @@ Traced follow(const TracingOptions& options, const PatchCache& cache, const Poin
   const LargeArray<double>* steps = path.table.find("step");
   const UnitChange across(path.unit, options.unit);
   Traced traced;
+  traced.way = median_way(hips, cache.unit);
   Watch watch(options, "trace", hips.size(), "ticks");
   const auto add = [&](std::size_t tick, std::span<const TraceStep> felt) {
     for (std::size_t m = 0; m < felt.size(); ++m) {
@@ -225,7 +249,7 @@ void run(TracingOptions options) {
   if (std::all_of(traced.statistics.begin(), traced.statistics.end(),
                   [](const TraceStatistics& s) { return s.touching == 0; }))
     tell_untouched(options, cache, path);
-  report_statistics(options, traced.statistics);
+  report_statistics(options, traced);
 }
 
 }  // namespace

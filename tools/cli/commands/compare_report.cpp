@@ -24,10 +24,17 @@ std::string rate_text(double per_second) {
                           : fmt::format("{:.3g} M", per_second * 1e-6);
 }
 
+// In %: less than 1e-12 is rounding.
+double percent(double share) {
+  const double value = 100 * share;
+  return std::abs(value) < 1e-12 ? 0 : value;
+}
+
 std::string gain_text(const LoopGain& loops) {
   if (std::isnan(loops.gain)) return "-";
-  if (!loops.is_certain()) return fmt::format("< {:.1g}", 100 * loops.error);
-  return fmt::format("{:.2g}", 100 * loops.gain);
+  if (percent(loops.gain) == 0) return "0";
+  if (!loops.is_certain()) return fmt::format("< {:.1g}", percent(loops.error));
+  return fmt::format("{:.2g}", percent(loops.gain));
 }
 
 std::string jumps_text(const FeltWalks& felt) {
@@ -51,16 +58,17 @@ std::string feel_text(const std::vector<CompareRow>& rows) {
           " {:>19}",
           fmt::format("{:.3g} mm/s, {:.3g} ms", walk.way * kMillimetresASecond, 1e3 * walk.settle));
   }
-  text += fmt::format(" {:>8} {:>10} {:>9} {:>9} {:>9} {:>9}\n", "lost/", "held", "loops, %",
+  text += fmt::format(" {:>10} {:>10} {:>9} {:>9} {:>9} {:>9}\n", "lost/100k", "held", "loops, %",
                       "p99, %", "error, %", "tick, us");
   for (const CompareRow& row : rows) {
     if (row.backend != rows.front().backend) continue;
     text += fmt::format("{} {:<12} {:<6} {:<12}", row.pareto ? '*' : ' ', row.candidate.name(),
                         precision_name(row.precision), name_of(kSolverNames, row.solver));
     for (const CompareWalk& walk : row.walks) text += fmt::format(" {:>19}", jumps_text(walk.felt));
-    text += fmt::format(" {:>8.1f} {:>10} {:>9} {:>9.2g} {:>9.3g} {:>9.2f}\n", row.lost_per_100k,
-                        held_text(row.leaving), gain_text(row.loop_gain), 100 * row.p99_force_error,
-                        100 * row.max_force_error, row.tick * kMicroseconds);
+    text +=
+        fmt::format(" {:>10.1f} {:>10} {:>9} {:>9.2g} {:>9.3g} {:>9.2f}\n", row.lost_per_100k,
+                    held_text(row.leaving), gain_text(row.loop_gain), percent(row.p99_force_error),
+                    percent(row.max_force_error), row.tick * kMicroseconds);
     text += unsound_text(row.unsound, "steps");
   }
   return text;
@@ -69,13 +77,13 @@ std::string feel_text(const std::vector<CompareRow>& rows) {
 std::string cost_text(const std::vector<CompareRow>& rows) {
   std::string text = fmt::format(
       "  {:<12} {:<6} {:<12} {:<6} {:>8} {:>9} {:>8} {:>8} {:>10} {:>10} {:>9} {:>9} {:>9} {:>9} "
-      "{:>9} {:>9} {:>9}\n",
+      "{:>9} {:>9} {:>11}\n",
       "surface", "prec.", "solver", "on", "B/patch", "build/s", "eval/s", "track/s", "far, mm",
-      "p99, mm", "gap, deg", "p99, deg", "step, N", "p99, N", "walk, N", "p99, N", "beyond/");
+      "p99, mm", "gap, deg", "p99, deg", "step, N", "p99, N", "walk, N", "p99, N", "beyond/100k");
   for (const CompareRow& row : rows) {
     text += fmt::format(
         "  {:<12} {:<6} {:<12} {:<6} {:>8.0f} {:>9} {:>8} {:>8} {:>10.3g} {:>10.3g} {:>9.2g} "
-        "{:>9.2g} {:>9.4g} {:>9.4g} {:>9.4g} {:>9.4g} {:>9.1f}\n",
+        "{:>9.2g} {:>9.4g} {:>9.4g} {:>9.4g} {:>9.4g} {:>11.1f}\n",
         row.candidate.name(), precision_name(row.precision), name_of(kSolverNames, row.solver),
         row.backend, row.bytes_per_patch, rate_text(row.build_per_s), rate_text(row.eval_per_s),
         rate_text(row.track_per_s), row.max_distance * 1e3, row.p99_distance * 1e3,
@@ -104,11 +112,12 @@ std::string text_of(const DenseRow& row) {
 }
 
 std::string text_of(const CompareWalks& walks, const WalkOptions& walk) {
-  if (walks.sets.empty()) return "lost/: per 100,000 ticks in contact along the path\n";
+  if (walks.sets.empty()) return "lost/100k: per 100,000 ticks in contact along the path\n";
   return fmt::format(
       "mm/s, ms: jumps of the force in 100,000 ticks in contact, ± one standard deviation over "
       "seeds, by the hand's speed in a loop of 1 kHz and by settle: {} random walks of {} ticks, "
-      "{:.3g} mm deep; lost/, walk, N, beyond/: of the slow ones with settle as given; loops: net "
+      "{:.3g} mm deep; lost/100k, walk, N, beyond/100k: of the slow ones with settle as given; "
+      "loops: net "
       "work, of force x way, that {} closed loops a face wide give the hand at most\n",
       walk.walkers, walk.ticks, walks.depth * 1e3, walks.loops.size());
 }
@@ -117,8 +126,7 @@ std::string text_of(const LeavingOptions& leaving, double settle) {
   if (leaving.hands == 0) return "";
   return fmt::format(
       "held: contacts of {} hands that press in, slide, leave at up to 2 % of the mesh's diagonal "
-      "a tick, and rest outside, that are felt there for longer than {} ticks (5 x settle, and "
-      "1)\n",
+      "a tick, and rest outside, that are felt there for longer than {} ms\n",
       leaving.hands, held_bound(settle));
 }
 

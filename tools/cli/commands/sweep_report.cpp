@@ -18,23 +18,25 @@ std::string jumps_text(const SweepResult& result) {
   for (const SweepStatistics& s : result.statistics) {
     if (depth) text += *depth == s.depth ? ", " : "\n";
     if (depth != s.depth)
-      text += fmt::format("at {} the force jumps in 100,000 steps: ", depth_name(s.depth));
+      text += fmt::format(
+          "at {} the force jumps between so many of 100,000 neighbours among {} "
+          "samples: ",
+          depth_name(s.depth), s.samples);
     text += fmt::format("{} {:.0f}", method_name(s.method), s.jumps_per_100k());
     depth = s.depth;
   }
   return text + "\n";
 }
 
-// Names the depths at which samples are so far apart that a smooth force changes by 20 % from one
-// to the next.
+// Names the depths at which a smooth force may change by 20 % from one sample to the next.
 std::string sparse_text(const SweepResult& result) {
   std::string text;
   for (const SweepStatistics& s : result.statistics) {
-    if (s.method != Method::kGregory || s.jumps_per_100k() <= 2 * s.leaps_per_100k() + 1) continue;
+    if (s.method != Method::kGregory || !s.may_be_sparse()) continue;
     text += fmt::format(
-        "at {} the samples are too far apart to count jumps: of {:.0f} in 100,000 steps of gregory "
-        "{:.0f} do not get smaller with denser ones; take more by --samples\n",
-        depth_name(s.depth), s.jumps_per_100k(), s.leaps_per_100k());
+        "at {} the samples may be too far apart to count jumps: if those of gregory become fewer "
+        "with --samples {:.1g}, they are\n",
+        depth_name(s.depth), 4.0 * static_cast<double>(s.samples));
   }
   return text;
 }

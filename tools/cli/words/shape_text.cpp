@@ -54,14 +54,19 @@ void tell_tight_curvature(const ReportOptions& options, const PatchCache& cache,
 }
 
 std::string departure_text(const PatchCache& cache) {
+  constexpr double kRounding = 1e-9;  // of the size
   const Departure& d = cache.departure;
-  const std::string of_room = std::isfinite(d.room)
-                                  ? fmt::format(", {:.3g} % of the {} to the next face there",
-                                                100 * d.share(), length_text(d.room * cache.unit))
-                                  : "";
+  const double share = d.distance / diagonal_of(cache.bounds());
+  if (share < kRounding) return "patches do not leave their polygons";
+  std::string room;
+  if (std::isfinite(d.room)) {
+    const std::string way = length_text(d.room * cache.unit);
+    room = d.share() > 1
+               ? fmt::format(", through the next face, {} away", way)
+               : fmt::format(", {:.3g} % of the {} to the next face there", 100 * d.share(), way);
+  }
   return fmt::format("patches leave their polygons by up to {} ({:.2g} % of the size{}: face {})",
-                     length_text(d.distance * cache.unit),
-                     100 * d.distance / diagonal_of(cache.bounds()), of_room, d.face);
+                     length_text(d.distance * cache.unit), 100 * share, room, d.face);
 }
 
 Json departure_json(const Departure& d, double unit) {
@@ -93,8 +98,8 @@ std::string rounded_text(const Mesh& mesh) {
   return text;
 }
 
-std::string radius_text(double radius) {
-  return radius < kFlat ? fmt::format("{:.4g}", radius) : "none";
+std::string radius_text(double radius, const std::string& unit) {
+  return radius < kFlat ? fmt::format("{:.4g} {}", radius, unit) : "none, as all is flat";
 }
 
 Json radius_json(double radius) { return radius < kFlat ? Json(radius) : Json(); }

@@ -33,7 +33,8 @@ void tell_departure(const ReportOptions& options, const PatchCache& cache);
 std::string creases_text(std::size_t count);  // "; 12 edges are creases", or "" where none is
 // "; 12 creases are rounded: faces 6 to 29 are their strips", or "" where none is.
 std::string rounded_text(const Mesh& mesh);
-std::string radius_text(double radius);  // "4.67", or "none" where all is flat
+// "4.67 mm", or "none, as all is flat".
+std::string radius_text(double radius, const std::string& unit);
 Json radius_json(double radius);
 
 }  // namespace gliss::tools
