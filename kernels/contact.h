@@ -167,7 +167,7 @@ FN real3 triangle_normal(surface_view view, uint patch, polygon_sides s, triangl
   return norm3(normal) > TINY ? unit3(normal) : load3(numbers_of(view, patch), PATCH_NORMAL);
 }
 
-// That of the triangle with an edge from corner `from` to `to`; none where there is none.
+// Returns the normal of the triangle with an edge from corner `from` to `to`; zero without one.
 FN_LARGE real3 normal_beside(surface_view view, uint patch, int from, int to) {
   const polygon_sides s = polygon_of(view, patch, 1);
   for (int t = 0; t < s.triangles; ++t) {
@@ -252,8 +252,9 @@ FN contact contact_of_base(surface_view view, hip_point h, base_point b, polygon
 // A thousand sizes of the mesh away, rounding of the offset may be more than parts are thick.
 #define FAR_OUTSIDE K(1024)
 
-// A contact from there is none. From nearer, one that is no number is a fault of the surface; its
-// push is no number either, so that nobody takes it for none.
+// Ends a query's contact: beyond FAR_OUTSIDE there is none. Nearer, a number that is not finite
+// means that the surface's data are bad. The push is then NaN, so that nobody mistakes it for "no
+// force".
 FN contact within_reach(hip_point h, contact c) {
   const real reach = reach_of_hip(h);
   const real3 all = add3(add3(c.scp, c.normal), add3(c.offset, c.push));
@@ -270,8 +271,8 @@ FN contact within_reach(hip_point h, contact c) {
 }
 
 // Tells a contact, the last of its query, what that has spent. Its iterations are the evaluations
-// at feet after the first; those for tangents and normals of corners and creases, for a step that
-// was refused and for the paper's secants are none.
+// at feet after the first. They leave out those for tangents and normals of corners and creases,
+// for a step that was refused and for the paper's secants.
 FN void tell(contact* c, const effort* spent) {
   PROMISE(spent->steps <= spent->evaluations);
   c->iterations = spent->steps > 0 ? spent->steps - 1 : 0;

@@ -279,8 +279,8 @@ FN_LARGE scalar cut_patch(GLOBAL scalar* rows, int stride, GLOBAL uint* index, i
                                      stretch2, curvature, out);
 }
 
-// How far normals lean from the axis, at most: by more than the mean curvature, as it is read,
-// says, if beneath the patch that bounds them better.
+// Returns the code of a bound on how far normals lean from the axis. Where it is tighter beneath
+// the patch, the bound is on what they lean beyond the mean curvature as it is read.
 FN real lean_bits(cut_tile t, real mean) {
   const real zero = splat(K(0)), radius = larger(t.radius, -t.radius);
   const real residual = fma(radius, fabs(mean - K(0.5f) * (t.low + t.high)), t.residual);

@@ -51,7 +51,7 @@ FN real curvature_of(tile_places t, uints bits) {
 
 // How far aside of a tile's centre a HIP at a height may be at most, that a normal of the tile
 // leads to. The normal of a point that is u aside passes the height u (1 + height mean) aside, mean
-// being that of the tile's curvatures, and farther by what it turns besides.
+// being that of the tile's curvatures, and farther by what else it turns.
 FN real reach_of_normals(tile_places t, int i, uints curves, real height, real radius,
                          real half_height) {
   const uints bits = tile_words(t, TILE_AXIS, i) >> 24;
@@ -91,8 +91,8 @@ FN mask may_hold_foot(tile_places t, int i, scalar distance) {
   return near;
 }
 
-// Bit i stands for tile first + i. Words of other rows, or none if there are too few, follow those
-// of the last tiles.
+// Returns which tiles may hold a foot: bit i stands for tile first + i. Lanes past the last tile
+// read words of the next row; their bits are masked off.
 #define TILES_AT_ONCE 64
 FN ulong tiles_in_reach(tile_places t, int first, scalar distance) {
   const int left = t.count - first, count = left < TILES_AT_ONCE ? left : TILES_AT_ONCE;

@@ -57,15 +57,16 @@ FN real reach_of_hip(hip_point h) { return fabs(h.high.x) + fabs(h.high.y) + fab
 
 FN real square(real x) { return x * x; }
 
-// A point of all base polygons that may be the nearest, and limits to boxes, squared: within the
-// first may be a nearer polygon, within the other a nearer patch. For no point of a patch is
-// farther from its base polygon than its sag.
+// base_search holds the nearest point of the base polygons so far, and limits of distance, squared:
+// within the first may be a nearer polygon, within the other a nearer patch. They differ, because
+// points of a patch may be off its base polygon by its sag.
 typedef struct {
   base_point at;
   real nearer2, reach2;
 } base_search;
 
-// So much farther, by rounding, may the box of a polygon seem that is as near.
+// Returns the rounding error of a box's distance: the box of a polygon that is as near may look
+// this much farther away.
 FN real box_slack(hip_point h) { return K(16) * EPSILON * (K(1) + reach_of_hip(h)); }
 
 FN void set_limits(surface_view view, base_search* s, real slack) {
@@ -91,12 +92,12 @@ FN void try_base(surface_view view, hip_point h, uint patch, base_search* s) {
   set_limits(view, s, box_slack(h));
 }
 
-// Nearest point of all base polygons, of those as near the first patch's; that on patch 0 where the
-// HIP is not a number or so far away that its distance may overflow. Where patches are asked for
-// (keeps), of the patches' own base polygons, and also those patches that may hold a point as near
-// as the patch there is expected to; else of the polygons themselves. `guess`: a patch that
-// may be near; it makes the walk shorter, and no difference to what is found. `part`: the patches
-// of that part alone, which `guess` is one of; NONE: all.
+// Finds the nearest point of all base polygons; of equally near ones that of the lowest patch. A
+// HIP that is not a number, or so far away that its distance may overflow, gets the point on patch
+// 0. With `keeps` it looks at the patches' own base polygons, and also keeps in `near` the patches
+// that may hold a point as near as the patch there is expected to; else it looks at the polygons
+// themselves. `guess`: a patch that may be near; it shortens the walk and does not change what is
+// found. `part`: only the patches of that part, which `guess` is one of; NONE: all.
 FN_LARGE base_point nearest_base_of(surface_view view, hip_point h, uint guess, uint part,
                                     int keeps, near_patches* near) {
   near->count = 0;
@@ -241,8 +242,8 @@ FN domain_point start_on_base(surface_view view, base_point base) {
   return start_at(base.patch, blend_on_polygon(view, base));
 }
 
-// True if a search goes on with `a`: not for a rounding, by which other patches would decide, but
-// where it alone has converged.
+// True if `a` should replace `b`: it is nearer by more than rounding, or as near and only `a` has
+// converged. Rounding alone must not decide which patch a search ends on.
 FN int is_nearer(foot a, foot b) {
   const real rounding = K(8) * EPSILON * b.d.distance2;
   const int converges = a.d.converged && !b.d.converged;

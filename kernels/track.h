@@ -202,9 +202,10 @@ FN_LARGE fan_place find_in_fan(surface_view view, uint side, real3 w, effort* sp
   return r;
 }
 
-// The side, of those that start at the same vertex, whose patch has the border or sharp edge there
-// that goes most along a direction: from a corner a way may point into no patch and yet lead along
-// an edge that is none of the two of `side`'s patch. NONE where one of these leads there, or none.
+// Finds the border or sharp edge at a vertex that goes most along w, and returns the side there
+// whose patch has it. From a corner a way may point into no patch and yet lead along an edge of
+// another patch than that of `side`. Returns NONE if no such edge follows w, or if one of the two
+// edges of that patch already does.
 FN_LARGE uint edge_in_fan(surface_view view, uint side, real3 w, effort* spent) {
   uint best = NONE;
   real most = K(16) * EPSILON * norm3(w);
@@ -428,9 +429,9 @@ FN domain_point corner_point(surface_view view, uint side) {
   return r;
 }
 
-// The point of another patch where a foot that a step leads out goes on; of patch NONE where it
-// goes on along its sides: there is none, or the step before, `last`, has brought it. Over an edge
-// that may have been to a corner: then it goes round that.
+// Returns the point of another patch where a foot that a step leads out goes on. Its patch is NONE
+// where the foot goes on along its own sides: no other patch is there, or the step before, `last`,
+// has brought the foot here. That step may have ended at a corner: the foot then goes round it.
 FN domain_point leave_patch(surface_view view, foot* f, held_sides held, int last, effort* spent) {
   const int just_crossed = last == STEP_ROUNDS || (last == STEP_CROSSES && held.b < 0);
   const uint first = view.side_begin[f->patch];
