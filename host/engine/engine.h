@@ -1,5 +1,5 @@
 // The batch engine: many patches, points or HIPs at once. One interface; oneTBB or OpenCL
-// (host/engine/opencl.h) behind it.
+// (gliss/engine/opencl.h) behind it.
 #pragma once
 
 #include <functional>

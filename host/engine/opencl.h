@@ -1,4 +1,4 @@
-// The OpenCL engine: the kernels of kernels/ on any OpenCL device.
+// The OpenCL engine: the host's kernels on any OpenCL device.
 #pragma once
 
 #include <cstdint>

@@ -20,8 +20,8 @@ struct GLISS_EXPORT CacheError : std::runtime_error {
 
 // Written to a temporary beside `path`, synced and renamed: a reader sees a whole cache or none.
 // Throws std::system_error. Reading checks every section's checksum, size, index and number; throws
-// CacheError, or NoFileError (host/files/open_file.h) of what is no regular file. Writing that
-// is stopped leaves no file.
+// CacheError, or another std::runtime_error where `path` is no regular file. Writing that is
+// stopped leaves no file.
 GLISS_EXPORT void save_cache(const PatchCache& cache, const std::string& path,
                              const Poll& poll = {});
 GLISS_EXPORT PatchCache load_cache(const std::string& path, const Poll& poll = {});

@@ -26,8 +26,8 @@ struct ContactFoot {
 //   outer side of it. If the HIP is inside of something there nonetheless, its contact is the
 //   nearest point of all. So a hand that has pressed through a part is held for as long as that
 //   lies between the hand and its contact point, as a god-object holds it, and then it is free.
-//   Past an open border a contact fades: the rim is rounded off (kernels/contact.h, past_border),
-//   so that it ends without force.
+//   Past an open border a contact fades: the rim is rounded off (docs/meshes.md, Open borders), so
+//   that it ends without force.
 // - An open mesh is the skin of a solid that lies behind it. It acts on what comes from outside; a
 //   HIP that went round the rim is behind it and feels nothing until it has come out and in again.
 // - Where the place that it follows ends, as over an edge or in a thin part, the nearest point

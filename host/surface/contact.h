@@ -22,10 +22,10 @@ constexpr bool is_settling(std::uint32_t flags) { return (flags & kSettling) != 
 // ... kSlipping.
 constexpr bool is_slipping(std::uint32_t flags) { return (flags & kSlipping) != 0; }
 
-// The most that a contact has of each, with room for more (kernels/layout.h).
+// The most numbers that a contact has of each kind, with room for more.
 inline constexpr std::size_t kContactReals = 16, kContactUints = 8;
 
-// A contact as the kernels see it (kernels/contact.h): local frame of its patch, offsets in the
+// A contact as the kernels see it: local frame of its patch, offsets in the
 // mesh frame. Starts free.
 template <class Real>
 struct RawContact {

@@ -23,8 +23,8 @@ enum class Precision { kFloat, kDouble };
 enum class Construction : std::uint32_t {
   kPaper,  // Wu et al., eq. 2 to 14
   kFair,   // triangles and quads as Gregory patches that bend little, on irregular meshes too
-           // (kernels/fair.h); blends of curved ribbons for faces of 5 to 31 sides, the paper's
-           // patch beyond
+           // (docs/method.md, The fair construction); blends of curved ribbons for faces of 5 to 31
+           // sides, the paper's patch beyond
 };
 
 // The surface that stands for the construction's: a trade of accuracy for speed and memory. All but

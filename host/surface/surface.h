@@ -1,4 +1,4 @@
-// The arrays that the kernels read (kernels/view.h), in one precision.
+// The arrays that the kernels read, in one precision.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +17,8 @@ inline std::uint32_t next_side(const LargeArray<std::uint32_t>& side_begin, std:
 template <class Real>
 struct Surface {
   std::vector<Real> domain;  // tables of the valences in use
-  // [valence], where its table begins. No polygon has 0 sides: [0] says what the surface has
-  // (SURFACE_CREASES of kernels/layout.h), which caches keep there.
+  // [valence], where its table begins. No polygon has 0 sides: [0] says what the surface has,
+  // such as creases, as bits that caches keep there.
   std::vector<std::uint32_t> domain_begin;
   LargeArray<std::uint32_t> side_begin;     // [patch + 1]
   LargeArray<std::uint32_t> side_patch;     // [side]
@@ -33,7 +33,7 @@ struct Surface {
   LargeArray<std::uint32_t> child;          // [node][2]
   LargeArray<std::uint32_t> tile;           // [kTileUints][tile], patch by patch
   LargeArray<std::uint32_t> tile_begin;     // [patch + 1], tiles before its own
-  // Parts that overlap (kernels/union.h); all empty if no part meets another.
+  // Parts that overlap (docs/meshes.md); all empty if no part meets another.
   LargeArray<std::uint32_t> part;         // [patch], its part and kPatch...
   std::vector<std::uint32_t> part_table;  // [part][kPartUints]
   std::vector<std::uint32_t> partner;     // solid parts that may hold a part's points

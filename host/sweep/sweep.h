@@ -68,8 +68,8 @@ struct SweepStatistics {
   std::uint64_t samples = 0, touching = 0, unconverged = 0, iterations = 0, crossings = 0;
   // Counts pairs of neighbours of both kinds. felt_pairs: one or both are in contact. jumps: the
   // step is above 20 % of k d, or not finite. lost: the jumps of which one is free and the other is
-  // in contact. leaps: the jumps of more than 2 k |dx| besides, dx being from HIP to HIP: the
-  // nearest point is elsewhere, not only farther round a bend between two samples (settle,
+  // in contact. leaps: those jumps that are also of more than 2 k |dx|, dx being from HIP to HIP:
+  // the nearest point is elsewhere, not only farther round a bend between two samples (settle,
   // query.h, has this measure). A sweep has no time: its steps are from place to place.
   std::uint64_t felt_pairs = 0, jumps = 0, lost = 0, leaps = 0;
 
@@ -113,9 +113,9 @@ struct SweepResult {
 class SweepParts;
 
 // Memory is bounded by the part under way, whatever the number of samples; the result is the same
-// at any thread count. With `parts` (host/sweep/sweep_parts.h, made of the same cache and options),
-// those that are there already are taken from there, unless a few contacts that are done again
-// differ, and others kept there; the result is the same.
+// at any thread count. With `parts` (in files, as gliss sweep keeps them, made of the same cache
+// and options), those that are there already are taken from there, unless a few contacts that are
+// done again differ, and others kept there; the result is the same.
 GLISS_EXPORT SweepResult sweep(const PatchCache& cache, const Engine& engine,
                                const SweepOptions& options, const SweepSink& sink = nullptr,
                                const SweepProgress& progress = nullptr,

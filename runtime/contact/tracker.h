@@ -1,6 +1,6 @@
 // A device's HIPs among the objects of a scene: what a device loop calls each tick. The same
-// contacts as ContactTracker's (host/query/query.h), in metres and the world's frame; a step
-// allocates nothing, takes no lock, and its work is bounded.
+// contacts as ContactTracker's (gliss/query/contact_tracker.h), in metres and the world's frame; a
+// step allocates nothing, takes no lock, and its work is bounded.
 #pragma once
 
 #include <memory>

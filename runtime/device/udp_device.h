@@ -1,5 +1,5 @@
-// A haptic device that lives in another process of this machine (runtime/device/udp_server.h serves
-// one) and speaks runtime/device/udp_protocol.h. Where that has a pass (runtime/device/udp_pass.h),
+// A haptic device that lives in another process of this machine (gliss/device/udp_server.h serves
+// one) and speaks gliss/device/udp_protocol.h. Where that has a pass (gliss/device/udp_pass.h),
 // each force brings it.
 #pragma once
 
@@ -38,7 +38,7 @@ class GLISS_EXPORT UdpDevice final : public HapticDevice {
   bool write_wrench(const Wrench& wrench, Nanoseconds now) noexcept override;
   std::string fault_text() const override;
 
-  // Datagrams that are none of ours, or say that they were measured after they arrived.
+  // Datagrams that are not of this protocol, or say that they were measured after they arrived.
   std::uint64_t rejected() const noexcept { return rejected_; }
   std::uint64_t outdated() const noexcept { return outdated_; }  // states older than one before
 

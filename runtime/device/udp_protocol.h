@@ -2,7 +2,7 @@
 // layouts, little-endian, without padding. Both processes read the same CLOCK_MONOTONIC. What does
 // not hold of a datagram makes it none: nothing of it is used.
 //
-// A device that has a pass (runtime/device/udp_pass.h) takes forces with that pass alone, and
+// A device that has a pass (gliss/device/udp_pass.h) takes forces with that pass alone, and
 // answers others with a RefusalDatagram. One without takes them from whoever comes first.
 #pragma once
 

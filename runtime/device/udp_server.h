@@ -1,7 +1,7 @@
-// The other side of runtime/device/udp_device.h: gives a haptic device of this process to one loop
+// The other side of gliss/device/udp_device.h: gives a haptic device of this process to one loop
 // in another. The device has no force unless that loop sent one in the last 20 ms, and then what a
 // guard of its own lets through. The force of a loop that dies, says bye or is ended fades by that
-// guard. What does not bring the pass of this user (runtime/device/udp_pass.h) is refused.
+// guard. What does not bring the pass of this user (gliss/device/udp_pass.h) is refused.
 #pragma once
 
 #include <functional>
@@ -19,7 +19,7 @@ namespace gliss {
 struct UdpServerOptions {
   Nanoseconds period = std::chrono::milliseconds(1);
   // A force is gone this long after it was sent: at most 20 ms, which a HapticDevice owes, and more
-  // than a period, for the last tick before takes it away.
+  // than a period, because the last tick before takes it away.
   Nanoseconds watchdog = std::chrono::milliseconds(20);
   // Between the loop's force and the device, which may limit it further. It starts anew with each
   // loop, and engages again by itself where a loop that was late or silent asks for little force.
@@ -33,7 +33,7 @@ struct UdpServerOptions {
 struct UdpServerCounts {
   std::uint64_t received = 0;        // datagrams that the loop sent
   std::uint64_t sent = 0;            // to it
-  std::uint64_t rejected = 0;        // are none of ours, or were sent after they arrived
+  std::uint64_t rejected = 0;        // are not of this protocol, or were sent after they arrived
   std::uint64_t refused = 0;         // bring no pass, or another
   std::uint64_t ignored = 0;         // a stranger's, or too old
   std::uint64_t peers = 0;           // loops that came, or came back from silence
@@ -49,7 +49,7 @@ class GLISS_EXPORT UdpServer {
   static constexpr int kDrain = 64;  // datagrams that one tick takes at most
 
   // Port 0: any that is free. Throws LoopError where the port or its pass cannot be had,
-  // std::invalid_argument for options that are none.
+  // std::invalid_argument for invalid options.
   UdpServer(HapticDevice& device, std::uint16_t port, const UdpServerOptions& options = {});
   ~UdpServer();
   UdpServer(const UdpServer&) = delete;

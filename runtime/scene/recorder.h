@@ -12,7 +12,7 @@
 
 namespace gliss {
 
-// A recording is the table "ticks" of a result file (host/tables/result_file.h), a row each, in SI
+// A recording is the table "ticks" of a result file (gliss/tables/result_file.h), a row each, in SI
 // units. x,y,z are the positions as read and fx,fy,fz the forces as rendered, so that a
 // recording is a path for a replay and for `gliss trace`.
 class GLISS_EXPORT RecordingFile {

@@ -13,7 +13,7 @@
 namespace gliss {
 
 // A distribution of durations to 0.8 %: whole nanoseconds below 256, above that 128 bins for each
-// doubling. The Histogram of host/sweep/sweep.h has bins of 12 %, wider than the 50 us that a tail
+// doubling. The Histogram of gliss/sweep/sweep.h has bins of 12 %, wider than the 50 us that a tail
 // of 0.5 ms is judged by.
 class GLISS_EXPORT DurationHistogram {
  public:
