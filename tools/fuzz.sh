@@ -3,7 +3,7 @@
 # packages (as root or with sudo), builds with clang's libFuzzer under ASan and UBSan, and runs each target.
 # Usage: tools/fuzz.sh [SECONDS [TARGET...]]: 60 s each, all of tests/fuzz/fuzz_*.cpp, such as obj or surface.
 # Inputs that break something stay in fuzz-findings/TARGET; then it ends with 1. Those of tests/fuzz/corpus are where
-# it begins, and CI runs them; what it meets besides is kept in build-fuzz/corpus for the next time.
+# it begins, and CI runs them; what else it meets is kept in build-fuzz/corpus for the next time.
 set -euo pipefail
 cd "$(dirname -- "${BASH_SOURCE[0]}")/.."
 source tools/packages.sh

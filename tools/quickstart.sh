@@ -34,8 +34,8 @@ fetch_page() {
   cmake --build $build --target report_html
 }
 if grep -q '^GLISS_REPORT:BOOL=ON' $build/CMakeCache.txt && ! fetch_page; then
-  echo "The page of gliss report is left out, for npm cannot fetch what it needs. Behind a proxy, set HTTPS_PROXY, or" >&2
-  echo "NODE_EXTRA_CA_CERTS to the file of its certificates, and run this again. All else goes on." >&2
+  echo "The page of gliss report is left out, because npm cannot fetch what it needs. Behind a proxy, set" >&2
+  echo "HTTPS_PROXY, or NODE_EXTRA_CA_CERTS to the file of its certificates, and run this again. All else goes on." >&2
   configure -DGLISS_REPORT=OFF
 fi
 cmake --build $build --target installed --parallel "$(nproc)"

@@ -22,8 +22,8 @@ GLISS_EXPORT void build_patches(PatchBatch& batch, const ParallelFor& parallel);
 struct BuildBackend {
   ParallelFor parallel = serial_for;
   BatchBuilder build = build_patches;
-  // Faces in a batch at most: bounds what is held besides the cache. Batches that take long are
-  // smaller, and the cache is the same.
+  // Faces in a batch at most: bounds what is held in addition to the cache. Batches that take long
+  // are smaller, and the cache is the same.
   std::size_t chunk = 8192;
   // Told now and then how many of the faces are examined, from the thread that builds.
   std::function<void(std::size_t faces)> progress = [](std::size_t) {};

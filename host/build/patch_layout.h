@@ -25,7 +25,7 @@ struct PatchLayout {
 };
 
 // Numbers the patches of `faces`, which are `drafted` in the same order, after those before, and
-// adds what the cache knows of each besides its shape.
+// adds what else the cache knows of each.
 void number_patches(const Mesh& mesh, std::span<const std::uint32_t> faces,
                     std::span<const DraftedFace> drafted, PatchCache& cache, PatchLayout& layout);
 

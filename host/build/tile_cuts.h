@@ -9,8 +9,8 @@ namespace gliss {
 // TileSamples holds where tiles take their samples from: a point's place in an array of samples,
 // [point][padded].
 struct TileSamples {
-  // Points among the probes, `probe_points` of them: they tell if normals keep together. None:
-  // probes are too far apart, as they are only where all normals keep together.
+  // The probes in each tile, `probe_points` of them, show whether its normals agree. 0: probes are
+  // sparser than tiles, which happens only on patches whose normals all agree.
   std::uint32_t probe_points = 0;
   std::vector<std::uint32_t> probe;
   // The points that are sampled, xi of all and eta of all; empty: the probes.

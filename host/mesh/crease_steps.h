@@ -14,7 +14,8 @@ namespace gliss {
 // The step of a corner, by a radius of 1.
 struct CreaseMove {
   Vec3 step = Vec3::Zero();
-  // The corner in whose face the step leads, as so much of its edges ahead and back.
+  // The corner of the face that the step goes into. `ahead` and `back` are its coordinates along
+  // that corner's two edges.
   std::uint32_t corner = 0;
   double ahead = 0, back = 0;
 };

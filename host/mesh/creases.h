@@ -59,7 +59,7 @@ GLISS_EXPORT std::optional<double> plain_crease_angle(const Mesh& mesh, const To
 // edge of a box does and none of an octahedron (70.5) or dodecahedron (63.4), for which smooth
 // patches are meant. A chain of them goes on over edges that turn by more than 50 degrees. One that
 // ends within the mesh, or whose turn changes by more than 20 degrees at a vertex, is a fold of a
-// smooth shape, and is none. Then corners are cut: where two creases that form an angle of less
+// smooth shape, and no crease. Then corners are cut: where two creases that form an angle of less
 // than 120 degrees bound faces that turn by more than 2 degrees from each other, the sharpest edge
 // between these is a crease, which may end at its other vertex, a dart; and where a crease ends at
 // a vertex all of whose edges turn by more than 50 degrees, they all are.

@@ -102,7 +102,7 @@ class ContactTracker::Tick {
   }
 
   // True if the HIP of a contact, which has gone to where it is not touching, lies outside, as far
-  // as is known: a place that a search has found before it was cut off is none if it is farther.
+  // as is known: a farther place that a search had found when it was cut off does not count.
   bool is_outside(const Raw& end) const {
     const double gone = (t_.past_.hip - hip_).norm();
     return !kernel_.is_touching(end) ||
@@ -145,7 +145,7 @@ class ContactTracker::Tick {
                        c.touching && !kernel_.is_on_border(state_));
   }
 
-  // The tick ends with the SCP where it was, for what the tick may spend does not tell where it
+  // The tick ends with the SCP where it was, as what the tick may spend does not tell where it
   // goes, nor if it has ended. False if the HIP has come out of there, or is four times as deep as
   // at first.
   bool hold() {

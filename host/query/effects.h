@@ -1,4 +1,4 @@
-// What a hand feels of a contact besides its spring: damping, viscosity, a magnet, a texture
+// What a hand feels of a contact beyond its spring: damping, viscosity, a magnet, a texture
 // (docs/method.md, Effects).
 #pragma once
 
@@ -103,7 +103,7 @@ class GLISS_EXPORT Effects {
 };
 
 // The force on the hand, N in the object's frame, of a contact that `tracker` gave: with its
-// effects, or where there are none its spring's alone.
+// effects, or its spring's alone where it has no effects.
 inline Vec3 force_of(const std::optional<Effects>& effects, const Contact& contact,
                      const ContactTracker& tracker, const PatchCache& cache, double stiffness) {
   // A sum, as of the objects of a scene: it has no -0.

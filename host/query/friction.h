@@ -7,8 +7,7 @@
 
 namespace gliss {
 
-// Why the coefficients or the time of `options` are none, as the end of a sentence; null: they are
-// fine.
+// Returns null if the options are valid; else why not, as the end of a sentence ("has a ...").
 GLISS_EXPORT const char* fault_of(const FrictionOptions& options) noexcept;
 
 // Knows how wide the cone is, which way the surface pushes, and what the last tick used of the
@@ -19,18 +18,18 @@ GLISS_EXPORT const char* fault_of(const FrictionOptions& options) noexcept;
 // narrows to the dynamic coefficient, at once or over `settle`; until a tick ends within it.
 //
 // Past an open border, where the SCP cannot follow and the HIP has left the cone, the force fades
-// with a potential P, as that of a rim does (kernels/contact.h, past_border). With u the depth
+// with a potential P, as that of a rim does (docs/meshes.md, Open borders). With u the depth
 // along the edge of the cone and v the way across it, T = 2 / (1 + mu)^2 and m = 1 + 2 / T^2, it is
 // P = (u^2 - m v^2) / 2 as far as m T v = u, and from there on (u - v / T)^2 / 2 times
 // (T^2 + 2) / (T^2 + 1). It ends at v = T u, which is (2 + mu) depths past the border, and its push
-// changes by at most m of the HIP's way. At a border mu is at most 1/2, for m grows as mu^4.
+// changes by at most m of the HIP's way. At a border mu is at most 1/2, because m grows as mu^4.
 class GLISS_EXPORT Friction {
  public:
   // Requires options without a fault.
   explicit Friction(const FrictionOptions& options);
 
   // Goes on with other options, without a fault. A point at rest keeps its lag as far as the new
-  // cone permits; without friction there is none.
+  // cone permits; without friction it has no lag.
   void change(const FrictionOptions& options) noexcept;
 
   bool is_on() const { return static_ > 0; }
@@ -60,7 +59,7 @@ class GLISS_EXPORT Friction {
   bool slips() const { return slips_; }
   // |lag| over static x press, of the last tick.
   double share() const;
-  // How far the lag may change in this tick, for a HIP that moves by `way`.
+  // Returns how far the lag may change in this tick, for a HIP that moves by `way`.
   double slack(double way) const { return mu_ * way + narrowed_ * press_; }
 
  private:

@@ -89,8 +89,8 @@ struct QueryOptions : SolverOptions {
   // up to ten thousand, and that where a HIP is as near to many places; the default is a bound for
   // those made to take more.
   int budget = 1 << 16;
-  // For ContactTracker alone. The time (s) that the force takes to change by a jump, 20 % of
-  // itself, where the contact would leap: it turns to where it belongs. 0: it leaps, as in the
+  // For ContactTracker alone. Where the nearest point leaps, the contact slides there instead. This
+  // is the time (s) in which the force changes by 20 % of itself meanwhile. 0: it leaps, as in the
   // paper.
   double settle = kSettleTime;
   FrictionOptions friction = {};

@@ -124,7 +124,7 @@ void Settling::turn(Contact& now, double most) const {
   settle_at(turned, now);
 }
 
-// The push of a contact that has ended keeps its direction, for there is no place to pull the HIP
+// The push of a contact that has ended keeps its direction: there is no place to pull the HIP
 // back to. It grows no more, and along its way out it pays for the work that it does.
 void Settling::fade(Contact& now) {
   const double size = felt_.norm(), work = std::max(0.0, felt_.dot(way_));

@@ -34,9 +34,10 @@ class GLISS_EXPORT Settling {
   // A tick begins, `dt` (s) after the last one, with the HIP at `hip`; no surface is nearer than
   // `clear` to where it was.
   void move(const Vec3& hip, double clear, double dt) noexcept;
-  // ... with a contact whose push may change by so much more, which is no leap: friction's.
+  // Lets the push change by so much more in this tick without a leap: friction asks for it.
   void allow(double change) noexcept { allowed_ = change; }
-  // ... and ends with a contact. Turns it to what is felt of it, which has kSettling if it differs.
+  // Ends the tick: changes `now` to the push that is felt, and sets kSettling if that differs from
+  // the contact's own.
   void feel(Contact& now, bool has_energy) noexcept;
 
   double way() const { return way_.norm(); }  // of the HIP in this tick
@@ -47,7 +48,7 @@ class GLISS_EXPORT Settling {
   bool is_leap(const Vec3& to) const;
   double share(double size) const;
   double stride(double size) const;
-  // ... of the lesser of what is felt and another push; of their mean where one of them is zero.
+  // The stride of the smaller of what is felt and another push; of their mean if one is zero.
   double stride_to(const Vec3& to) const;
   double energy_of(const Contact& contact) const;
   double paid(const Contact& now) const;

@@ -8,7 +8,7 @@
 namespace gliss {
 namespace {
 
-// Noise is from -1 to 1, for its gradients have length 2 / sqrt(3). kNoiseSlope bounds its slope,
+// Noise is from -1 to 1, as its gradients have length 2 / sqrt(3). kNoiseSlope bounds its slope,
 // over all gradients of a cell and all places in it.
 constexpr double kNoiseSlope = 3.23;
 

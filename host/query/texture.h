@@ -22,7 +22,7 @@ struct TextureOptions {
   bool any() const { return relief != Relief::kNone && height > 0; }
 };
 
-// Why `options` are none, as the end of a sentence; null: they are fine.
+// Returns null if the options are valid; else why not, as the end of a sentence ("has a ...").
 GLISS_EXPORT const char* fault_of(const TextureOptions& options) noexcept;
 
 // The height of a relief, -height to 0, smooth to its second derivative. A grating is a cosine;

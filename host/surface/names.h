@@ -96,7 +96,7 @@ inline Level chosen_level(const std::optional<Level>& level,
 // By either of its names.
 GLISS_EXPORT std::optional<Level> find_surface(std::string_view name);
 GLISS_EXPORT std::optional<Level> find_level(std::string_view name);
-// Why there is none of that name.
+// Returns why no level or surface has that name.
 GLISS_EXPORT std::string no_level(const std::string& name);
 GLISS_EXPORT std::string no_surface(const std::string& name);
 

@@ -86,7 +86,7 @@ class GLISS_EXPORT PartFolder {
   // True if the part is there by now, by its header alone.
   bool is_whole(std::size_t part) const;
   std::size_t whole() const;  // how many are
-  // So many bytes of the body of such a part, from its beginning, unchecked; "" where it is none.
+  // Returns the first bytes of the body of a whole part, unchecked; "" where it is not whole.
   std::string head(std::size_t part, std::size_t bytes) const;
 
   // Nothing where the part is not there or is damaged; then it is removed.

@@ -23,7 +23,7 @@ struct SweepPart {
 // no matter.
 class GLISS_EXPORT SweepParts : public PartFolder {
  public:
-  // `samples`: parts keep blocks besides statistics. The cache must outlive the parts.
+  // `samples`: parts keep blocks as well as statistics. The cache must outlive the parts.
   SweepParts(const std::string& folder, const PatchCache& cache, const SweepOptions& options,
              bool samples, PartsAccess access = PartsAccess::kAlone);
   SweepParts(const std::string&, const PatchCache&&, const SweepOptions&, bool,

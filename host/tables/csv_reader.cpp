@@ -77,7 +77,7 @@ class CsvParser {
     table_.texts_.resize(table_.text_names_.size());
   }
 
-  // The cure of a header that is none.
+  // Returns the cure of a first line that is no header.
   std::string header_hint() const {
     const auto is_number = [](const std::string& name) {
       double value = 0;

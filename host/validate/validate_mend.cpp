@@ -1,4 +1,5 @@
-// Faces that are none, mended: cut where they touch themselves, or removed so that no gap is left.
+// Mends invalid faces: cuts them where they touch themselves, or removes them so that no gap is
+// left.
 #include <algorithm>
 
 #include "gliss/mesh/mesh_edges.h"

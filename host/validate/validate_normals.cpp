@@ -26,7 +26,7 @@ std::vector<std::uint32_t> first_faces(const Mesh& mesh) {
   return first;
 }
 
-// Normals of no length become z, for the corners that use them are given others.
+// Normals of no length become z: the corners that use them are given others.
 std::vector<bool> normalise(Mesh& mesh, Report& report) {
   constexpr double kRounding = 4 * std::numeric_limits<double>::epsilon();
   const std::vector<std::uint32_t> face = first_faces(mesh);
@@ -90,7 +90,7 @@ void warn_of_backward_normals(const Mesh& mesh, Report& report) {
 
 // True if each face has one normal, its own, and the faces at nearly every vertex lie in three
 // planes or more: facets, as programs write them that know nothing of smooth surfaces. A part of
-// flat sides that are divided has vertices within its sides and edges, and is none.
+// flat sides that are divided has vertices within its sides and edges, and has no facets.
 bool has_facets(const Mesh& mesh, Report& report) {
   constexpr double kOwn = 0.97, kPlane = 0.9998, kShare = 0.9;  // cosines; share of the vertices
   std::vector<Vec3> own(mesh.face_count());

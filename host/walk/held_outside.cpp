@@ -125,7 +125,7 @@ bool HeldOutsideCounter::is_in_valley(const Vec3& x, const Contact& felt) const 
   return true;
 }
 
-// From the contact point on, for a solid is there or nowhere.
+// From the contact point on: a solid is there or nowhere.
 bool HeldOutsideCounter::leads_through_inside(const Vec3& hip, const Vec3& scp) const {
   const Vec3 way = hip - scp;
   const double length = way.norm();

@@ -143,7 +143,8 @@ typedef struct {
   double stiffness;       /* N/m, 0 or more */
   double rotation[4];     /* of the object, a unit quaternion w, x, y, z */
   double position[3];     /* m */
-  /* s that the force takes to change by 20 % where a contact would leap, 0 to 1; 0: it leaps. */
+  /* s in which the force changes by 20 % while the contact slides to where the nearest point has
+   * leapt, 0 to 1; 0: it leaps. */
   double settle;
   double friction_static, friction_dynamic; /* 0 to 5 */
   double friction_settle;                   /* s from the one to the other, 0 to 1 */

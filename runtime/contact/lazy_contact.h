@@ -11,7 +11,7 @@
 
 namespace gliss {
 
-// One thread's at a time, besides its worker. It keeps the mesh alive. HIPs and contacts are in the
+// One thread's at a time, and its worker's. It keeps the mesh alive. HIPs and contacts are in the
 // mesh's unit.
 class GLISS_EXPORT LazyContact {
  public:

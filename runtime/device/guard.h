@@ -5,8 +5,9 @@
 //            start inside a solid does not kick.
 //   kRun     the wanted force goes out, limited in size and in change.
 //   kHold    a step without a usable input: not finite, or measured more than `hold_after` ago. The
-//            force keeps its direction and does not grow. The first such step, which may already
-//            lie on kRamp's line, and all up to `ramp_from` after the last usable input.
+//            force keeps its direction and does not grow. It lasts from the first step without
+//            a usable input until `ramp_from` after the last usable one. A first step that
+//            comes later is kHold too, though it already lies on kRamp's line.
 //   kRamp    the later ones: on a straight line to zero, from `ramp_from` to `ramp_to`. The force
 //            is zero at the first step whose last usable input is `ramp_to` old; at 1 kHz that is
 //            within 10 ms of the input that was missed, which was due after 1 ms.
@@ -102,8 +103,8 @@ class GLISS_EXPORT Guard {
   // One tick, at the time `now` since any start; each clock may stall or run backwards.
   // |F - last F| <= max_rate dt, and so for torques, where dt is the time since the last step, at
   // most ramp_to; zero in the first step and where the clock does not advance; but at least 1 ms
-  // once tripped, for a clock that failed must not keep the force up. In kStart and kRun dt is at
-  // most hold_after, so that no jump follows a stall of the loop, and steps ramp_to apart end in
+  // once tripped, because a clock that failed must not keep the force up. In kStart and kRun dt is
+  // at most hold_after, so that no jump follows a stall of the loop, and steps ramp_to apart end in
   // kSafe as a late input.
   GuardOutput step(std::chrono::nanoseconds now, const GuardInput& input) noexcept;
 

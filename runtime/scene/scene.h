@@ -72,7 +72,7 @@ struct Scene {
   std::optional<ToolDescription> tool;  // in place of `hips`
   LoopOptions loop;                     // of [loop] and [guards]
   int priority = 80;                    // of SCHED_FIFO
-  // Limits of [device], besides the device's own.
+  // Limits of [device], in addition to the device's own.
   double max_force = std::numeric_limits<double>::infinity();      // N
   double max_stiffness = std::numeric_limits<double>::infinity();  // N/m
   double max_torque = std::numeric_limits<double>::infinity();     // N m

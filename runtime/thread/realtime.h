@@ -38,8 +38,8 @@ class GLISS_EXPORT Realtime {
   // Below the caller's, there from now on; less where the stack ends before.
   static constexpr std::size_t kStackBytes = 512 << 10;
 
-  // Throws std::invalid_argument for a priority that is none, LoopError where `require` asks for
-  // it; then all is as before.
+  // Throws std::invalid_argument for an invalid priority, LoopError where `require` asks for it;
+  // then all is as before.
   explicit Realtime(const RealtimeOptions& options = {});
   ~Realtime();
   Realtime(const Realtime&) = delete;

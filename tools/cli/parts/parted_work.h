@@ -60,7 +60,7 @@ class PartedWork {
   virtual void agree_on_work(const Team& team) = 0;
   // PartWork, into the parts that are open.
   virtual std::uint64_t do_parts(const PartSource& source, const PartProgress& progress) = 0;
-  // What a shard says besides how many parts there are.
+  // Returns what a shard says in addition to the number of parts.
   virtual Json report_of_shard(std::uint64_t contacts) const = 0;
   // Writes what was asked for, and says so.
   virtual void write_result(const PartsOfResult& come) = 0;

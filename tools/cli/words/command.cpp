@@ -244,7 +244,7 @@ void add_friction_options(Command& command, FrictionOptions& friction) {
 
 namespace {
 
-// Throws InputError for an option that made effects that are none.
+// Throws InputError for an option that made invalid effects.
 void check_effects(const std::string& option, const std::string& text,
                    const EffectOptions& effects) {
   if (const char* fault = fault_of(effects))

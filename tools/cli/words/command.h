@@ -82,7 +82,7 @@ void add_solver_options(Command& command, SolverOptions& options);
 void add_step_options(Command& command, SolverOptions& options);
 void add_methods_option(Command& command, std::vector<Method>& methods);
 
-// Throws InputError that lists the names where `wanted` is none of them.
+// Throws InputError that lists the names where `wanted` is not among them.
 template <class Value, std::size_t count>
 Value parse_name(const std::string& option, const std::string& wanted,
                  const Named<Value> (&names)[count]) {

@@ -94,7 +94,7 @@ std::string owners_of(const CLI::App& program, const std::string& option) {
 }
 
 // "there is no option '--deph'; did you mean --depth?" for the first word that looks like an option
-// and is none; "" where there is no such word.
+// but is not one; "" where there is no such word.
 std::string unknown_option(const CLI::App& program) {
   constexpr std::size_t kNear = 3;
   const CLI::App* app = &innermost(program);

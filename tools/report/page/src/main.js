@@ -21,7 +21,7 @@ const kinds = {
 
 const all = texts => [...new Set(texts)].join(', ');
 
-// Where a result comes from, as far as its file says; facts: [[term, text]], what its kind says besides.
+// Where a result comes from, as far as its file says; facts: [[term, text]], what else its kind says.
 function provenance({origin, faces}, facts) {
   const objects = origin.objects ?? [{mesh: origin.surface, stiffness_N_per_m: origin.stiffness_N_per_m}];
   const stiffness = objects.map(o => o.stiffness_N_per_m).filter(k => Number.isFinite(k)).map(k => `${number(k / 1e3)} N/mm`);
