@@ -11,11 +11,13 @@ with a unit: ``stiffness=500`` and ``stiffness="0.5N/mm"`` are the same. The sig
 VTK; that of trimesh is positive there.
 
 Arrays of float64 are read where they lie, in whatever order, and others are converted. Results are new arrays that own
-their memory. Calls that compute let other Python threads run, and end by Ctrl-C. Slips are ValueError and TypeError.
+their memory. Calls that compute let other Python threads run, and end by Ctrl-C. A wrong argument raises ValueError or
+TypeError.
 """
 
 import difflib as _difflib
 import enum as _enum
+import functools as _functools
 import inspect as _inspect
 import os as _os
 import shlex as _shlex
@@ -34,6 +36,62 @@ __all__ = ["CacheError", "Contact", "Contacts", "Departure", "DeviceError", "Fla
            "SceneError", "Surface", "SurfacePoints", "Sweep", "Trace", "Triangles", "__version__", "check", "load"]
 
 
+# Maps names of the program's options to the names that they have here.
+_NAMES_OF_PROGRAM = {"at": "xi_eta", "hip": "points", "levels": "surfaces", "no_wait": "wait", "require_rt": "realtime"}
+
+
+def _refuse(function, keywords):
+    """Raises the TypeError of the first of the keywords that the function does not have, and names the likely one.
+    Returns if it has them all."""
+    known = [name for name, p in _inspect.signature(function).parameters.items()
+             if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY) and name != "self"]
+    for name in keywords:
+        if name in known:
+            continue
+        near = [_NAMES_OF_PROGRAM.get(name.replace("-", "_")), *_difflib.get_close_matches(name, known, 1)]
+        meant = next((other for other in near if other in known), None)
+        hint = f": did you mean '{meant}'?" if meant else f"; it has {', '.join(known)}" if known else "; it has none"
+        raise TypeError(f"{function.__qualname__.replace('.__init__', '')}() has no argument '{name}'{hint}")
+
+
+def _with_keywords(function, more):
+    """Returns the signature of a function whose **options are the keywords of another one, `more`."""
+    signature = _inspect.signature(function)
+    own = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
+    added = [p for p in _inspect.signature(more).parameters.values() if p.kind is p.KEYWORD_ONLY]
+    return signature.replace(parameters=[*own, *added])
+
+
+def _public(options=None):
+    """Decorates a function that users call. An unknown keyword then raises TypeError that names the likely one, and
+    help() lists the keywords of `options`, which the function's **options go to.
+
+    Keywords are checked once the call has failed, so that other calls take no longer.
+    """
+    def decorate(function):
+        @_functools.wraps(function)
+        def call(*args, **keywords):
+            try:
+                return function(*args, **keywords)
+            except TypeError:
+                unknown = keywords.keys() - call.__signature__.parameters.keys()
+                if not unknown:
+                    raise
+            _refuse(call, keywords)
+
+        call.__signature__ = _with_keywords(function, options) if options else _inspect.signature(function)
+        return call
+    return decorate
+
+
+def _warn(text, category=UserWarning):
+    """Warns at the line of the user that called the package, however deep it is within."""
+    level, frame = 2, _sys._getframe(1)
+    while frame.f_back is not None and frame.f_globals is globals():
+        level, frame = level + 1, frame.f_back
+    _warnings.warn(text, category, stacklevel=level)
+
+
 def _text(quantity):
     """As a command line has it."""
     return format(quantity, ".17g") if isinstance(quantity, (int, float)) else str(quantity)
@@ -44,7 +102,7 @@ def _words(options):
     words, usual = [], (("normals", "auto"), ("orient", "outward"))
     for name, value in options.items():
         option = "--" + name.replace("_", "-")
-        if name in ("threads", "backend", "opencl_device") or value is None or (name, value) in usual:
+        if name in ("threads", "backend", "opencl_device", "progress") or value is None or (name, value) in usual:
             continue
         if name == "weld" and isinstance(value, bool):
             words += [] if value else [option, "none"]
@@ -56,24 +114,13 @@ def _words(options):
 
 
 def _touch(stiffness, method, options):
-    return dict(stiffness=stiffness, method=method, **_named(_touch_options, options))
+    return dict(stiffness=stiffness, method=method, **_touch_options(**options))
 
 
 def _touch_options(*, settle="5ms", friction=0.0, friction_settle=0.0, damping=0.0, viscosity=0.0, magnet=None,
                    texture=None):
     return dict(settle=settle, friction=friction, friction_settle=friction_settle, damping=damping,
                 viscosity=viscosity, magnet=magnet, texture=texture)
-
-
-def _named(function, options):
-    """Calls `function`, which has keywords only, or says which of them is likely meant."""
-    known = [name for name, p in _inspect.signature(function).parameters.items() if p.kind is p.KEYWORD_ONLY]
-    for name in options:
-        if name not in known:
-            near = _difflib.get_close_matches(name, known, 1)
-            raise TypeError(f"there is no option '{name}'" + (f": did you mean '{near[0]}'?" if near else
-                                                              f"; there are {', '.join(known)}"))
-    return function(**options)
 
 
 class Flag(_enum.IntFlag):
@@ -104,6 +151,7 @@ class Results:
     def __dir__(self):
         return [*super().__dir__(), *self._arrays]
 
+    @_public()
     def keys(self):
         """Names of the arrays."""
         return self._arrays.keys()
@@ -125,6 +173,7 @@ class Results:
     def __repr__(self):
         return f"{type(self).__name__}({', '.join(f'{name}: {array.shape}' for name, array in self._arrays.items())})"
 
+    @_public()
     def columns(self):
         """The same as a dict of arrays (n,), with point_x, point_y, point_z for point: for pandas.DataFrame."""
         flat = {}
@@ -184,10 +233,16 @@ class Sweep:
         self.rings = figures["rings"]
 
 
+def _refuse_mask(values, name):
+    """Raises TypeError for a masked array, and for a list or tuple that holds one."""
+    masked = _np.ma.MaskedArray
+    if isinstance(values, masked) or isinstance(values, (list, tuple)) and any(isinstance(v, masked) for v in values):
+        raise TypeError(f"{name}: a masked array, whose mask would be lost; take its .compressed() or .filled()")
+
+
 def _real(values, name):
     """An aligned array of float64, of any strides; a view where `values` is one."""
-    if isinstance(values, _np.ma.MaskedArray):
-        raise TypeError(f"{name}: a masked array, whose mask would be lost; take its .compressed() or .filled()")
+    _refuse_mask(values, name)
     array = _np.asarray(values)
     if array.dtype.kind not in "fiu":
         raise TypeError(f"{name}: expected real numbers, found dtype {array.dtype}")
@@ -196,6 +251,7 @@ def _real(values, name):
 
 def _whole(values, name):
     """An array of uint32."""
+    _refuse_mask(values, name)
     array = _np.asarray(values)
     if array.size == 0:
         array = array.astype(_np.uint32)
@@ -253,6 +309,7 @@ def _unpadded(padded):
 
 def _faces(faces):
     """Offsets and corners of any form of faces."""
+    _refuse_mask(faces, "faces")
     if isinstance(faces, tuple) and len(faces) == 2 and all(isinstance(part, _np.ndarray) for part in faces):
         return _whole(faces[0], "faces"), _whole(faces[1], "faces")
     if isinstance(faces, _np.ndarray) and faces.dtype != object:
@@ -282,15 +339,16 @@ def _path(path):
 
 
 def _options(unit=None, **options):
-    return dict(unit=unit, **_named(_surface_options, options))
+    return dict(unit=unit, **_surface_options(**options))
 
 
 def _surface_options(*, level=None, construction=None, precision=None, crease=None, crease_radius=None, weld=None,
              normals="auto", orient="outward", flip=False, strict=False, keep_non_manifold=False, threads=0, backend="tbb",
-             opencl_device=""):
+             opencl_device="", progress=None):
     return dict(level=level, construction=construction, precision=precision, crease=crease,
                 crease_radius=crease_radius, weld=weld, normals=normals, orient=orient, flip=flip, strict=strict,
-                keep_non_manifold=keep_non_manifold, threads=threads, backend=backend, opencl_device=opencl_device)
+                keep_non_manifold=keep_non_manifold, threads=threads, backend=backend, opencl_device=opencl_device,
+                progress=_progress(progress, "build"))
 
 
 class Departure(_typing.NamedTuple):
@@ -305,22 +363,23 @@ def _warn_of(surface):
     """Warns of repairs, of creases, of a unit that was forgotten, and of a surface that is not its mesh's shape."""
     for finding in surface.findings:
         if finding["severity"] == "repaired":
-            _warnings.warn(f"repaired: {finding['message']}", stacklevel=4)
+            _warn(f"repaired: {finding['message']}")
     edges, degrees = surface.creases, surface._open.crease_hint
     if edges and surface._open.has_usual_creases:
-        _warnings.warn(f"{edges} edges are kept sharp; crease='none' makes the surface smooth all over", stacklevel=4)
+        _warn(f"{edges} edges are kept sharp; crease='none' makes the surface smooth all over")
     elif degrees is not None:
-        _warnings.warn(f"the edges of this mesh turn by much less than {degrees:.0f} degrees or by much more, as a "
-                       "machine part's do: crease='auto' keeps the latter sharp", stacklevel=4)
+        _warn(f"the edges of this mesh turn by much less than {degrees:.0f} degrees or by much more, as a machine "
+              "part's do: crease='auto' keeps the latter sharp")
     low, high = surface.bounds
     across = surface.unit * float(_np.linalg.norm(high - low))
     if across > 10:
-        _warnings.warn(f"the surface is {across:.3g} m across: its unit may be another, as unit='mm'", stacklevel=4)
+        _warn(f"the surface is {across:.3g} m across: its unit may be another, as unit='mm'")
     if surface._open.faithful:
         return
     distance, room, face = surface.tightest
-    _warnings.warn(f"the surface leaves face {face} by {distance:.3g}, and the next face is {room:.3g} away: a hand "
-                   "feels another shape than the mesh's there; crease= keeps edges sharp", stacklevel=4)
+    _warn(f"the surface leaves face {face} by {_gliss.length_text(distance * surface.unit)}, and the next face is "
+          f"{_gliss.length_text(room * surface.unit)} away: a hand feels another shape than the mesh's there; crease= "
+          "keeps edges sharp, finer faces follow the shape")
 
 
 class Surface:
@@ -336,9 +395,10 @@ class Surface:
       Not the triangles of a trimesh.Trimesh that was read from polygons: they are cut there.
     unit: of the coordinates: "m" (default), "cm", "mm", "um", "nm", "in", or a number of metres.
 
-    Other options are those of gliss.load, which names them. MeshError for what is no mesh, with all findings.
+    The other keywords are described at gliss.load. MeshError for what is no mesh, with all findings.
     """
 
+    @_public(_surface_options)
     def __init__(self, vertices, faces, unit="m", **options):
         self._open = _gliss.from_arrays(_real(vertices, "vertices"), *_faces(faces), _options(unit, **options))
         _warn_of(self)
@@ -408,7 +468,7 @@ class Surface:
         return self._was("patches", "patch_count")
 
     def _was(self, old, new):
-        _warnings.warn(f"Surface.{old} is Surface.{new} now; the old name goes in 0.3", DeprecationWarning, stacklevel=3)
+        _warn(f"Surface.{old} is Surface.{new} now; the old name goes in 0.3", DeprecationWarning)
         return getattr(self, new)
 
     @property
@@ -466,14 +526,19 @@ class Surface:
         return (f"<gliss.Surface of {self.face_count} faces, {self.construction} {self.level}, {self.precision}, "
                 f"unit {_gliss.unit_name(self.unit)}>")
 
+    @_public()
     def save(self, path):
         """Keeps the patches in a cache, as ``gliss bake`` does: written whole or not at all. OSError."""
         self._open.save(_path(path))
 
+    @_public()
     def nearest(self, points, method="gregory"):
         """The nearest point of the surface to each point.
 
-        points: (n, 3), in the surface's unit; also (3,) and grids (..., 3), whose shape the results keep.
+        points: (n, 3), in the surface's unit; also (3,) and grids (..., 3), whose shape the results keep. ValueError
+        names the first row with a number that is not finite or is beyond 1e60, where distances overflow. Those of float
+        patches overflow earlier, from some 1e19 times the mesh's size: such contacts have no Flag.CONVERGED, and their
+        distance may be inf or nan.
         method: "gregory", "shaded" or "flat".
         Contacts: point (n, 3), normal (n, 3) outward and unit, distance (n,) signed and negative inside, face (n,),
         domain (n, 2) as xi, eta on the patch, touching (n,) bool, flags (n,), iterations (n,). Points and distances
@@ -483,10 +548,12 @@ class Surface:
         found = _gliss.nearest(self._open, points, method)
         return Contacts({name: _shaped(array, shape) for name, array in found.items()})
 
+    @_public()
     def contains(self, points, method="gregory"):
         """True for each point that lies inside: bool (n,), or of the shape of a grid (..., 3)."""
         return self.nearest(points, method).inside
 
+    @_public()
     def force(self, points, stiffness="0.5N/mm", method="gregory"):
         """The force on a hand at each point, (n, 3) N: stiffness times the depth, outward; zero outside.
 
@@ -495,6 +562,7 @@ class Surface:
         points, shape = _grid(points, "points")
         return _shaped(_gliss.force(self._open, points, stiffness, method), shape)
 
+    @_public()
     def evaluate(self, face, xi_eta):
         """Points of patches.
 
@@ -508,6 +576,7 @@ class Surface:
             face = _np.full(len(domain), face.ravel()[0], _np.uint32)
         return SurfacePoints(_gliss.evaluate(self._open, face, domain))
 
+    @_public()
     def tessellate(self, cells=8):
         """A mesh of triangles that lies on the surface, for drawing.
 
@@ -518,14 +587,15 @@ class Surface:
         """
         return Triangles(_gliss.tessellate(self._open, cells))
 
+    @_public()
     def sweep(self, depth, samples=None, *, rings=8, methods=("gregory", "shaded", "flat"), stiffness="0.5N/mm",
               output=None, parts=None, progress=None):
         """Samples the force beneath the whole surface, as ``gliss sweep`` does. A Sweep.
 
         depth: below the surface, in m or text such as "2mm"; one, or a list of them.
         samples: a depth, over all faces, at least; else `rings` of points on each patch.
-        output: file for the samples, .h5, .csv or .npy: the bytes of the program's, when that is called by the command
-        that the file's attribute command_line names.
+        output: file for the samples, .h5, .csv or .npy, byte-identical to the one that ``gliss sweep`` writes. An .h5
+        file has the command for that in its attribute command_line.
         parts: folder where finished parts wait until all is done; None: `output` with the ending .parts, where there
         is an output; "none": nowhere. A sweep that Ctrl-C ended goes on from there, in Python or by the program.
         progress: a function of (contacts done, of all), called a few times a second; True writes lines to sys.stderr.
@@ -550,6 +620,7 @@ class Surface:
             samples=samples, rings=rings, methods=methods, stiffness=stiffness, output=path, parts=folder,
             command_line=command_line, progress=_progress(progress, "sweep"))))
 
+    @_public()
     def compare(self, *, surfaces=("fair", "paper", "paper-ribbon", "paper-bezier", "paper-table", "shaded", "flat"),
                 precisions=("float", "double"), solvers=("newton",), depth=None, stiffness="0.5N/mm", settle=0, walks=8,
                 walk_ticks=2500, leaving=None, seed=1, dense_limit=500000, max_force_error=None, max_tick=None,
@@ -572,13 +643,16 @@ class Surface:
             seed=seed, dense_limit=dense_limit, max_force_error=max_force_error, max_tick=max_tick, max_memory=max_memory,
             progress=_progress(progress, "compare")))
 
-    def trace(self, path, stiffness="0.5N/mm", method="gregory", *, time=None, **options):
+    @_public(_touch_options)
+    def trace(self, path, stiffness="0.5N/mm", method="gregory", *, time=None, progress=None, **options):
         """Tracks a HIP along a path, a tick a row, as a device loop does. A Trace.
 
         path: (n, 3), in the surface's unit. The forces are those of ``gliss trace``, byte for byte.
         stiffness: N/m. method as for nearest. These are keywords:
         time: (n,) s, when the HIP was there; None: 1 ms from row to row.
-        settle: the time that the force takes to change by 20 % where a contact would leap; 0: it leaps.
+        progress: a function of (rows done, of all), called a few times a second; True writes lines to sys.stderr.
+        settle: s. Where the nearest point jumps elsewhere, the contact slides there instead, and the force takes this
+        time to change by 20 %. 0 lets it jump.
         friction: a coefficient, 0 to 5, or (at rest, slipping); friction_settle: s, from the one to the other.
         damping: s/m, 0 to 20. viscosity: N s/m, 0 to 20.
         magnet: (force, range), N and m: a pull from outside. texture: ("grating" or "noise", height, period) in m, and
@@ -588,10 +662,12 @@ class Surface:
         """
         if time is not None:
             time = _np.atleast_1d(_real(time, "time"))[:, None]
-        return Trace(*_gliss.trace(self._open, _real(path, "path"), time, _touch(stiffness, method, options)))
+        touch = _touch(stiffness, method, options)
+        return Trace(*_gliss.trace(self._open, _real(path, "path"), time, touch, _progress(progress, "trace")))
 
+    @_public(_touch_options)
     def hand(self, stiffness="0.5N/mm", method="gregory", **options):
-        """A Hand on this surface, for simulators: hand.tick(hip) each ms. Options are those of trace, but time."""
+        """A Hand on this surface, for simulators: hand.tick(hip) each ms. The keywords are described at trace."""
         return Hand(self, stiffness, method, **options)
 
 
@@ -601,29 +677,39 @@ class Hand:
     One thread at a time may tick it: RuntimeError otherwise. It has the surface live on.
     """
 
+    @_public(_touch_options)
     def __init__(self, surface, stiffness="0.5N/mm", method="gregory", **options):
-        self._open = _gliss.open_hand(surface._open, _touch(stiffness, method, options))
+        touch = _touch(stiffness, method, options)
+        self._open = _gliss.open_hand(surface._open, touch)
+        self._tick = self._open.tick
 
-    def tick(self, hip, dt=1e-3):
-        """The Contact after the HIP has moved to `hip`, (3,) in the surface's unit: a microsecond and the call.
+    def tick(self, hip=None, dt=1e-3, **unknown):
+        """The Contact after the HIP has moved to `hip`, (3,) in the surface's unit. It takes a microsecond.
 
-        dt: s since the last tick, or text such as "2ms"; damping, viscosity, friction_settle and settle go by it. A way through the surface is met at any speed. ValueError for numbers that are not finite: the hand stays as
-        it was.
+        dt: s since the last tick, or text such as "2ms"; damping, viscosity, friction_settle and settle go by it. A
+        way through the surface is met at any speed. ValueError for numbers that are not finite, and for points that
+        are too far away, as for Surface.nearest: the hand stays as it was.
         """
-        return self._open.tick(hip, dt)
+        if unknown:  # @_public would do this, and cost 4 % of a tick
+            _refuse(Hand.tick, unknown)
+        return self._tick(hip, dt)
 
+    tick.__signature__ = _inspect.signature(lambda self, hip, dt=1e-3: None)
+
+    @_public()
     def ticks(self, path, dt=1e-3):
         """The same for each row of a path, (n, 3), while other Python threads run. Results as of Surface.trace."""
         return Results(self._open.ticks(_real(path, "path"), dt))
 
 
+@_public(_surface_options)
 def load(path, unit=None, **options):
     """A Surface of a mesh file (.obj, .off, .ply, .stl) or a cache of ``gliss bake``.
 
     unit: of a mesh's coordinates: "m" (default), "cm", "mm", "um", "nm", "in", or a number of metres. A cache has its
     own, and ValueError says so where another is given.
 
-    These are keywords:
+    These are keywords, also of Surface and check:
     level: "exact" (default), "ribbon", "bezier", "table" or "table:N". construction: "fair" (default) or "paper".
     precision: "double" (default) or "float". A cache must be of what is asked for: CacheError.
     crease: edges to keep sharp, such as "40deg", "auto", "normals", "groups", "edges:FILE"; crease_radius: m, or text,
@@ -633,6 +719,8 @@ def load(path, unit=None, **options):
     inside out; flip: turn open parts over. strict, keep_non_manifold: refuse instead of mending.
     threads: 0 is as many as the machine has. backend: "tbb", "serial", "opencl", "auto" (a GPU if there is one);
     opencl_device: part of its name, or its number.
+    progress: a function of (faces done, of all), called a few times a second while patches are built; True writes lines
+    to sys.stderr. A cache has its patches, and nothing is called.
 
     MeshError, CacheError, DeviceError, OSError, each with the program's line.
     """
@@ -643,11 +731,12 @@ def load(path, unit=None, **options):
     return Surface._of(opened, _words(options))
 
 
+@_public(_surface_options)
 def check(mesh, faces=None, unit=None, **options):
     """All that is wrong or odd about a mesh: a list of dicts as ``Surface.findings`` has them, errors among them.
 
-    mesh: a file, as for gliss.load, or vertices (n, 3), with `faces` as for Surface. unit and options are those of
-    gliss.load, and it takes as long as that. OSError.
+    mesh: a file, as for gliss.load, or vertices (n, 3), with `faces` as for Surface. unit and the other keywords are
+    described at gliss.load, and it takes as long as that. OSError.
     """
     try:
         if faces is None:
@@ -678,11 +767,13 @@ class Loop:
     The loop begins at once. SceneError, MeshError, CacheError, DeviceError, OSError. One thread at a time may read.
     """
 
+    @_public()
     def __init__(self, scene, device="sim", *, seconds=0.0, wait=True, realtime=True, threads=0, cpu=None):
         self._open = _gliss.open_loop(_path(scene), device, seconds, wait, realtime, threads, -1 if cpu is None else cpu)
         self._end = _weakref.finalize(self, self._open.stop)  # also where Python ends
         _loops.add(self)
 
+    @_public()
     def read(self):
         """The ticks since the last read, a structured array (n,).
 
@@ -693,10 +784,12 @@ class Loop:
         """
         return _also_named(self._open.read(), guard="state")
 
+    @_public()
     def wait(self, timeout=None):
         """Waits for the loop to end, at most `timeout` s, and returns whether it has."""
         return self._open.wait(timeout)
 
+    @_public()
     def engage(self):
         """Engages a guard that is safe again, as soon as it permits: with the hand in the open, and no fault.
 
@@ -708,6 +801,7 @@ class Loop:
         self._end.detach()
         self._open.abandon()
 
+    @_public()
     def close(self):
         """Ends the loop: the force goes to zero. DeviceError if the device failed. Once closed it reads no more."""
         self._open.close()

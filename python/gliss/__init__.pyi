@@ -18,6 +18,7 @@ _Path = str | os.PathLike[str]
 _Quantity = float | str  # in SI, or text with a unit
 _Method = Literal["gregory", "shaded", "flat"]
 _Backend = Literal["tbb", "serial", "opencl", "auto"]
+_Progress = Callable[[int, int], object] | bool | None
 _Floats = NDArray[np.float64]
 _Indices = NDArray[np.uint32]
 _Bools = NDArray[np.bool_]
@@ -147,7 +148,7 @@ class Surface:
         crease_radius: _Quantity | None = None, weld: _Quantity | Literal[False] | None = None,
         normals: Literal["auto", "file", "made"] = "auto", orient: Literal["outward", "file"] = "outward",
         flip: bool = False, strict: bool = False, keep_non_manifold: bool = False,
-        threads: int = 0, backend: _Backend = "tbb", opencl_device: str = "",
+        threads: int = 0, backend: _Backend = "tbb", opencl_device: str = "", progress: _Progress = None,
     ) -> None: ...
     @property
     def unit(self) -> float: ...
@@ -197,7 +198,7 @@ class Surface:
         self, depth: _Quantity | Sequence[_Quantity], samples: float | None = None, *, rings: int = 8,
         methods: _Method | Sequence[_Method] = ("gregory", "shaded", "flat"), stiffness: _Quantity = "0.5N/mm",
         output: _Path | None = None, parts: _Path | None = None,
-        progress: Callable[[int, int], object] | bool | None = None,
+        progress: _Progress = None,
     ) -> Sweep: ...
     def compare(
         self, *, surfaces: str | Sequence[str] = ("fair", "paper", "paper-ribbon", "paper-bezier", "paper-table", "shaded", "flat"),
@@ -205,10 +206,11 @@ class Surface:
         depth: _Quantity | Sequence[_Quantity] | None = None, stiffness: _Quantity = "0.5N/mm", settle: _Quantity = 0,
         walks: int = 8, walk_ticks: int = 2500, leaving: int | None = None, seed: int = 1, dense_limit: int = 500000,
         max_force_error: float | None = None, max_tick: float | None = None, max_memory: float | None = None,
-        progress: Callable[[int, int], object] | bool | None = None,
+        progress: _Progress = None,
     ) -> dict[str, Any]: ...
     def trace(
         self, path: ArrayLike, stiffness: _Quantity = "0.5N/mm", method: _Method = "gregory", *, time: ArrayLike | None = None,
+        progress: _Progress = None,
         settle: _Quantity = "5ms", friction: float | tuple[float, float] = 0.0, friction_settle: _Quantity = 0.0,
         damping: _Quantity = 0.0, viscosity: _Quantity = 0.0, magnet: tuple[_Quantity, _Quantity] | None = None,
         texture: tuple[str, _Quantity, _Quantity] | tuple[str, _Quantity, _Quantity, ArrayLike] | None = None,
@@ -227,7 +229,7 @@ def check(
     crease_radius: _Quantity | None = None, weld: _Quantity | Literal[False] | None = None,
     normals: Literal["auto", "file", "made"] = "auto", orient: Literal["outward", "file"] = "outward",
         flip: bool = False, strict: bool = False, keep_non_manifold: bool = False,
-    threads: int = 0, backend: _Backend = "tbb", opencl_device: str = "",
+    threads: int = 0, backend: _Backend = "tbb", opencl_device: str = "", progress: _Progress = None,
 ) -> list[dict[str, Any]]: ...
 
 def load(
@@ -237,7 +239,7 @@ def load(
     crease_radius: _Quantity | None = None, weld: _Quantity | Literal[False] | None = None,
     normals: Literal["auto", "file", "made"] = "auto", orient: Literal["outward", "file"] = "outward",
         flip: bool = False, strict: bool = False, keep_non_manifold: bool = False,
-    threads: int = 0, backend: _Backend = "tbb", opencl_device: str = "",
+    threads: int = 0, backend: _Backend = "tbb", opencl_device: str = "", progress: _Progress = None,
 ) -> Surface: ...
 
 class Loop:

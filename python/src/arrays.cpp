@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <limits>
+
+#include "gliss/mesh/mesh.h"
 
 namespace gliss::python {
 namespace {
@@ -16,9 +19,15 @@ std::string shape_text(const py::array& array) {
 
 bool is_real(char kind) { return kind == 'f' || kind == 'i' || kind == 'u'; }
 
-}  // namespace
+// True if an array has a mask. NumPy's own class, which has none, is known at once.
+bool has_mask(py::handle object) {
+  static const PyTypeObject* const plain = Py_TYPE(py::array_t<double>(0).ptr());
+  return Py_TYPE(object.ptr()) != plain && py::isinstance<py::array>(object) &&
+         py::hasattr(object, "mask");
+}
 
-void require_rows(const Reals& array, const char* name, py::ssize_t columns) {
+// Requires rows of numbers whose size is `most` at most.
+void require_rows(const Reals& array, const char* name, py::ssize_t columns, double most) {
   if (array.ndim() != 2 || array.shape(1) != columns)
     throw py::value_error(
         fmt::format("{}: expected shape (n, {}), found {}", name, columns, shape_text(array)));
@@ -26,14 +35,30 @@ void require_rows(const Reals& array, const char* name, py::ssize_t columns) {
     const Strided<const double> values = column(array, k);
     const auto rows = static_cast<std::size_t>(array.shape(0));
     for (std::size_t i = 0; i < rows; ++i) {
-      if (!std::isfinite(values[i]))
-        throw py::value_error(
-            fmt::format("{}: expected finite numbers, found {} in row {}", name, values[i], i));
+      if (std::abs(values[i]) <= most) continue;
+      throw py::value_error(
+          std::isfinite(values[i])
+              ? fmt::format("{}: {:.3g} in row {} is beyond {:g}, where distances overflow", name,
+                            values[i], i, most)
+              : fmt::format("{}: expected finite numbers, found {} in row {}", name, values[i], i));
     }
   }
 }
 
+}  // namespace
+
+void require_rows(const Reals& array, const char* name, py::ssize_t columns) {
+  require_rows(array, name, columns, std::numeric_limits<double>::max());
+}
+
+void require_points(const Reals& array, const char* name) {
+  require_rows(array, name, 3, kMostCoordinate);
+}
+
 Vec3 point_of(py::handle object, const char* name) {
+  if (has_mask(object))
+    throw py::type_error(fmt::format(
+        "{}: a masked array, whose mask would be lost; take its .compressed() or .filled()", name));
   const py::array array = py::array::ensure(object);
   if (!array) {
     PyErr_Clear();
@@ -50,6 +75,10 @@ Vec3 point_of(py::handle object, const char* name) {
   if (!point.allFinite())
     throw py::value_error(fmt::format("{}: expected finite numbers, found ({}, {}, {})", name,
                                       point.x(), point.y(), point.z()));
+  const double farthest = point.cwiseAbs().maxCoeff();
+  if (farthest > kMostCoordinate)
+    throw py::value_error(fmt::format("{}: {:.3g} is beyond {:g}, where distances overflow", name,
+                                      farthest, kMostCoordinate));
   return point;
 }
 

@@ -20,8 +20,13 @@ namespace py = pybind11;
 // Numbers as the package hands them over: float64 of any strides, aligned.
 using Reals = py::array_t<double>;
 
-// An array (n, columns) of finite numbers. Throws ValueError, TypeError; `name` starts the line.
+// Requires an array (n, columns) of finite numbers. Throws ValueError, which names the row; `name`
+// starts the line.
 void require_rows(const Reals& array, const char* name, py::ssize_t columns);
+
+// The same of points (n, 3), of which no coordinate is beyond kMostCoordinate: distances would
+// overflow there.
+void require_points(const Reals& array, const char* name);
 
 // Column `i` of an array of rows; valid as long as the array.
 inline Strided<const double> column(const Reals& rows, py::ssize_t i) {
@@ -32,7 +37,8 @@ inline StridedVectors<const double> vectors(const Reals& rows) {
   return {column(rows, 0), column(rows, 1), column(rows, 2)};
 }
 
-// One point, three finite numbers: an array (3,) or a sequence. Throws ValueError, TypeError.
+// One point, three numbers as require_points has them: an array (3,) or a sequence. Throws
+// ValueError, and TypeError, also for a masked array.
 Vec3 point_of(py::handle object, const char* name);
 
 // A new array (n,) or (n, columns), its first number, and its columns.

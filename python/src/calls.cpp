@@ -19,7 +19,7 @@ thread_local Nanoseconds next{};
 
 // Once in a thread.
 void require_stack() {
-  constexpr std::size_t kLeast = 256 << 10;
+  constexpr std::size_t kLeast = 384 << 10;
   thread_local bool is_checked = false;
   if (std::exchange(is_checked, true)) return;
   pthread_attr_t attributes;
@@ -30,7 +30,7 @@ void require_stack() {
   is_checked = size >= kLeast;
   if (!is_checked)
     throw std::runtime_error(
-        "this thread's stack is below 256 KiB; cure: threading.stack_size(1 << 20) before it "
+        "this thread's stack is below 384 KiB; cure: threading.stack_size(1 << 20) before it "
         "starts");
 }
 

@@ -14,7 +14,7 @@ namespace gliss::python {
 namespace {
 
 HipArrays<double> hips_of(const Reals& points) {
-  require_rows(points, "points", 3);
+  require_points(points, "points");
   return {static_cast<std::size_t>(points.shape(0)), vectors(points)};
 }
 

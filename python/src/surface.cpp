@@ -10,6 +10,7 @@
 #include "calls.h"
 #include "errors.h"
 #include "gliss/base/units.h"
+#include "gliss/build/build_cache.h"
 #include "gliss/build/cache_mesh.h"
 #include "gliss/engine/engine_choice.h"
 #include "gliss/files/cache_file.h"
@@ -99,9 +100,9 @@ std::shared_ptr<OpenSurface> begin(const Opening& opening) {
   return surface;
 }
 
-// `make` gives the mesh, with its creases marked.
+// `make` gives the mesh, with its creases marked. `progress` is told of faces.
 template <class Make>
-void build(OpenSurface& surface, const Opening& opening, Make make) {
+void build(OpenSurface& surface, const Opening& opening, const Progress& progress, Make make) {
   try {
     surface.mesh = make(&surface.findings);
     const CreaseRules& rules = opening.load.creases;
@@ -120,7 +121,11 @@ void build(OpenSurface& surface, const Opening& opening, Make make) {
     BuildOptions options;
     options.precision = opening.precision.value_or(Precision::kDouble);
     options.level = chosen_level(opening.level, opening.construction);
-    surface.cache = std::make_shared<PatchCache>(surface.engine->build(*surface.mesh, options));
+    BuildBackend backend = surface.engine->build_backend();
+    const std::size_t all = surface.mesh->face_count();
+    backend.progress = [&](std::size_t faces) { progress.reach(faces, all); };
+    surface.cache =
+        std::make_shared<PatchCache>(build_cache(*surface.mesh, options, nullptr, backend));
   } catch (const MeshError& error) {
     throw FoundMeshError(error, std::move(surface.findings));
   }
@@ -141,13 +146,14 @@ void read(OpenSurface& surface, const Opening& opening) {
 std::shared_ptr<OpenSurface> load(const std::string& path, const py::dict& options) {
   check_file(path);
   const Opening opening = opening_of(options);
+  const Progress progress(options["progress"]);
   return released([&] {
     auto surface = begin(opening);
     surface->path = path;
     if (is_meant_as_cache(path)) {
       read(*surface, opening);
     } else {
-      build(*surface, opening, [&](std::vector<Finding>* findings) {
+      build(*surface, opening, progress, [&](std::vector<Finding>* findings) {
         return load_mesh(path, opening.load, findings);
       });
     }
@@ -184,10 +190,11 @@ Mesh mesh_of_arrays(const Reals& vertices, const Indices& offsets, const Indices
 std::shared_ptr<OpenSurface> from_arrays(const Reals& vertices, const Indices& offsets,
                                          const Indices& corners, const py::dict& options) {
   const Opening opening = opening_of(options);
+  const Progress progress(options["progress"]);
   Mesh mesh = mesh_of_arrays(vertices, offsets, corners, opening.load.unit);
   return released([&] {
     auto surface = begin(opening);
-    build(*surface, opening, [&](std::vector<Finding>* findings) {
+    build(*surface, opening, progress, [&](std::vector<Finding>* findings) {
       take_mesh(mesh, opening.load, findings);
       return std::move(mesh);
     });

@@ -93,6 +93,7 @@ py::dict sweep(const OpenSurface& surface, py::handle depth, const py::dict& opt
 void bind_sweep(py::module_& module) {
   module.def("sweep", sweep);
   module.def("unit_name", unit_name);
+  module.def("length_text", length_text);
   module.def("depth_names", [](py::handle list) {
     std::vector<std::string> names;
     for (const double depth : depths(list)) names.push_back(depth_name(depth));

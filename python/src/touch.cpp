@@ -56,7 +56,7 @@ py::object figures_of(const TraceStatistics& statistics) {
 
 // By way of metres, as the loop has it, so that forces have the bytes of gliss trace.
 std::vector<Vec3> hips_of(const Reals& path, double unit) {
-  require_rows(path, "path", 3);
+  require_points(path, "path");
   PointTable table;
   table.unit = unit;
   table.points.resize(static_cast<std::size_t>(path.shape(0)));
@@ -84,7 +84,7 @@ std::vector<std::chrono::nanoseconds> times_of(const std::optional<Reals>& time,
 }
 
 py::tuple trace(const OpenSurface& surface, const Reals& path, const std::optional<Reals>& time,
-                const py::dict& keywords) {
+                const py::dict& keywords, const py::object& call) {
   const TouchOptions touch = touch_options(keywords);
   TraceOptions options;
   options.methods = {touch.query.method};
@@ -97,11 +97,13 @@ py::tuple trace(const OpenSurface& surface, const Reals& path, const std::option
   options.times = times;
   options.poll = poll;
   TickArrays ticks(hips.size());
+  const Progress progress(call);
   const TraceStatistics statistics = released([&] {
     return gliss::trace(*surface.cache, hips, options,
                         [&](std::size_t tick, std::span<const TraceStep> steps) {
                           ticks.set(tick, steps[0]);
                           poll();
+                          progress.reach(tick + 1, hips.size());
                         })
         .front();
   });
@@ -126,7 +128,7 @@ class Hand {
     return step(at, dt);
   }
   py::dict ticks(const Reals& path, py::handle seconds) {
-    require_rows(path, "path", 3);
+    require_points(path, "path");
     const double dt = python::tick(seconds);
     const Use use(*this);
     const StridedVectors<const double> from = vectors(path);

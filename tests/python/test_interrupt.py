@@ -85,4 +85,4 @@ def work():
         print(error)
 thread = threading.Thread(target=work); thread.start(); thread.join()
 """)
-    assert done.returncode == 0 and "stack is below 256 KiB" in done.stdout, (done.returncode, done.stdout, done.stderr)
+    assert done.returncode == 0 and "stack is below 384 KiB" in done.stdout, (done.returncode, done.stdout, done.stderr)
