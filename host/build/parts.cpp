@@ -179,7 +179,7 @@ class PartFinder {
     const auto size = [&](std::uint32_t part) { return volume_[part]; };
     for (std::uint32_t part = 0; part < count_; ++part) {
       const Vec3 x = corner_of(patches_[begin_[part]]);
-      const auto holds = [&](std::uint32_t p) { return solid_[p] && winds_round(p, x); };
+      const auto holds = [&](std::uint32_t p) { return solid_[p] && holds_all(p, part); };
       const bool is_cavity = volume_[part] < 0 && closed_[part];
       of_solid.push_back(is_cavity ? part_boxes.smallest_at(x, size, holds) : kNone);
       number.push_back(static_cast<std::uint32_t>(solid.size()));
@@ -195,6 +195,19 @@ class PartFinder {
     begin_.assign(count_ + 1, 0);
     for (const std::uint32_t part : part_) ++begin_[part + 1];
     std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+    return true;
+  }
+
+  // True if a solid holds another part, and not a piece of it alone, as where solids overlap.
+  bool holds_all(std::uint32_t solid, std::uint32_t part) {
+    constexpr std::size_t kLooks = 32;
+    const Box &box = part_box_[solid], &of_part = part_box_[part];
+    if (!box.contains(of_part.low) || !box.contains(of_part.high)) return false;
+    const std::size_t first = begin_[part], count = begin_[part + 1] - first,
+                      looks = std::min(count, kLooks);
+    for (std::size_t i = 0; i < looks; ++i) {
+      if (!winds_round(solid, corner_of(patches_[first + i * count / looks]))) return false;
+    }
     return true;
   }
 

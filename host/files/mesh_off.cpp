@@ -131,6 +131,66 @@ void read_off_faces(TextCursor& cursor, std::int64_t count, bool after_shared_li
   }
 }
 
+// The words of a text, whatever its lines.
+class WordStream {
+ public:
+  explicit WordStream(std::string_view text) : text_(text) {}
+  std::string_view next() {
+    const auto ends = [](char c) { return is_blank(c) || c == '\n' || c == '\r' || c == '#'; };
+    while (!text_.empty() && ends(text_[0])) {
+      const std::size_t line_end = text_[0] == '#' ? text_.find_first_of("\r\n") : 1;
+      text_.remove_prefix(std::min(line_end, text_.size()));
+    }
+    const auto end = std::find_if(text_.begin(), text_.end(), ends);
+    const std::string_view word = text_.substr(0, static_cast<std::size_t>(end - text_.begin()));
+    text_.remove_prefix(word.size());
+    return word;
+  }
+  std::int64_t integer() { return parse_integer(next()).value_or(-1); }  // -1: there is none
+  bool skip(std::int64_t words) {
+    while (words-- > 0) {
+      if (next().empty()) return false;
+    }
+    return true;
+  }
+
+ private:
+  std::string_view text_;
+};
+
+// True if what follows the counts is numbers of vertices and of faces without colours, on fewer
+// lines than there are items: then lines mean nothing.
+bool is_stream(std::string_view text, std::int64_t vertices, std::int64_t faces,
+               const Columns& columns) {
+  if (columns.colours || columns.texture ||
+      std::count(text.begin(), text.end(), '\n') >= vertices + faces)
+    return false;
+  WordStream words(text);
+  if (!words.skip(vertices * (columns.normals ? 6 : 3))) return false;
+  for (std::int64_t i = 0; i < faces; ++i) {
+    const std::int64_t sides = words.integer();
+    if (sides < 0 || !words.skip(sides)) return false;
+  }
+  return words.next().empty();
+}
+
+void read_stream(TextCursor& cursor, std::int64_t vertices, std::int64_t faces,
+                 const Columns& columns, Mesh& mesh, Report& report) {
+  for (std::int64_t i = 0; i < vertices; ++i) {
+    const Vec3 position = cursor.numbers("coordinate");
+    add_vertex(position, cursor.line(), mesh, report);
+    if (columns.normals) mesh.normals.push_back(cursor.vector("normal"));
+  }
+  for (std::int64_t i = 0; i < faces; ++i) {
+    const std::int64_t sides = cursor.integer("number of sides");
+    const std::size_t line = cursor.line();
+    for (std::int64_t k = 0; k < sides; ++k)
+      mesh.corner_vertex.push_back(
+          checked_index(cursor.integer("vertex index"), mesh, cursor.line(), report));
+    end_face(mesh, line, report);
+  }
+}
+
 // Geomview's numbers are big-endian, and each face ends with its colour. PMP writes those of its
 // machine, which is taken for little-endian, and no colours of faces.
 class BinaryOff {
@@ -255,13 +315,19 @@ void read_off(std::string_view text, Mesh& mesh, Report& report) {
       report.fail("syntax", {.line = cursor.line()}, "{} is not a number of vertices",
                   quoted(first));
     }
+    cursor.read_on_over_lines();
+    const std::size_t line = cursor.line();
     const std::int64_t faces = cursor.integer("number of faces");
     if (faces < 0) report.fail("syntax", {.line = cursor.line()}, "{} faces", faces);
-    if (!cursor.word().empty()) cursor.end();  // the number of edges is often wrong, and not needed
-
-    cursor.read_on_over_lines();
-    const bool share_lines = read_off_vertices(cursor, *vertices, columns, mesh, report);
-    read_off_faces(cursor, faces, share_lines, mesh, report);
+    // The number of edges is often wrong or missing, and not needed.
+    if (cursor.line() != line || cursor.has_word()) cursor.integer("number of edges");
+    if (is_stream(cursor.rest(), *vertices, faces, columns)) {
+      read_stream(cursor, *vertices, faces, columns, mesh, report);
+    } else {
+      cursor.end();
+      const bool share_lines = read_off_vertices(cursor, *vertices, columns, mesh, report);
+      read_off_faces(cursor, faces, share_lines, mesh, report);
+    }
   }
   if (columns.normals) mesh.corner_normal = mesh.corner_vertex;
 }

@@ -77,8 +77,9 @@ class TextCursor {
   bool next();              // to the first word of the next statement; false: there is none
   std::string_view word();  // the next word of this statement; empty: there is none
   bool has_word() { return in_statement_ && at_word(); }
-  std::size_t line() const { return statement_line_; }  // where the statement starts, 1-based
-  std::string_view after_line();                        // what follows the line of this statement
+  std::size_t line() const { return statement_line_; }   // where the statement starts, 1-based
+  std::string_view after_line();                         // what follows the line of this statement
+  std::string_view rest() const { return {at_, end_}; }  // what follows the last word
 
   // From now on the numbers below may stand on a later line, which is the statement then.
   void read_on_over_lines() { over_lines_ = true; }

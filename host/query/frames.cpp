@@ -148,6 +148,8 @@ void correct_state(const PatchCache& cache, Method method, const RawHip<Real>& h
   if (!(distance > 0)) return;  // NaN too
   const Vec3 x = vector_at(&hip.parts[0]) + vector_at(&hip.parts[3]);
   const WindingTree& winding = *cache.winding;
+  // Through a hole goes whoever comes that way.
+  if (!winding.counts(raw.uints[kContactPatch]) || (raw.uints[kContactFlags] & kOnBorder)) return;
   if (method == Method::kGregory && winding.may_be_between(x, distance)) return;
   const bool is_inside = winding.is_inside(x);
   if (is_inside == (raw.uints[kContactState] != 0)) return;

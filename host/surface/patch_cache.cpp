@@ -87,6 +87,7 @@ template <class Real>
 bool closes_wedge(const Surface<Real>& s, std::uint32_t side) {
   constexpr double kLittle = 0.25;
   const std::uint32_t twin = s.side_twin[side];
+  if (twin == kNone) return false;
   const Vec3 own = polygon_normal(s, side), beyond = polygon_normal(s, twin);
   if (!(own.dot(beyond) < 0)) return false;
   const Vec3 along = start_of(s, twin) - start_of(s, side);
@@ -113,14 +114,15 @@ bool has_folds(const Surface<Real>& s) {
 
 void find_folds(PatchCache& cache) {
   cache.winding = nullptr;
-  if (!cache.open.empty()) return;
   bool has_bent = false;
   for (std::uint32_t p = 0; p < cache.patch_count() && !has_bent; ++p)
     has_bent = cache.folded[p] &&
                (cache.kind[p] == PatchKind::kBent || cache.kind[p] == PatchKind::kPlain);
   std::visit(
       [&](const auto& s) {
-        if (has_bent || has_folds(s)) cache.winding = std::make_shared<const WindingTree>(s);
+        if (!has_bent && !has_folds(s)) return;
+        auto tree = std::make_shared<const WindingTree>(s);
+        if (tree->counts_any()) cache.winding = std::move(tree);
       },
       cache.surface);
 }

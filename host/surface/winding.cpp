@@ -4,7 +4,10 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
+#include <utility>
 
+#include "gliss/mesh/mesh_edges.h"
 #include "gliss/mesh/solid_angle.h"
 
 namespace gliss {
@@ -45,12 +48,65 @@ double width_of(const Surface<Real>& s, std::uint32_t patch) {
 
 template <class Real>
 WindingTree::WindingTree(const Surface<Real>& s) {
+  close_holes(s);
   const std::uint32_t patches = s.patch_count(), nodes = patches - 1;
   children_.resize(2 * std::size_t{nodes} + 1);
   gather(s, nodes == 0 ? kNodeLeaf : 0, children_.size() - 1);
   double volume = 0;
   for (const BaseTriangle& t : triangles_) volume += t[0].dot(t[1].cross(t[2]));
   is_room_ = volume < 0;
+}
+
+template <class Real>
+void WindingTree::close_holes(const Surface<Real>& s) {
+  constexpr double kSmall = 0.05;  // of a part's area
+  const auto sides = static_cast<std::uint32_t>(s.side_twin.size());
+  if (std::find(s.side_twin.begin(), s.side_twin.end(), kNone) == s.side_twin.end()) return;
+  DisjointSets parts(s.patch_count());
+  for (std::uint32_t side = 0; side < sides; ++side) {
+    if (s.side_twin[side] != kNone)
+      parts.unite(s.side_patch[side], s.side_patch[s.side_twin[side]]);
+  }
+  std::vector<double> area(s.patch_count(), 0), open(s.patch_count(), 0);  // [part], twice
+  for (std::uint32_t p = 0; p < s.patch_count(); ++p) {
+    for_polygon_triangles(s, p, [&](const BaseTriangle& t) {
+      area[parts.find(p)] += (t[1] - t[0]).cross(t[2] - t[0]).norm();
+    });
+  }
+  struct Hole {
+    std::uint32_t part;
+    std::vector<BaseTriangle> cone;
+  };
+  std::vector<Hole> holes;
+  std::vector<char> seen(sides, 0);
+  for (std::uint32_t first = 0; first < sides; ++first) {
+    std::vector<Vec3> rim;
+    for (std::uint32_t side = first; s.side_twin[side] == kNone && !std::exchange(seen[side], 1);) {
+      rim.push_back(start_of(s, side));
+      for (side = next_side(s, side); s.side_twin[side] != kNone;)
+        side = next_side(s, s.side_twin[side]);
+    }
+    if (rim.empty()) continue;
+    const Vec3 middle = std::accumulate(rim.begin(), rim.end(), Vec3(Vec3::Zero())) /
+                        static_cast<double>(rim.size());
+    Hole& hole = holes.emplace_back(Hole{parts.find(s.side_patch[first]), {}});
+    for (std::size_t i = 0; i < rim.size(); ++i) {
+      const Vec3 &start = rim[i], &end = rim[(i + 1) % rim.size()];
+      hole.cone.push_back({end, start, middle});
+      open[hole.part] += (start - end).cross(middle - end).norm();
+    }
+  }
+  counted_.resize(s.patch_count());
+  for (std::uint32_t p = 0; p < s.patch_count(); ++p)
+    counted_[p] = open[parts.find(p)] <= kSmall * area[parts.find(p)];
+  for (const Hole& hole : holes) {
+    if (!counted_[hole.part]) continue;
+    Child c;
+    c.begin = static_cast<std::uint32_t>(triangles_.size());
+    triangles_.insert(triangles_.end(), hole.cone.begin(), hole.cone.end());
+    take(c);
+    holes_.push_back(c);
+  }
 }
 
 // `named`: a node, or with kNodeLeaf a patch. The tree is no deeper than its hierarchy.
@@ -78,7 +134,8 @@ void WindingTree::gather(const Surface<Real>& s, std::uint32_t named, std::size_
       c.low = std::min(c.low, c.axis.dot(corner));
       c.high = std::max(c.high, c.axis.dot(corner));
     }
-    for_polygon_triangles(s, patch, [&](const BaseTriangle& t) { triangles_.push_back(t); });
+    if (counts(patch))
+      for_polygon_triangles(s, patch, [&](const BaseTriangle& t) { triangles_.push_back(t); });
   } else {
     c.node = named;
     for (std::size_t k = 0; k < 2; ++k) {
@@ -88,6 +145,11 @@ void WindingTree::gather(const Surface<Real>& s, std::uint32_t named, std::size_
       c.departure = std::max(c.departure, children_[below].departure);
     }
   }
+  take(c);
+  children_[child] = c;
+}
+
+void WindingTree::take(Child& c) {
   c.end = static_cast<std::uint32_t>(triangles_.size());
   for (std::uint32_t i = c.begin; i < c.end; ++i) {
     const BaseTriangle& t = triangles_[i];
@@ -96,12 +158,14 @@ void WindingTree::gather(const Surface<Real>& s, std::uint32_t named, std::size_
     c.size += area.norm();
     c.middle += area.norm() / 3 * (t[0] + t[1] + t[2]);
   }
-  c.middle = c.size > 0 ? Vec3(c.middle / c.size) : triangles_[c.begin][0];
+  if (c.size > 0)
+    c.middle /= c.size;
+  else if (c.begin < c.end)
+    c.middle = triangles_[c.begin][0];
   for (std::uint32_t i = c.begin; i < c.end; ++i) {
     for (const Vec3& corner : triangles_[i])
       c.radius = std::max(c.radius, (corner - c.middle).norm());
   }
-  children_[child] = c;
 }
 
 bool WindingTree::may_be_between(const Vec3& x, double distance) const {
@@ -122,23 +186,36 @@ bool WindingTree::may_be_between(const Vec3& x, double distance) const {
   return false;
 }
 
-double WindingTree::number_at(const Vec3& x) const {
+bool WindingTree::is_far(const Child& c, const Vec3& x) const {
   constexpr double kFar = 3;  // radii; then a dipole is off by a hundredth of its angle or so
+  return (c.middle - x).norm() > kFar * c.radius;
+}
+
+double WindingTree::angle_of(const Child& c, const Vec3& x) const {
+  if (is_far(c, x)) {
+    const Vec3 away = c.middle - x;
+    const double distance = away.norm();
+    return c.area.dot(away) / (2 * distance * distance * distance);
+  }
   double angle = 0;
+  for (std::uint32_t i = c.begin; i < c.end; ++i)
+    angle += solid_angle(triangles_[i][0] - x, triangles_[i][1] - x, triangles_[i][2] - x);
+  return angle;
+}
+
+double WindingTree::number_at(const Vec3& x) const {
+  double angle = 0;
+  for (const Child& hole : holes_) angle += angle_of(hole, x);
   std::array<std::size_t, kHierarchyDepth + 2> open{children_.size() - 1};
   std::size_t left = 1;
   while (left > 0) {
     const Child& c = children_[open[--left]];
-    const Vec3 away = c.middle - x;
-    const double distance = away.norm();
-    if (distance > kFar * c.radius) {
-      angle += c.area.dot(away) / (2 * distance * distance * distance);
-    } else if (!c.is_leaf) {
+    if (c.begin == c.end) continue;
+    if (c.is_leaf || is_far(c, x)) {
+      angle += angle_of(c, x);
+    } else {
       open[left++] = 2 * std::size_t{c.node};
       open[left++] = 2 * std::size_t{c.node} + 1;
-    } else {
-      for (std::uint32_t i = c.begin; i < c.end; ++i)
-        angle += solid_angle(triangles_[i][0] - x, triangles_[i][1] - x, triangles_[i][2] - x);
     }
   }
   return angle / (4 * std::numbers::pi);

@@ -9,13 +9,19 @@
 
 namespace gliss {
 
-// Sums over the tree of the patches, each child that is far as a dipole (Barill, Dickson, Schmidt,
-// Levin and Jacobson 2018, of first order). Does not change: any number of threads may ask.
+// Of closed parts, and of open ones whose holes are small, which it closes: each hole by a cone to
+// its middle. Other open parts enclose nothing. Sums over the tree of the patches, each child that
+// is far as a dipole (Barill, Dickson, Schmidt, Levin and Jacobson 2018, of first order). Does not
+// change: any number of threads may ask.
 class WindingTree {
  public:
   template <class Real>
   explicit WindingTree(const Surface<Real>& s);
 
+  // True if the tree has a part: it asks nothing else where it has none.
+  bool counts_any() const { return !triangles_.empty(); }
+  // True if a patch's part counts.
+  bool counts(std::uint32_t patch) const { return counted_.empty() || counted_[patch]; }
   // True if a point of the mesh frame lies in the solid of the polygons.
   bool is_inside(const Vec3& x) const { return number_at(x) > (is_room_ ? -0.5 : 0.5); }
   // True if a point of the mesh frame may lie between a patch and its base polygon. `distance`: no
@@ -37,11 +43,20 @@ class WindingTree {
   };
 
   double number_at(const Vec3& x) const;
+  double angle_of(const Child& c, const Vec3& x) const;  // of its triangles
+  bool is_far(const Child& c, const Vec3& x) const;
+  // Takes the triangles from c.begin on.
+  void take(Child& c);
+  // Finds the parts that count, and closes their holes.
+  template <class Real>
+  void close_holes(const Surface<Real>& s);
   template <class Real>
   void gather(const Surface<Real>& s, std::uint32_t named, std::size_t child);
 
   std::vector<BaseTriangle> triangles_;  // in the order of the tree
   std::vector<Child> children_;          // two of each node; the last is the root
+  std::vector<Child> holes_;             // their triangles come before those of the tree
+  std::vector<char> counted_;            // [patch]; empty: all
   double departure_ = 0;                 // no patch is farther from its base polygon
   bool is_room_ = false;                 // the polygons enclose a negative volume
 };

@@ -51,7 +51,7 @@ TEST(SignsPage, shows_the_distances_that_its_commands_give) {
     }
   }
   judge();
-  EXPECT_EQ(cases, 3);
+  EXPECT_EQ(cases, 5);
 }
 
 }  // namespace

@@ -51,6 +51,22 @@ TEST_F(MeshDialects, off_items_go_on_over_lines) {
             two);
 }
 
+// Lines mean nothing in a file that has fewer of them than items.
+TEST_F(MeshDialects, off_is_a_stream_of_words) {
+  const Faces two{{0, 1, 2}, {0, 2, 3}};
+  for (const char* text : {"OFF\n4\n2\n6\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n",
+                           "OFF 4 2 0 0 0 0 1 0 0 1 1 0 0 1 0 3 0 1 2 3 0 2 3",
+                           "OFF\n4 2 0\n0 0 0 1 0 0\n1 1 0 0 1 0 # last\n3 0 1 2 3 0 2 3\n",
+                           "OFF\n4 2 0\n0 0\n0 1 0 0\n1 1 0 0 1 0 3 0\n1 2 3 0 2 3\n"}) {
+    const Mesh mesh = load("a.off", text);
+    EXPECT_EQ(faces_of(mesh), two) << text;
+    EXPECT_EQ(mesh.positions[1], Vec3(1, 0, 0)) << text;
+    EXPECT_EQ(mesh.positions[3], Vec3(0, 1, 0)) << text;
+  }
+  EXPECT_EQ(refusal("a.off", "OFF 4 2 0 0 0 0 1 0 0 1 1 0 0 1 0 3 0 1 2 3 0 2"),
+            "a.off: the file ends after 1 of 2 faces");
+}
+
 TEST_F(MeshDialects, off_lines_that_lack_a_number_or_have_one_too_many_are_named) {
   const std::string rest = "0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
   EXPECT_EQ(refusal("a.off", "OFF\n4 4 0\n0 0 0\n1 0 0 1\n" + rest),

@@ -8,6 +8,7 @@
 #include "gliss/query/contact_tracker.h"
 #include "gliss/query/query.h"
 #include "gliss/validate/validate.h"
+#include "tests/oracle/union_oracle.h"
 
 namespace gliss {
 namespace {
@@ -78,7 +79,32 @@ TEST_P(Cavities, push_a_hand_away_from_their_walls) {
   }
 }
 
-// An open part that is wound inward encloses nothing: in a ball it is buried, wherever its walls are.
+// Of two hollow balls that overlap, each has its own cavity.
+TEST(Cavity, belongs_to_the_solid_that_holds_all_of_it) {
+  for (const double apart : {20.0, 22.0, 24.0}) {
+    Mesh first = nested_balls({20, -14}, 8).mesh, second = nested_balls({24, -20}, 8).mesh;
+    for (Vec3& p : second.positions) p.x() += apart;
+    Mesh mesh = test::joined({first, second});
+    validate(mesh);
+    const PatchCache cache = build_cache(mesh);
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> along(-20, apart + 24), across(-24, 24);
+    int wrong = 0, judged = 0;
+    while (judged < 2000) {
+      const Vec3 x(along(random), across(random), across(random));
+      const double r = x.norm(), q = (x - Vec3(apart, 0, 0)).norm();
+      const auto near = [](double a, double b) { return std::abs(a - b) < 0.4; };
+      if (near(r, 20) || near(r, 14) || near(q, 24) || near(q, 20)) continue;
+      ++judged;
+      const bool solid = (r < 20 && r > 14) || (q < 24 && q > 20);
+      wrong += nearest(cache, x).touching != solid;
+    }
+    EXPECT_EQ(wrong, 0) << apart;
+  }
+}
+
+// An open part that is wound inward encloses nothing: in a ball it is buried, wherever its walls
+// are.
 TEST(Cavity, is_closed) {
   Mesh mesh = nested_balls({20, -10}, 6).mesh;
   std::vector<std::uint32_t> begin{0}, vertex;

@@ -228,7 +228,7 @@ TEST(Union, names_the_part_that_a_seam_presses_most) {
     const Contact contact = nearest(cache, Vec3(2, 2, 4.5) - push);
     ASSERT_TRUE(contact.flags & kOnCrease);
     ASSERT_LT((contact.push - push).norm(), 1e-9);
-    EXPECT_EQ(contact.at.face < bars[0].face_count(), push.y() > push.x());
+    EXPECT_EQ(contact.at.face<bars[0].face_count(), push.y()> push.x());
   }
 }
 

@@ -109,6 +109,58 @@ TEST_P(Winding, says_what_is_inside_of_faces_that_fold) {
   }
 }
 
+Mesh without_face(const Mesh& mesh, std::uint32_t face) {
+  Mesh open = mesh;
+  const auto begin = open.corner_vertex.begin() + mesh.face_begin[face],
+             end = open.corner_vertex.begin() + mesh.face_begin[face + 1];
+  open.corner_vertex.erase(begin, end);
+  open.face_begin.erase(open.face_begin.begin() + face);
+  for (std::size_t f = face; f < open.face_begin.size(); ++f)
+    open.face_begin[f] -= mesh.valence(face);
+  return open;
+}
+
+// A hole and a stray face say nothing of the rest.
+TEST_P(Winding, says_it_beside_a_hole_and_an_open_part) {
+  BuildOptions options;
+  options.precision = GetParam();
+  const Mesh folded = folded_ball(4);
+  Mesh stray = test::joined({folded, test::moved(folded_ball(0), Vec3(100, 0, 0))});
+  for (auto f = static_cast<std::uint32_t>(stray.face_count()); --f > folded.face_count();)
+    stray = without_face(stray, f);
+  for (const auto& [mesh, face] :
+       {std::pair{without_face(folded, 300), 300u}, std::pair{stray, ~0u}}) {
+    const PatchCache cache = build_cache(mesh, options);
+    ASSERT_FALSE(cache.open.empty());
+    ASSERT_NE(cache.winding, nullptr);
+    const std::vector<Vec3> triangles = triangles_of(folded);
+    std::mt19937 random(2);
+    std::uniform_real_distribution<double> uniform(-25, 25);
+    int wrong = 0;
+    for (int i = 0; i < 2000; ++i) {
+      const Vec3 x(uniform(random), uniform(random), uniform(random));
+      QueryOptions query;
+      query.method = Method::kFlat;
+      const Contact c = nearest(cache, x, query);
+      if (!(c.flags & kOnBorder) && std::abs(c.distance) > 1e-4)
+        wrong += c.touching != is_inside(triangles, x);
+    }
+    EXPECT_EQ(wrong, 0) << face;
+  }
+}
+
+// Half a ball is the skin of what is behind it, however far.
+TEST_P(Winding, leaves_open_parts_with_large_holes_as_they_are) {
+  BuildOptions options;
+  options.precision = GetParam();
+  Mesh half = folded_ball(4);
+  for (auto f = static_cast<std::uint32_t>(half.face_count()); f-- > 0;) {
+    if (half.positions[half.corner_vertex[half.face_begin[f]]].z() < 0)
+      half = without_face(half, f);
+  }
+  EXPECT_EQ(build_cache(half, options).winding, nullptr);
+}
+
 TEST_P(Winding, lets_a_hand_begin_inside) {
   BuildOptions options;
   options.precision = GetParam();
@@ -128,6 +180,7 @@ TEST_P(Winding, is_not_asked_where_nothing_folds) {
   BuildOptions options;
   options.precision = GetParam();
   EXPECT_EQ(build_cache(folded_ball(0), options).winding, nullptr);
+  EXPECT_EQ(build_cache(without_face(folded_ball(0), 7), options).winding, nullptr);
   EXPECT_EQ(build_cache(fin().mesh, options).winding, nullptr);
   EXPECT_EQ(build_cache(thin_plate().mesh, options).winding, nullptr);
 }

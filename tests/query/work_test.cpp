@@ -91,6 +91,20 @@ TEST(LoopGain, of_nearest_points_falls_with_the_square_of_the_step) {
   EXPECT_GT(gain_round(cache, Method::kShaded, 8000), 1e-4);
 }
 
+TEST(LoopGain, is_unknown_where_no_loop_stays_in_contact) {
+  const Mesh ball = test::with_normals(goldberg(3).mesh);
+  const PatchCache cache = test::cache_of(ball);
+  const double depth = walk_depth(ball);
+  auto loops = loop_paths(ball, build_topology(ball), depth, 5);
+  ASSERT_FALSE(loops.empty());
+  EXPECT_FALSE(std::isnan(loop_gain(cache, {}, loops).gain));
+  for (auto& loop : loops) {
+    for (std::size_t i = loop.size() / 4; i < loop.size() / 3; ++i)
+      loop[i] += 2 * depth * loop[i].normalized();
+  }
+  EXPECT_TRUE(std::isnan(loop_gain(cache, {}, loops).gain));
+}
+
 TEST(LoopGain, of_nearest_points_is_nothing_on_any_generated_mesh) {
   for (const Generated& made : {torus_knot(), torus(), goldberg(), banana()}) {
     const Mesh mesh = test::with_normals(made.mesh);
