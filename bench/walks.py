@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """How often the force jumps on random walks beneath meshes, as a table of Markdown: Gregory patches
-(exact and bezier of the paper's construction, fair) beside force shading and flat polygons, 0.5 % and
+(paper and paper-bezier, fair) beside force shading and flat polygons, 0.5 % and
 0.1 % of the size deep, slow (5 mm/s on a mesh of 100 mm, in a loop of 1 kHz) and ten times as fast, without
 settle and with it.
 
@@ -12,7 +12,7 @@ come first, unless --found leaves them out. Counts are ticks whose force changes
 lost under more than that included, per 100,000 ticks in contact (host/walk/walk.h), ± one standard deviation
 over seeds; all surfaces of a mesh get the same HIPs. Bold: more often than force shading by more than the spread
 of the two. Beyond: steps above twice the way of the hand, as often; slid: the share of ticks in contact that slide; lost
-contacts: each exact / fair / shaded / flat. Loops: the work that closed loops a face wide give the hand, at most, in % of
+contacts: each paper / fair / shaded / flat. Loops: the work that closed loops a face wide give the hand, at most, in % of
 force times way; "<": less than its error. Held: contacts that outlive their touch, of how many (docs/levels.md, Hands
 that leave; of any depth). Both with settle, once a mesh.
 """
@@ -26,10 +26,10 @@ import subprocess
 import sys
 import tempfile
 
-PATCHES = ("exact", "bezier", "fair")
+PATCHES = ("paper", "paper-bezier", "fair")
 LEVELS = PATCHES + ("shaded", "flat")
 DEPTHS = ("0.5%", "0.1%")
-MOST = tuple(level for level in LEVELS if level != "bezier")
+MOST = tuple(level for level in LEVELS if level != "paper-bezier")
 TICKS_A_WALK = 2500
 GENERATED = ("knot", "goldberg", "banana")
 
@@ -57,7 +57,7 @@ def compare(mesh, depth, options):
     if ran.returncode != 0:
         told = ran.stderr.strip().splitlines() or ["failed"]
         return None, "refused: " + told[-1].removeprefix("gliss: ").replace(str(mesh), mesh.name)
-    return {row["level"]: row for row in json.loads(ran.stdout)["rows"]}, None
+    return {row["surface"]: row for row in json.loads(ran.stdout)["rows"]}, None
 
 
 def beside(felt, shaded):
@@ -122,7 +122,7 @@ def main():
     parser.add_argument("--unit", default="mm")
     parser.add_argument("--settle", default="5ms", help="of the rows that settle")
     parser.add_argument("--found", action="store_true", help="the named meshes alone, no generated ones")
-    options = parser.parse_args()
+    options = parser.parse_intermixed_args()
     standings = {}  # by depth, speed and settle: on how many meshes fair is `beside` shading so
     head = [f"{depth}: {name}" for depth in DEPTHS for name in LEVELS + ("lost", "beyond", "slid, %")]
     head += ["loops, %", "held"]

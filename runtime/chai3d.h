@@ -204,19 +204,24 @@ class cGlissObject : public chai3d::cGenericObject {
   }
 
   void scaleObject(const double& factor) override {
-    metres_ /= factor;
+    const double metres = metres_ / factor;
+    if (!(metres >= 1e-9 && metres <= 1e9)) return tell(kNoScale);
+    metres_ = metres;
     updateBoundaryBox();
   }
 
  private:
-  enum Fault { kTooManyPoints, kNoMaterial, kNoSurface, kNoPosition, kTwoSprings };
+  enum Fault { kTooManyPoints, kNoMaterial, kNoSurface, kNoPosition, kTwoSprings, kNoScale };
   static constexpr const char* kTold[] = {
       "more interaction points than it was made for: no force on those that came last",
-      ("its material has a stiffness that is not 0 or more, or a friction above 5: it keeps the "
-       "one before"),
+      ("its material has a stiffness that is not from 0 to 1e6 N/m, or a friction above 5: it "
+       "keeps "
+       "the one before"),
       "the surface is at fault: the force is held and taken away",
       "a position is not finite: the force is held and taken away",
-      "createEffectSurface adds a second spring: no force of Gliss until deleteEffectSurface"};
+      "createEffectSurface adds a second spring: no force of Gliss until deleteEffectSurface",
+      "a scale that leaves a unit of the world no length from 1e-9 to 1e9 m: it keeps the one "
+      "before"};
 
   // No operation of it is one that a host may have made fatal (feenableexcept).
   static bool is_finite(const Vec3& v) {

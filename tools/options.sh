@@ -44,5 +44,6 @@ without ENGINE ENGINE "TBB OpenCL Python3 CLI11" "core;runtime;files;tables;hapl
 without HAPLY HAPLY "nlohmann_json CLI11" "core;runtime;files;tables;engine;study;scene;c"
 without SCENE SCENE CLI11 "core;runtime;files;tables;engine;study;haply;c"
 without TOOLS TOOLS CLI11 "core;runtime;files;tables;engine;study;haply;scene;c"
+without REPORT REPORT "" "core;runtime;files;tables;engine;study;haply;scene;c"
 without LOOP "FILES TABLES ENGINE HAPLY SCENE TOOLS" "fmt HDF5 TBB OpenCL Python3 Boost nlohmann_json CLI11" "core;runtime"
 [[ $tried ]] || { sed -n '2,8s/^# \{0,1\}//p' "$0"; exit 2; }

@@ -7,6 +7,23 @@
 #include "gliss/base/units.h"
 
 namespace gliss {
+namespace {
+
+// The share of the faces that have patches.
+double share_of_tight_faces(const PatchCache& cache, double depth) {
+  std::size_t faces = 0, tight = 0;
+  for (std::size_t patch = 0; patch < cache.patch_face.size();) {
+    const std::uint32_t face = cache.patch_face[patch];
+    bool is_tight = false;
+    for (; patch < cache.patch_face.size() && cache.patch_face[patch] == face; ++patch)
+      is_tight = is_tight || cache.rho_min[patch] * cache.unit < depth;
+    ++faces;
+    tight += is_tight;
+  }
+  return faces == 0 ? 0 : static_cast<double>(tight) / static_cast<double>(faces);
+}
+
+}  // namespace
 
 std::string unit_name(double unit) {
   for (const char* name : {"m", "cm", "mm", "um", "nm", "in"}) {
@@ -33,6 +50,23 @@ void check_depths(const std::string& option, std::span<const double> depths,
                     "number is metres, and '2mm' is two millimetres",
                     option, length_text(depth), length_text(across)));
   }
+}
+
+double usual_depth(const PatchCache& cache) {
+  const Box box = cache.bounds();
+  return 0.005 * (box.high - box.low).norm() * cache.unit;
+}
+
+std::string tight_curvature_text(const PatchCache& cache, double depth,
+                                 const std::string& meaning) {
+  const double percent = 100 * share_of_tight_faces(cache, depth);
+  if (percent == 0) return "";
+  const std::string share =
+      percent < 10 ? fmt::format("{:.2g}", percent) : fmt::format("{:.0f}", percent);
+  const std::string in_brackets = meaning.empty() ? "" : fmt::format(" ({})", meaning);
+  return fmt::format(
+      "{} % of the faces have a radius of curvature below {:.3g} mm{}: expect jumps there", share,
+      depth * 1e3, in_brackets);
 }
 
 }  // namespace gliss

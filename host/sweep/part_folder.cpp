@@ -146,7 +146,8 @@ bool PartFolder::open_once() {
   if (lock_ < 0 && errno == ENOENT) return false;
   if (lock_ < 0 || fstat(lock_, &status) != 0) fail("cannot open");
   if (!is_new && status.st_uid != geteuid()) refuse("it belongs to another user");
-  if ((status.st_mode & S_IWOTH) != 0) refuse("all may write to it; chmod o-w is the cure");
+  if ((status.st_mode & (S_IWOTH | S_IWGRP)) != 0)
+    refuse("others may write to it; chmod go-w is the cure");
   // Let go of by the system when this process ends, however it does.
   const auto is_taken = [&](int kind) {
     return flock(lock_, kind | LOCK_NB) != 0 && errno == EWOULDBLOCK;

@@ -374,6 +374,8 @@ def _warn_of(surface):
     across = surface.unit * float(_np.linalg.norm(high - low))
     if across > 10:
         _warn(f"the surface is {across:.3g} m across: its unit may be another, as unit='mm'")
+    if tight := _gliss.tight_curvature_text(surface._open):
+        _warn(tight)
     if surface._open.faithful:
         return
     distance, room, face = surface.tightest
@@ -616,9 +618,14 @@ class Surface:
             command_line = _shlex.join(command)
         else:
             command_line = "Python: Surface.sweep"
-        return Sweep(_gliss.sweep(self._open, depth, dict(
+        swept = Sweep(_gliss.sweep(self._open, depth, dict(
             samples=samples, rings=rings, methods=methods, stiffness=stiffness, output=path, parts=folder,
             command_line=command_line, progress=_progress(progress, "sweep"))))
+        for figures in swept.statistics:
+            if figures["method"] == "gregory" and figures["may_be_sparse"]:
+                _warn(f"at {figures['depth_m'] * 1e3:.6g} mm the samples may be too far apart to count jumps: if those "
+                      f"of gregory become fewer with four times as many, they are")
+        return swept
 
     @_public()
     def compare(self, *, surfaces=("fair", "paper", "paper-ribbon", "paper-bezier", "paper-table", "shaded", "flat"),

@@ -94,6 +94,10 @@ void bind_sweep(py::module_& module) {
   module.def("sweep", sweep);
   module.def("unit_name", unit_name);
   module.def("length_text", length_text);
+  module.def("tight_curvature_text", [](const OpenSurface& surface) {
+    const PatchCache& cache = *surface.cache;
+    return tight_curvature_text(cache, usual_depth(cache), "0.5 % of the diagonal");
+  });
   module.def("depth_names", [](py::handle list) {
     std::vector<std::string> names;
     for (const double depth : depths(list)) names.push_back(depth_name(depth));

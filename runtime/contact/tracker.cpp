@@ -31,17 +31,23 @@ Contact on_its_plane(Contact contact, const Vec3& way) {
   return contact;
 }
 
+bool is_rendered(double stiffness) {
+  return stiffness >= 0 && stiffness <= Tracker::kMostStiffness;
+}
+
 // Why nothing can be touched of an object, as the end of a sentence about it; null: it can.
 const char* fault_of(const SceneObject& object) {
   if (!object.pose.matrix().allFinite()) return "has a pose that is not finite";
   if (!is_rigid(object.pose)) return "has a pose that is not a rotation and translation";
   if (object.motion != nullptr && object.poses != nullptr)
     return "has a motion and poses, of which it can follow one";
-  if (!is_stiffness(object.stiffness)) return "has a stiffness that is not 0 or more";
+  if (!is_rendered(object.stiffness)) return "has a stiffness that is not from 0 to 1e6 N/m";
   if (!(object.settle >= 0 && object.settle <= kMostSettleTime))
     return "has a settle that is not from 0 to 1 s";
   if (const char* fault = fault_of(object.friction)) return fault;
   if (const char* fault = fault_of(object.effects)) return fault;
+  if (!is_rendered(object.effects.magnet.stiffness()))
+    return "has a magnet whose stiffness, 3.08 force / range, is not from 0 to 1e6 N/m";
   if (object.cache != nullptr)
     return object.cache->patch_count() == 0 ? "has a cache without patches" : nullptr;
   if (object.lazy == nullptr)
@@ -103,7 +109,7 @@ bool Tracker::move(std::size_t object, const Pose& pose) noexcept {
 
 bool Tracker::set_material(std::size_t object, double stiffness,
                            const FrictionOptions& friction) noexcept {
-  if (!is_stiffness(stiffness) || fault_of(friction) != nullptr) return false;
+  if (!is_rendered(stiffness) || fault_of(friction) != nullptr) return false;
   places_[object].object.stiffness = stiffness;
   places_[object].object.friction = friction;
   for (Tracked& tracked : tracked_) {

@@ -61,6 +61,7 @@ class GLISS_EXPORT Tracker {
  public:
   // HIPs times objects.
   static constexpr std::size_t kMostContacts = 10'000;
+  static constexpr double kMostStiffness = 1e6;  // N/m: ten times what the stiffest device renders
   // No contact is searched or followed in a step after as many evaluations of patches, so that a
   // step spends at most these and ContactTracker::kTickEvaluations. Others are the first of the
   // next step; until then a HIP touches the plane of its last contact, or nothing if it had none.
@@ -70,9 +71,9 @@ class GLISS_EXPORT Tracker {
   // world's where the device does not turn); none: one, there.
   // Throws std::invalid_argument, one line with the object's index, for an object without a surface
   // (neither cache nor `lazy`, or a cache without patches) and for a lazy one with another method
-  // than kGregory, poses that are not rigid, a stiffness that is not 0 or more, a `settle`,
-  // friction or effects that are invalid; for HIPs that are not finite, and for more contacts than
-  // kMostContacts.
+  // than kGregory, poses that are not rigid, a stiffness, also a magnet's, that is not from 0 to
+  // kMostStiffness, a `settle`, friction or effects that are invalid; for HIPs that are not finite,
+  // and for more contacts than kMostContacts.
   explicit Tracker(std::span<const SceneObject> objects, std::span<const Vec3> hips = {});
 
   // The force on the hand at a position (m, world), in N: the sum over HIPs and objects. What is

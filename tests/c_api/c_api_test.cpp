@@ -312,7 +312,7 @@ TEST(CApi, tells_of_numbers_that_are_not_finite_and_keeps_the_contact) {
     object = ball.object();
   };
   object.stiffness = -500;
-  refused("stiffness that is not 0 or more");
+  refused("stiffness that is not from 0 to 1e6 N/m");
   object.settle = 5;  // a number of ticks
   refused("settle that is not from 0 to 1 s");
   object.friction_settle = -1;

@@ -218,11 +218,25 @@ TEST(Chai3d, keeps_the_material_before_one_that_is_none) {
   object.m_material->setStaticFriction(7);
   EXPECT_LE((world.force({0, 0, 0.008}) - force).norm(), kSame);
   EXPECT_LE((world.force({0, 0, 0.008}) - force).norm(), kSame);
-  EXPECT_EQ(said_by(object),
-            "cGlissObject : its material has a stiffness that is not 0 or more, or a friction "
-            "above 5: it keeps the one before\n");
+  EXPECT_EQ(
+      said_by(object),
+      "cGlissObject : its material has a stiffness that is not from 0 to 1e6 N/m, or a friction "
+      "above 5: it keeps the one before\n");
   EXPECT_EQ(said_by(object), "");
   EXPECT_THAT(object.fault(), HasSubstr("friction above 5"));
+}
+
+TEST(Chai3d, keeps_the_scale_before_one_that_is_none) {
+  Ticking object(ball());
+  World world(object);
+  world.force({0, 0, 0.012});
+  const Vec3 force = world.force({0, 0, 0.008});
+  const double nan = std::nan(""), inf = std::numeric_limits<double>::infinity();
+  for (const double factor : {0.0, -1.0, 1e300, 1e-300, nan, inf}) {
+    object.scale(factor);
+    EXPECT_LE((world.force({0, 0, 0.008}) - force).norm(), kSame) << factor;
+  }
+  EXPECT_THAT(object.fault(), HasSubstr("keeps the one before"));
 }
 
 TEST(Chai3d, speaks_in_the_worlds_units) {

@@ -143,6 +143,19 @@ TEST_F(HostileEnds, say_that_the_stack_is_too_small) {
   EXPECT_THAT(outcome.err, HasSubstr("ulimit -s"));
 }
 
+// Where the stack begins is random.
+TEST_F(HostileEnds, do_not_come_of_the_least_stack_that_is_taken) {
+  const auto least = [] {
+    const rlimit limit{384 << 10, 384 << 10};
+    return setrlimit(RLIMIT_STACK, &limit) == 0;
+  };
+  for (int i = 0; i < 10; ++i) {
+    for (const char* command : {"run scene.toml --no-wait --seconds 0.1",
+                                "sweep ball.gliss --depth 1mm --summary made.json"})
+      ASSERT_EQ(go(command, least).code, 0) << command;
+  }
+}
+
 // A program that writes into a pipe which nobody reads comes to no end by itself.
 TEST_F(HostileEnds, come_two_seconds_after_a_second_signal_and_at_once_after_a_third) {
   std::string hips = "x_mm,y_mm,z_mm\n";

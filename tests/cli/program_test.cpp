@@ -727,6 +727,15 @@ assert f['statistics']['samples'][0] == 144 * 4 * 6 and len(f['statistics']['dep
   EXPECT_EQ(std::system(command.c_str()), 0);
 }
 
+TEST_F(Program, ASweepTellsWhereItsSamplesMayBeTooFarApart) {
+  output_of("generate knot -o knot.obj");
+  const std::string told = " if those of gregory become fewer with --samples";
+  EXPECT_THAT(output_of("sweep knot.obj --unit mm --depth 2mm --samples 3e3 --summary s.json"),
+              HasSubstr(told));
+  EXPECT_THAT(output_of("sweep knot.obj --unit mm --depth 2mm --samples 3e4 --summary s.json"),
+              Not(HasSubstr(told)));
+}
+
 TEST_F(Program, PlainSweepHasTheValuesOfTheCompactOne) {
   if (std::system("/usr/bin/python3 -c 'import h5py' >/dev/null 2>&1") != 0)
     GLISS_SKIP_UNLESS_REQUIRED("h5py is absent");

@@ -255,17 +255,31 @@ TEST_F(Compare, measures_distances_where_parts_overlap) {
   EXPECT_LT(rows[1]["max_distance"], 1e-5);
 }
 
-// A thin fin makes the nearest point leap: with another --settle the reference would feel
-// otherwise.
+// A hand that leaves a cube by another side loses its contact: with another --settle the reference
+// would feel otherwise.
 TEST_F(Compare, the_reference_has_no_error_from_itself) {
-  save_obj(fin().mesh, folder_ / "torus.obj");
+  Mesh cube = test::cube();
+  for (Vec3& p : cube.positions) p *= 20;
+  save_obj(cube, folder_ / "torus.obj");
+  std::string path = "x_mm,y_mm,z_mm\n";
+  for (int i = 0; i < 150; ++i) path += fmt::format("{},10,17\n", 10 + 0.1 * i);
+  folder_.write("path.csv", path);
   for (const char* settle : {"0", "20ms"}) {
     const Json row =
-        json_of({"--settle", settle, "--depth", "1.5mm", "--levels", "fair", "--precisions",
-                 "double", "--walks", "0", "--dense-limit", "0"})["rows"][0];
+        json_of({"--settle", settle, "--path", "path.csv", "--depth", "3mm", "--levels", "fair",
+                 "--precisions", "double", "--walks", "0", "--dense-limit", "0"})["rows"][0];
     EXPECT_EQ(row["max_force_error"], 0) << settle;
     EXPECT_EQ(row["max_force_step"] > 1, settle == std::string("0"));
   }
+}
+
+// The meshes of anybody, by a script.
+TEST_F(Compare, is_what_foreign_sh_counts_by) {
+  const std::string line =
+      fmt::format("GLISS='{}' bash '{}/../bench/foreign.sh' '{}' --ticks 2500 > '{}'",
+                  test::kProgram, test::kTests, folder_ / "torus.obj", folder_ / "table");
+  ASSERT_EQ(std::system(line.c_str()), 0);
+  EXPECT_THAT(folder_.read("table"), HasSubstr("| 0.1% | fast | 5 ms |"));
 }
 
 TEST_F(Compare, recommends_what_the_budget_allows) {

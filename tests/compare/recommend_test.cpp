@@ -41,7 +41,8 @@ TEST(Recommend, takes_no_baseline_that_jumps_more_or_makes_energy) {
                                   row_of(Method::kShaded, 0, 0.01)};
   rows[2].loop_gain = {0.2, 1e-4};
   EXPECT_EQ(recommend(rows, {}).row, &rows[0]);
-  EXPECT_THAT(recommend(rows, {}).reason, HasSubstr("shaded jumps 0 times, but may give"));
+  EXPECT_THAT(recommend(rows, {}).reason,
+              HasSubstr("shaded jumps 0 times, but closed loops give the hand up to 20 %"));
   rows[0].bytes = 2000;  // not within the budget, and still what baselines are judged by
   const Recommendation none = recommend(rows, {{}, {}, 1500});
   EXPECT_EQ(none.row, nullptr);

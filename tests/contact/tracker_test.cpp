@@ -392,9 +392,9 @@ TEST(Tracker, tells_of_a_position_that_is_not_finite_and_keeps_the_contact) {
 
 TEST(Tracker, refuses_a_spring_that_pulls_and_times_that_are_ticks) {
   const double nan = std::nan(""), inf = std::numeric_limits<double>::infinity();
-  for (const double bad : {-1e-9, -500.0, nan, inf}) {
+  for (const double bad : {-1e-9, -500.0, 1.1e6, 1e300, nan, inf}) {
     EXPECT_EQ(refusal({.cache = ball(), .stiffness = bad}),
-              "SceneObject 1 has a stiffness that is not 0 or more");
+              "SceneObject 1 has a stiffness that is not from 0 to 1e6 N/m");
   }
   for (const double bad : {-1e-9, 5.0, nan, inf}) {
     EXPECT_EQ(refusal({.cache = ball(), .settle = bad}),
@@ -402,10 +402,13 @@ TEST(Tracker, refuses_a_spring_that_pulls_and_times_that_are_ticks) {
     EXPECT_EQ(refusal({.cache = ball(), .friction = {0.5, 0.3, bad}}),
               "SceneObject 1 has a settle of its friction that is not from 0 to 1 s");
   }
+  EXPECT_EQ(
+      refusal({.cache = ball(), .effects = {.magnet = {1e9, 1e-3}}}),
+      "SceneObject 1 has a magnet whose stiffness, 3.08 force / range, is not from 0 to 1e6 N/m");
   EXPECT_EQ(refusal({.cache = ball(), .stiffness = 0, .settle = 1}), "none");
   const SceneObject object{.cache = ball()};
   Tracker tracker({&object, 1});
-  for (const double bad : {-1e-9, nan, inf}) EXPECT_FALSE(tracker.set_material(0, bad, {}));
+  for (const double bad : {-1e-9, 1.1e6, nan, inf}) EXPECT_FALSE(tracker.set_material(0, bad, {}));
   EXPECT_TRUE(tracker.set_material(0, 0, {}));
 }
 

@@ -307,7 +307,7 @@ TEST(HostileNumbers, of_a_scene_object_are_refused) {
   SceneObject object{.cache = cache};
   EXPECT_EQ(refused(object), "");
   object.stiffness = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(refused(object), "SceneObject 0 has a stiffness that is not 0 or more");
+  EXPECT_EQ(refused(object), "SceneObject 0 has a stiffness that is not from 0 to 1e6 N/m");
   object.stiffness = 500;
   EXPECT_EQ(refused(object, {Vec3(0, std::nan(""), 0)}), "hips: one is not finite");
   object.pose.translation().x() = std::nan("");

@@ -64,7 +64,7 @@ TEST_F(MeshDialects, off_is_a_stream_of_words) {
     EXPECT_EQ(mesh.positions[3], Vec3(0, 1, 0)) << text;
   }
   EXPECT_EQ(refusal("a.off", "OFF 4 2 0 0 0 0 1 0 0 1 1 0 0 1 0 3 0 1 2 3 0 2"),
-            "a.off: the file ends after 1 of 2 faces");
+            "a.off:1: unexpected '0'");
 }
 
 TEST_F(MeshDialects, off_lines_that_lack_a_number_or_have_one_too_many_are_named) {

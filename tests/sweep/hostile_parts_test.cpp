@@ -278,7 +278,7 @@ TEST_F(HostileParts, are_not_looked_for_where_others_may_leave_them) {
               AllOf(HasSubstr("link'"), HasSubstr("it is a symbolic link; name the folder")));
   fs::permissions(parts_, fs::perms::all);
   EXPECT_THAT(refusal(parts_),
-              AllOf(HasSubstr(parts_), HasSubstr("all may write to it; chmod o-w")));
+              AllOf(HasSubstr(parts_), HasSubstr("others may write to it; chmod go-w")));
   if (geteuid() != 0) GTEST_SKIP() << "only root can give a folder away";
   fs::permissions(parts_, fs::perms::owner_all);
   ASSERT_EQ(chown(parts_.c_str(), 65534, 65534), 0);

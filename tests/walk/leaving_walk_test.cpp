@@ -129,6 +129,16 @@ TEST_F(HeldBall, counts_a_ghost_that_stays_after_the_hand_has_left) {
   }
 }
 
+TEST_F(HeldBall, counts_a_contact_once) {
+  std::vector<Vec3> hips;
+  for (int times = 0; times < 3; ++times) {
+    hips.insert(hips.end(), 5, Vec3(0, 0, 8));
+    hips.insert(hips.end(), held_bound(QueryOptions{}.settle) + 1, Vec3(0, 0, 11));
+  }
+  EXPECT_EQ(count_of({}, hips, 0).contacts, 1u);
+  EXPECT_EQ(count_of({}, hips, 0).held, 1u);
+}
+
 // The farthest point of the ball is as good a foot as the nearest, but no finger is held by it.
 TEST_F(HeldBall, counts_a_finger_that_went_through_exactly_centrally) {
   const Contact top = nearest(cache_, {0, 0, 12});

@@ -35,7 +35,7 @@ void keep_standard_descriptors() {
 
 // Deep calls end without a word where the stack may not grow.
 bool has_stack() {
-  constexpr rlim_t kLeast = 256 << 10;
+  constexpr rlim_t kLeast = 384 << 10;
   rlimit limit{};
   return getrlimit(RLIMIT_STACK, &limit) != 0 || limit.rlim_cur >= kLeast;
 }
@@ -46,7 +46,7 @@ End run_program(int count, char** words, const ProgramText& text,
                 const std::vector<std::function<void(Command&)>>& commands) {
   catch_interrupts();
   keep_standard_descriptors();
-  if (!has_stack()) return {kInternal, "the stack's limit is below 256 KiB; cure: ulimit -s 8192"};
+  if (!has_stack()) return {kInternal, "the stack's limit is below 384 KiB; cure: ulimit -s 8192"};
   keep_command_line(count, words);
   Command program(text.description, text.name);
   program.set_version(text.name + " " GLISS_VERSION);

@@ -7,6 +7,7 @@
 #include "gliss/files/cache_file.h"
 #include "gliss/files/mesh_file.h"
 #include "gliss/mesh/regions.h"
+#include "gliss/results/lengths.h"
 #include "tools/cli/commands/commands.h"
 #include "tools/cli/terminal/watch.h"
 #include "tools/cli/words/outputs.h"

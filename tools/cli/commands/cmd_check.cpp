@@ -9,6 +9,7 @@
 #include "gliss/build/build_cache.h"
 #include "gliss/files/mesh_file.h"
 #include "gliss/results/finding_json.h"
+#include "gliss/results/lengths.h"
 #include "gliss/surface/names.h"
 #include "gliss/walk/fidelity.h"
 #include "tools/cli/commands/commands.h"

@@ -85,15 +85,15 @@ std::string gain_text(const LoopGain& loops) {
 
 struct Traced {
   std::vector<TraceStatistics> statistics;
-  double deepest = 0;  // of the patches' contacts, m
-  double way = 0;      // of a tick, the median, m
+  double deepest = 0, deepest_on_patches = 0;  // of all contacts, of the patches', m
+  double way = 0;                              // of a tick, the median, m
 };
 
 // What jumps depend on besides the surface.
 std::string motion_text(const TracingOptions& options, const Traced& traced) {
   return fmt::format(
       "jumps and lost contacts of this path: {:.3g} mm/s (half of the ticks are slower, at 1 kHz), "
-      "contacts of patches up to {:.3g} mm deep, settle {:.3g} ms\n",
+      "contacts up to {:.3g} mm deep, settle {:.3g} ms\n",
       traced.way * 1e6, traced.deepest * 1e3, options.trace.settle * 1e3);
 }
 
@@ -219,8 +219,12 @@ Traced follow(const TracingOptions& options, const PatchCache& cache, const Poin
   const auto add = [&](std::size_t tick, std::span<const TraceStep> felt) {
     for (std::size_t m = 0; m < felt.size(); ++m) {
       const Contact& contact = felt[m].contact;
-      if (options.trace.methods[m] == Method::kGregory && contact.touching)
-        traced.deepest = std::max(traced.deepest, -contact.distance * cache.unit);
+      if (contact.touching) {
+        const double depth = -contact.distance * cache.unit;
+        traced.deepest = std::max(traced.deepest, depth);
+        if (options.trace.methods[m] == Method::kGregory)
+          traced.deepest_on_patches = std::max(traced.deepest_on_patches, depth);
+      }
       rows.push_back({tick, steps ? (*steps)[tick] : static_cast<double>(tick),
                       across(path.points[tick]), options.trace.methods[m], felt[m]});
     }
@@ -245,7 +249,7 @@ void run(TracingOptions options) {
   options.trace.velocities = path.velocities;
   tell_soft_spring(options, options.trace.stiffness, "--stiffness");
   const Traced traced = follow(options, cache, path);
-  tell_tight_curvature(options, cache, traced.deepest, "the deepest contact");
+  tell_tight_curvature(options, cache, traced.deepest_on_patches, "the deepest contact");
   if (std::all_of(traced.statistics.begin(), traced.statistics.end(),
                   [](const TraceStatistics& s) { return s.touching == 0; }))
     tell_untouched(options, cache, path);

@@ -10,16 +10,8 @@
 
 namespace gliss::tools {
 
-// The depth of a HIP that is meant where none is given: 0.5 % of the bounding box's diagonal, m.
-double usual_depth(const PatchCache& cache);
-
-// "48 % of the faces have a radius of curvature below 0.5 mm: expect jumps there", or "" where no
-// face has. A face counts where one of its patches has a least radius of curvature below `depth`
-// (m). `meaning`, such as "the depth", follows the length in brackets; it may be empty.
-std::string tight_curvature_text(const PatchCache& cache, double depth,
-                                 const std::string& meaning = "");
-
-// Prints that text on stderr, with `name` before it where that is not empty; nothing with --quiet.
+// Prints tight_curvature_text on stderr, with `name` before it where that is not empty; nothing
+// with --quiet.
 void tell_tight_curvature(const ReportOptions& options, const PatchCache& cache, double depth,
                           const std::string& meaning = "", const std::string& name = "");
 
