@@ -119,10 +119,11 @@ void PartPairs::turn(const LoadOptions& options) {
     if (is_inward && !lies_in_solid(part)) {
       is_reversed = !is_reversed;
       if (is_reversed)
-        report_.add(report_.mended, "inside-out-part", {.face = parts_.first_face[part]},
-                    "belongs to a part that is inside out ({} faces); turned outward: a room keeps "
-                    "its inside with --orient file",
-                    faces_[part].size());
+        report_.add(
+            report_.mended, "inside-out-part", {.face = parts_.first_face[part]},
+            "belongs to a part that is inside out ({} faces): a mistake, which turns outward "
+            "unless strict, or a room, which stays with orient=file",
+            faces_[part].size());
     }
     if (is_reversed) reverse_part(part);
     turned[part] = is_reversed;

@@ -727,6 +727,40 @@ assert f['statistics']['samples'][0] == 144 * 4 * 6 and len(f['statistics']['dep
   EXPECT_EQ(std::system(command.c_str()), 0);
 }
 
+// From the middle of a cavity into its wall and back.
+TEST_F(Program, ATraceFeelsTheWallsOfACavity) {
+  output_of("generate hollow --radius 20 --cavity 10 -o hollow.obj");
+  std::string path = "x_mm,y_mm,z_mm\n";
+  for (const double z : {0, 5, 9, 10, 11, 12, 11, 9, 5}) path += fmt::format("0,0,{}\n", z);
+  folder_.write("in.csv", path);
+  for (const char* creases : {"", " --crease 40deg"}) {
+    const test::TextTable felt(output_of(
+        fmt::format("trace hollow.obj --unit mm --path in.csv --method gregory{}", creases)));
+    EXPECT_EQ(felt.number("fz", 2), 0) << creases;
+    EXPECT_NEAR(felt.number("fz", 5), -1, 0.01) << creases;
+    EXPECT_EQ(felt.number("fz", 7), 0) << creases;
+  }
+}
+
+TEST_F(Program, ASoupIsNamedByEveryCommand) {
+  // The walls between the cells of a grid.
+  constexpr int kSide = 5;
+  std::string soup;
+  for (int i = 0; i < kSide * kSide * kSide; ++i)
+    soup += fmt::format("v {} {} {}\n", i % kSide, i / kSide % kSide, i / kSide / kSide);
+  for (const auto& [u, v] : {std::pair{1, kSide}, {kSide, kSide * kSide}, {kSide * kSide, 1}}) {
+    const auto ends = [](int i, int step) { return i / step % kSide == kSide - 1; };
+    for (int i = 0; i < kSide * kSide * kSide; ++i) {
+      if (!ends(i, u) && !ends(i, v))
+        soup += fmt::format("f {} {} {} {}\n", i + 1, i + u + 1, i + u + v + 1, i + v + 1);
+    }
+  }
+  folder_.write("soup.obj", soup);
+  folder_.write("one.csv", "x_mm,y_mm,z_mm\n0,0,3\n");
+  const test::Outcome told = run("project soup.obj --unit mm --hip one.csv");
+  EXPECT_THAT(told.err, HasSubstr("soup of polygons"));
+}
+
 TEST_F(Program, ASweepTellsWhereItsSamplesMayBeTooFarApart) {
   output_of("generate knot -o knot.obj");
   const std::string told = " if those of gregory become fewer with --samples";

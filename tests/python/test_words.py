@@ -128,6 +128,18 @@ def test_help_lists_the_keywords():
     assert str(inspect.signature(gliss.Hand.tick)) == "(self, hip, dt=0.001)"
 
 
+def test_orient_and_flip_turn_parts():
+    faces = [face[::-1] for face in QUADS]
+    turned, room = (gliss.Surface(CUBE, faces, unit="mm", orient=orient) for orient in ("outward", "file"))
+    corners = np.asarray(CUBE, float)
+    inside = [corners.mean(axis=0)]
+    assert turned.nearest(inside).distance[0] < 0 < room.nearest(inside).distance[0]
+    skin, flipped = (gliss.Surface(CUBE, faces[:1], unit="mm", flip=flip) for flip in (False, True))
+    side = corners[list(QUADS[0])].mean(axis=0)
+    near = [side + 0.1 * (corners.mean(axis=0) - side)]
+    assert flipped.nearest(near).distance[0] < 0 < skin.nearest(near).distance[0]
+
+
 def test_other_type_errors_stay_as_they_were(knot):
     with pytest.raises(TypeError, match=r"Surface.nearest\(\) missing 1 required positional argument: 'points'"):
         knot.nearest()

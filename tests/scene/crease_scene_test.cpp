@@ -3,6 +3,7 @@
 
 #include "gliss/build/build_cache.h"
 #include "gliss/files/mesh_file.h"
+#include "gliss/generate/generate.h"
 #include "gliss/lazy/lazy_mesh.h"
 #include "gliss/mesh/rounding.h"
 #include "gliss/scene/open_scene.h"
@@ -43,6 +44,32 @@ TEST(CreaseScene, objects_have_the_radius_that_the_scene_says) {
   EXPECT_EQ(objects[0].cache->crease_count, 0u);
   EXPECT_EQ(objects[0].cache->mesh_face_count, 14 + 2 * 24u);
   EXPECT_EQ(objects[1].lazy->base().mesh_hash, objects[0].cache->mesh_hash);
+}
+
+TEST(CreaseScene, objects_are_turned_as_the_scene_says) {
+  const SceneFiles files;
+  Mesh room = goldberg(3, 10).mesh;
+  for (std::uint32_t face = 0; face < room.face_count(); ++face)
+    std::reverse(room.corner_vertex.begin() + room.face_begin[face],
+                 room.corner_vertex.begin() + room.face_begin[face + 1]);
+  room.normals.clear(), room.corner_normal.clear();
+  save_obj(room, files.folder / "room.obj");
+  room.corner_vertex.resize(room.face_begin[40]);
+  room.face_begin.resize(41);
+  save_obj(room, files.folder / "open.obj");
+  const std::vector<SceneObject> objects =
+      open_objects(files.read("[[object]]\nmesh = 'room.obj'\nunit = 'mm'\n"
+                              "[[object]]\nmesh = 'room.obj'\nunit = 'mm'\norient = 'file'\n"
+                              "[[object]]\nmesh = 'open.obj'\nunit = 'mm'\n"
+                              "[[object]]\nmesh = 'open.obj'\nunit = 'mm'\nflip = true\n"));
+  const auto distance = [&](std::size_t i) {
+    const SurfacePoint on = evaluate(*objects[i].cache, {0, 0, 0});
+    return nearest(*objects[i].cache, 0.9 * on.position).distance;
+  };
+  EXPECT_LT(distance(0), -0.5);
+  EXPECT_GT(distance(1), 0.5);
+  EXPECT_GT(distance(2), 0.5);
+  EXPECT_LT(distance(3), -0.5);
 }
 
 // What is built near the hand has the bytes that it has in the cache of all.

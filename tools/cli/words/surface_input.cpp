@@ -27,18 +27,19 @@
 namespace gliss::tools {
 namespace {
 
-// One line that counts all that was repaired; "" where nothing was.
+// One line that counts all that was repaired, "" where nothing was; and one for a soup.
 std::string repairs_text(const SurfaceOptions& options, const Mesh& mesh,
                          const std::vector<Finding>& findings) {
-  std::string all;
+  std::string all, soup;
   for (const Finding& finding : findings) {
     if (finding.severity == Severity::kRepaired)
       all += fmt::format("{}{} {}", all.empty() ? "" : ", ", finding.code, finding.count);
+    if (finding.code == "soup") soup = fmt::format("gliss: {}\n", finding.message);
   }
-  if (all.empty()) return "";
+  if (all.empty()) return soup;
   const std::string lost = removed_text(mesh);
-  return fmt::format("gliss: {}: repaired: {}{}{}; 'gliss check' says where\n", options.surface,
-                     all, lost.empty() ? "" : "; ", lost);
+  return soup + fmt::format("gliss: {}: repaired: {}{}{}; 'gliss check' says where\n",
+                            options.surface, all, lost.empty() ? "" : "; ", lost);
 }
 
 // Caches are read as a whole.
