@@ -4,6 +4,7 @@
 #include "gliss/query/contact_tracker.h"
 #include "tests/oracle/brute_force.h"
 #include "tests/support/open_meshes.h"
+#include "tests/support/sharp_meshes.h"
 
 namespace gliss {
 namespace {
@@ -109,8 +110,12 @@ TEST(Nearest, starts_from_no_patch_that_joins_smoothly) {
 // Cheaper than a search, so it can ask more often: no sample of the surface may be nearer.
 TEST(Nearest, is_nearer_than_every_sample_up_to_ten_sizes_away) {
   Rng rng(22);
-  for (const Generated& made : {torus_knot(), goldberg(), banana(), fin()}) {
-    const Mesh mesh = test::with_normals(made.mesh);
+  std::vector<Mesh> meshes;
+  for (const Generated& made : {torus_knot(), goldberg(), banana(), fin()})
+    meshes.push_back(test::with_normals(made.mesh));
+  meshes.push_back(test::with_normals(test::rounded_plate()));
+  meshes.push_back(test::with_creases(test::rounded_plate()));
+  for (const Mesh& mesh : meshes) {
     SCOPED_TRACE(mesh.source);
     const PatchCache cache = test::cache_of(mesh);
     std::vector<Vec3> samples;

@@ -127,6 +127,19 @@ inline Mesh star_prism(oracle::Rng& rng, std::uint32_t points) {
   return prism_between(top, end(-10));
 }
 
+// A plate of 40 x 20 x 4 with round corners: its top and its bottom have 28 sides, most of them
+// short.
+inline Mesh rounded_plate() {
+  std::vector<Vec3> top, bottom;
+  for (int k = 0; k < 28; ++k) {
+    const double angle = std::numbers::pi / 2 * (k / 7 + k % 7 / 6.0);
+    const double x = k / 7 == 1 || k / 7 == 2 ? -16 : 16, y = k / 7 < 2 ? 6 : -6;
+    top.emplace_back(x + 4 * std::cos(angle), y + 4 * std::sin(angle), 2);
+    bottom.push_back(top.back() - Vec3(0, 0, 4));
+  }
+  return prism_between(top, bottom);
+}
+
 // A comb of 40 x 20 x `thick`, turned at random, as files have it: with ten digits.
 inline Mesh comb(oracle::Rng& rng, std::uint32_t teeth, double thick) {
   const auto turn = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), oracle::random_unit(rng));
