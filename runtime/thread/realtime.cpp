@@ -1,11 +1,13 @@
 #include "gliss/thread/realtime.h"
 
 #include <fcntl.h>
+#include <linux/capability.h>
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -28,6 +30,14 @@ rlim_t limit_of(__rlimit_resource resource) {
 
 std::string limit_text(rlim_t limit) {
   return limit == RLIM_INFINITY ? "unlimited" : std::to_string(limit);
+}
+
+// True if this process may lock more memory than RLIMIT_MEMLOCK.
+bool may_lock_any() {
+  __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
+  __user_cap_data_struct data[_LINUX_CAPABILITY_U32S_3] = {};
+  return syscall(SYS_capget, &header, data) == 0 &&
+         (data[CAP_TO_INDEX(CAP_IPC_LOCK)].effective & CAP_TO_MASK(CAP_IPC_LOCK)) != 0;
 }
 
 // Returns an error number.
@@ -128,18 +138,22 @@ void Realtime::pin(int cpu) {
                                       "), the thread may run on ", permitted));
 }
 
+// Memory that comes later is not locked where a limit would refuse it then: an allocation that
+// fails is worse than one that is swapped out.
 void Realtime::lock_memory() {
   const std::lock_guard guard(lock_mutex);
-  memory_locked_ = mlockall(MCL_CURRENT | MCL_FUTURE) == 0;
-  locks += memory_locked_;
-  if (memory_locked_) return;
-  const int error = errno;
   const rlim_t limit = limit_of(RLIMIT_MEMLOCK);  // bytes; ulimit says KiB
-  refusals_.push_back(detail::message("locking memory is refused (", std::strerror(error),
-                                      "), it may be swapped out: ulimit -l (RLIMIT_MEMLOCK) is ",
-                                      limit_text(limit == RLIM_INFINITY ? limit : limit / 1024),
-                                      "; cure: 'USER - memlock unlimited' in ", kLimitsFile,
-                                      ", or give the program CAP_IPC_LOCK"));
+  const bool is_bounded = limit != RLIM_INFINITY && !may_lock_any();
+  memory_locked_ = mlockall(is_bounded ? MCL_CURRENT : MCL_CURRENT | MCL_FUTURE) == 0;
+  locks += memory_locked_;
+  if (memory_locked_ && !is_bounded) return;
+  const std::string what =
+      memory_locked_ ? "locking memory that comes later is left out"
+                     : detail::message("locking memory is refused (", std::strerror(errno), ")");
+  refusals_.push_back(detail::message(
+      what, ", it may be swapped out: ulimit -l (RLIMIT_MEMLOCK) is ",
+      limit_text(limit == RLIM_INFINITY ? limit : limit / 1024),
+      "; cure: 'USER - memlock unlimited' in ", kLimitsFile, ", or give the program CAP_IPC_LOCK"));
 }
 
 // Without CAP_SYS_NICE lowering is permitted too; what cannot be undone stays.

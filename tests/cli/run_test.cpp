@@ -83,6 +83,16 @@ TEST_F(Run, prints_the_figures_of_its_contract) {
 }
 
 // The same in words, and nothing at all.
+TEST_F(Run, says_that_a_crowd_may_be_late) {
+  std::string hips;
+  for (int i = 0; i < 1100; ++i) hips += fmt::format("[0, 0, {}e-6], ", i);
+  folder_.write("crowd.toml", folder_.read("knot.toml") + "[device]\nhips = [" + hips + "]\n");
+  const std::string words = "crowd.toml --device replay:mm.csv --seconds 0.05";
+  EXPECT_THAT(start("run", words)->wait().err, HasSubstr("gliss: 1100 contacts of objects"));
+  EXPECT_THAT(start("run", words + " --no-wait")->wait().err,
+              Not(HasSubstr("contacts of objects")));
+}
+
 TEST_F(Run, speaks_as_it_is_asked_to) {
   const Outcome words = run("knot.toml --device replay:mm.csv --no-wait");
   EXPECT_EQ(words.code, 0);

@@ -47,6 +47,17 @@ TEST(HostMisuse, meshes_without_faces_are_refused) {
   EXPECT_THAT(why([&] { LazyMesh(empty, {}); }), nothing);
 }
 
+TEST(HostMisuse, lists_of_faces_are_ascending_and_in_range) {
+  const Mesh mesh = goldberg(1).mesh;
+  const Topology topology = build_topology(mesh);
+  for (const std::vector<std::uint32_t>& faces :
+       {std::vector<std::uint32_t>{1, 1}, {3, 2}, {0, 12}}) {
+    BuildOptions options;
+    options.faces = faces;
+    EXPECT_THROW(build_cache(mesh, topology, options), MeshError);
+  }
+}
+
 TEST(HostMisuse, results_with_too_little_room_are_refused_before_anything_is_written) {
   const PatchCache cache = ball();
   const std::vector<Vec3> hips(300, Vec3(0, 0, 9));

@@ -9,10 +9,11 @@
 
 namespace gliss::test {
 
-// Lowers the limits as ulimit -r 0 -l 64 does, without the capabilities that go beyond limits, here
-// and in what is executed. For a child: there is no way back. False where it cannot be done.
-inline bool limit_realtime() {
-  const rlimit priority{0, 0}, memory{64 << 10, 64 << 10};
+// Lowers the limits as ulimit -r 0 -l 64 does, or to so many bytes of memory, without the
+// capabilities that go beyond limits, here and in what is executed. For a child: there is no way
+// back. False where it cannot be done.
+inline bool limit_realtime(rlim_t bytes = 64 << 10) {
+  const rlimit priority{0, 0}, memory{bytes, bytes};
   bool done = setrlimit(RLIMIT_RTPRIO, &priority) == 0 && setrlimit(RLIMIT_MEMLOCK, &memory) == 0;
   __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
   __user_cap_data_struct sets[2]{};

@@ -105,6 +105,27 @@ std::string locked_memory() {
   return line;
 }
 
+// A limit that is enough for now would refuse memory later.
+TEST(Realtime, locks_what_is_there_where_a_limit_may_refuse_the_rest) {
+  if (kMemoryIsLocked) GTEST_SKIP() << "the sanitizer answers for mlockall";
+  const test::ScratchFolder folder;
+  const int code = in_child(folder / "said", [](std::FILE* out) {
+    if (!test::limit_realtime(rlim_t{1} << 36)) _exit(kCannot);
+    const Realtime realtime;
+    const std::string before = locked_memory();
+    std::vector<char> later(64 << 20, 1);
+    say(out, realtime);
+    std::fprintf(out, "%s\n", locked_memory() == before ? "nothing more" : "more");
+  });
+  if (code == kCannot) GTEST_SKIP() << "capabilities cannot be dropped here";
+  ASSERT_EQ(code, 0);
+  const std::string said = folder.read("said");
+  EXPECT_THAT(said, HasSubstr("locked 1\n"));
+  EXPECT_THAT(said, HasSubstr("locking memory that comes later is left out"));
+  EXPECT_THAT(said, HasSubstr("ulimit -l (RLIMIT_MEMLOCK) is 67108864; "));
+  EXPECT_THAT(said, HasSubstr("nothing more"));
+}
+
 TEST(Realtime, ends_with_the_object) {
   const test::ScratchFolder folder;
   const auto act = [](std::FILE* out) {

@@ -338,6 +338,16 @@ void tell_odd_objects(const RunOptions& options, const Scene& scene,
   }
 }
 
+// A touch takes about a microsecond.
+void tell_crowd(const RunOptions& options, std::size_t contacts, const LoopOptions& rules) {
+  const auto fit = static_cast<std::size_t>(in_seconds(rules.period) * 1e6);
+  if (contacts <= fit || options.quiet || !rules.wait) return;
+  tell(fmt::format(
+      "gliss: {} contacts of objects and HIPs: where more than about {} of them touch at once a "
+      "tick takes longer than its period, and the guard ends the force\n",
+      contacts, fit));
+}
+
 void run(const RunOptions& options) {
   if (options.has_old_summary && !options.quiet)
     tell("gliss: --report: the summary is --summary now; the old name will go\n");
@@ -355,8 +365,10 @@ void run(const RunOptions& options) {
     throw InputError(fmt::format("--no-wait: {} lives in real time", device->info().name));
   RunFiles files(options, scene, *device);
 
-  Tracker tracker(objects, open_hips(scene, {.poll = stop_if_interrupted}));
+  const std::vector<Vec3> hips = open_hips(scene, {.poll = stop_if_interrupted});
+  Tracker tracker(objects, hips);
   rules.wait = !options.no_wait;
+  tell_crowd(options, objects.size() * std::max<std::size_t>(1, hips.size()), rules);
   rules.cpu_time = options.cpu_time;
   LoopSession session(
       *device, tracker, rules,
