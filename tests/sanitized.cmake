@@ -1,8 +1,8 @@
 # What runs under sanitizers (GLISS_SANITIZE): tests of what reads foreign bytes, walks arrays or is shared by threads.
 # Not what runs programs, measures, or would take minutes: CI has few for this.
 if(GLISS_SANITIZE STREQUAL "thread")
-  set(parts haply/haply_device loop/loop engine/parallel thread/periodic device/udp_device device/udp_server
-    view/pointer_hand view/view_server)
+  set(parts c_api/c_api contact/motion haply/haply_device loop/loop engine/parallel thread/periodic scene/session
+    device/udp_device device/udp_server view/pointer_hand view/view_server)
 else()
   set(parts files/atomic_file c_api/c_api files/cache_file chai3d/chai3d tables/csv_file tables/csv_reader device/guard
     haply/haply_device files/hostile_files files/hostile_numbers sweep/hostile_parts loop/loop files/mesh engine/parallel
@@ -54,7 +54,8 @@ if(BUILD_SHARED_LIBS)
   set_tests_properties(shared_libraries PROPERTIES TIMEOUT 600 SKIP_RETURN_CODE 77 COST 60)
 endif()
 # Not what asks for speed, and not what builds large surfaces or writes thousands of files.
-set(left_out *within_20_ms* CacheFile.EveryFlippedBit* *KeepsEveryBit* Sweep.gives_* Sweep.hands_* Sweep.meets_* *thousand_ticks* *million_ticks*)
+set(left_out *within_20_ms* *fell_silent_too CacheFile.EveryFlippedBit*
+  *KeepsEveryBit* Sweep.gives_* Sweep.hands_* Sweep.meets_* *thousand_ticks* *million_ticks*)
 list(JOIN left_out ":" left_out)
 foreach(test IN LISTS tests)
   set_tests_properties(${test} PROPERTIES TIMEOUT 600 SKIP_RETURN_CODE 77 ENVIRONMENT

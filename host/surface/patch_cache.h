@@ -133,8 +133,8 @@ struct GLISS_EXPORT PatchCache {
 GLISS_EXPORT void find_open_parts(PatchCache& cache);
 
 // Makes `winding` of a cache whose other arrays are there, where a polygon faces against the normal
-// at one of its corners, or patches cross at a wedge of polygons, or a patch folds or is bent: there
-// normals do not say what is inside. Null where all parts are open and have large holes.
+// at one of its corners, or patches cross at a wedge of polygons, or a patch folds or is bent:
+// there normals do not say what is inside. Null where all parts are open and have large holes.
 GLISS_EXPORT void find_folds(PatchCache& cache);
 
 // Throws std::invalid_argument unless the cache has patches.

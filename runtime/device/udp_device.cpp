@@ -25,19 +25,20 @@ std::string tenths(Nanoseconds time) {
 
 UdpDevice::UdpDevice(std::uint16_t port, Nanoseconds patience) : port_(port) {
   if (port == 0) throw std::invalid_argument("a device's UDP port must be 1 to 65535");
-  socket_.connect(port);
+  open_socket();
   const Nanoseconds start = monotonic_time();
   while (state_.sequence == 0) {
-    const Nanoseconds now = monotonic_time();
     const auto found = udp::find_pass(port);
-    const bool is_new = found && !(pass_ && pass_->pass == found->pass);
-    if (refused_ && !is_new) {
+    const Nanoseconds now = monotonic_time();  // a hello is as old as it is when it goes out
+    const bool is_same = found ? pass_ && pass_->pass == found->pass : !pass_;
+    if (!is_same) {
+      open_socket();
+    } else if (refused_) {
       throw LoopError(detail::message(
           "udp:", port, ": the device at 127.0.0.1:", port, " refused this loop, for it lacks the ",
           "pass; ", found ? "another one" : "none", " was found in ", udp::pass_paths(port),
           "; cure: run it as the user who serves the device"));
     }
-    refused_ = false;
     pass_ = found;
     if (now - start > patience) {
       if (rejected_ > 0)
@@ -61,7 +62,7 @@ UdpDevice::UdpDevice(std::uint16_t port, Nanoseconds patience) : port_(port) {
     for (const Nanoseconds next = now + kHelloEvery; state_.sequence == 0;) {
       const Nanoseconds left = next - monotonic_time();
       if (left <= 0ns) break;
-      socket_.wait(left);
+      socket_->wait(left);
       receive();
     }
   }
@@ -70,6 +71,11 @@ UdpDevice::UdpDevice(std::uint16_t port, Nanoseconds patience) : port_(port) {
 
 UdpDevice::~UdpDevice() {
   for (int i = 0; i < kByes; ++i) send({}, monotonic_time(), udp::kBye);
+}
+
+void UdpDevice::open_socket() {
+  socket_.emplace().connect(port_);
+  refused_ = false;
 }
 
 DeviceState UdpDevice::read(Nanoseconds now) noexcept {
@@ -93,7 +99,7 @@ std::string UdpDevice::fault_text() const {
 
 void UdpDevice::receive() noexcept {
   const auto dead = [&] { unreachable_ = true; };
-  udp::drain<udp::kLargest>(socket_, kDrain, dead, [&](auto bytes, std::uint16_t) {
+  udp::drain<udp::kLargest>(*socket_, kDrain, dead, [&](auto bytes, std::uint16_t) {
     auto datagram = udp::decode<udp::TurningStateDatagram>(bytes);
     const bool has_orientation = datagram.has_value();
     if (const auto state = udp::decode<udp::StateDatagram>(bytes))
@@ -139,10 +145,10 @@ bool UdpDevice::send(const Wrench& given, Nanoseconds now, std::uint16_t flags) 
   const udp::Pass* pass = pass_ ? &pass_->pass : nullptr;
   const udp::Outcome outcome =
       has_orientation_
-          ? (pass ? socket_.send(udp::encode(udp::PassedWrenchDatagram{wrench, *pass}))
-                  : socket_.send(udp::encode(wrench)))
-          : (pass ? socket_.send(udp::encode(udp::PassedForceDatagram{datagram, *pass}))
-                  : socket_.send(udp::encode(datagram)));
+          ? (pass ? socket_->send(udp::encode(udp::PassedWrenchDatagram{wrench, *pass}))
+                  : socket_->send(udp::encode(wrench)))
+          : (pass ? socket_->send(udp::encode(udp::PassedForceDatagram{datagram, *pass}))
+                  : socket_->send(udp::encode(datagram)));
   if (outcome == udp::Outcome::kRefused) unreachable_ = true;
   return outcome == udp::Outcome::kDone;
 }

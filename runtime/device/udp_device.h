@@ -43,12 +43,15 @@ class GLISS_EXPORT UdpDevice final : public HapticDevice {
   std::uint64_t outdated() const noexcept { return outdated_; }  // states older than one before
 
  private:
+  // Another pass is asked with by another socket, so that each refusal that comes answers the pass
+  // that there is: a server refuses all that was asked before it had its own when it has it.
+  void open_socket();
   void receive() noexcept;
   void take(const udp::TurningStateDatagram& datagram, bool has_orientation) noexcept;
   bool send(const Wrench& wrench, Nanoseconds now, std::uint16_t flags) noexcept;
 
   std::uint16_t port_;
-  udp::Socket socket_;
+  std::optional<udp::Socket> socket_;  // there is one
   std::optional<udp::FoundPass> pass_;
   DeviceInfo info_;
   udp::TurningStateDatagram last_;

@@ -36,15 +36,21 @@ std::string fault_of(const std::string& folder) {
   return access(folder.c_str(), W_OK) == 0 ? "" : std::strerror(errno);
 }
 
-// The home of this user by the system's list, whatever HOME says: a service may have none, or that
-// of whoever started it. Empty where the list has none.
-std::string home_folder() {
+// Finds the home of this user in the system's list, whatever HOME says: a service may have none, or
+// that of whoever started it. Empty where the list has none.
+std::string find_home() {
   std::vector<char> text(4096);
   struct passwd entry {};
   struct passwd* found = nullptr;
   while (getpwuid_r(geteuid(), &entry, text.data(), text.size(), &found) == ERANGE)
     text.resize(2 * text.size());
   return found != nullptr && found->pw_dir[0] == '/' ? found->pw_dir : "";
+}
+
+// The list may lie on another machine: it is asked once.
+const std::string& home_folder() {
+  static const std::string home = find_home();
+  return home;
 }
 
 // A folder where passes may lie, and what their paths begin with: that of the session, one in /tmp,
@@ -57,7 +63,7 @@ std::vector<Place> places() {
   const std::string session = detail::message("/run/user/", geteuid()),
                     shared = detail::message("/tmp/gliss-", geteuid());
   std::vector<Place> all{{session, session + "/gliss-", false}, {shared, shared + "/"}};
-  if (const std::string home = home_folder(); !home.empty())
+  if (const std::string& home = home_folder(); !home.empty())
     all.push_back({home + "/.gliss", home + "/.gliss/"});
   return all;
 }

@@ -15,7 +15,9 @@ HaplyDevice::HaplyDevice(const HaplyOptions& options) {
   if (!(options.max_force > 0) || !(options.max_stiffness > 0))
     throw std::invalid_argument("haply: the largest force and stiffness must be positive");
   if (options.priority < 0 || options.priority > 99)
-    throw std::invalid_argument("haply: a real-time priority must be 1 to 99, or 0 for none");
+    throw std::invalid_argument(
+        "haply: the priority of its thread must be 1 to 99, and above the loop's, so that the "
+        "loop's is at most 98; or 0 for none");
   link_ = std::make_unique<HaplyLink>(options);
   info_.name = "haply:" + link_->device_id();
   info_.max_force = options.max_force;

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <stdexcept>
 #include <string_view>
 
@@ -40,7 +39,7 @@ std::unique_ptr<HapticDevice> open_other(const std::string& words, const Scene& 
                                          const DeviceOpening& opening) {
   if (!opening.open_other) return nullptr;
   try {
-    return opening.open_other(words, opening.realtime ? std::min(scene.priority + 1, 99) : 0);
+    return opening.open_other(words, opening.realtime ? scene.priority + 1 : 0);
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(fmt::format("{} {}", opening.name, error.what()));
   }

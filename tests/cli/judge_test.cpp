@@ -4,7 +4,6 @@
 
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "gliss/loop/verdict.h"
 #include "tests/support/gliss_process.h"
@@ -112,8 +111,8 @@ TEST(Judge, stops_when_interrupted) {
   const Nanoseconds start = monotonic_time();
   const Outcome outcome =
       judge_with({"--seconds", "600", "--json"}, kAsIs, [](const test::Process& judge) {
-        // Past the start of the program, where the signal is not caught yet.
-        std::this_thread::sleep_for(2s);
+        // It tells of its loop first: the signal is caught by then.
+        EXPECT_TRUE(test::await([&] { return judge.err().starts_with("judge: "); }));
         judge.kill(SIGINT);
       });
   EXPECT_EQ(outcome.code, 130) << outcome.err;

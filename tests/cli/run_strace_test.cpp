@@ -1,4 +1,6 @@
-// The loop's thread asks two things of the system in a tick: its sleep, and the device.
+// The loop's thread asks two things of the system in a tick: its sleep, and the device. What the
+// system takes long for does not keep a loop from its device.
+#include "gliss/device/udp_socket.h"
 #include "tests/support/places.h"
 #include "tests/support/require.h"
 #include "tests/support/run_files.h"
@@ -54,12 +56,16 @@ class RunStrace : public test::RunTest {
     if (outcome.code == test::kNotStarted) GLISS_SKIP_UNLESS_REQUIRED("strace is absent");
     if (outcome.code != 0) GTEST_SKIP() << "strace is refused: " << outcome.err;
   }
+  // Of gliss, told to a file.
+  std::unique_ptr<Process> start_traced(const std::string& options, const std::string& words,
+                                        const std::string& told = "told") const {
+    return std::make_unique<Process>(
+        folder_ / "", "strace",
+        test::split(fmt::format("-f -o {} {}{} {}", told, options, test::kProgram, words), ' '));
+  }
   Calls trace(const std::string& device, int& ticks) const {
-    std::vector<std::string> words{"-f", "-o", "told", test::kProgram, "run", "scene.toml"};
-    for (const char* word : {"--seconds", "2", "--json", "--device", device.c_str()})
-      words.push_back(word);
-    Process process(folder_ / "", "strace", words);
-    const Outcome outcome = process.wait();
+    const Outcome outcome =
+        start_traced("", "run scene.toml --seconds 2 --json --device " + device)->wait();
     EXPECT_EQ(outcome.code, 0) << outcome.err;
     ticks = json_of(outcome).at("ticks");
     return calls_of_loop(folder_.read("told"));
@@ -98,6 +104,39 @@ TEST_F(RunStrace, a_tick_with_a_udp_device_is_few) {
   int others = 0;
   for (const auto& [name, count] : calls.count) others += count;
   EXPECT_LE(others, 3) << calls.others;
+}
+
+// The server is bound before it may let anybody in, here for long.
+TEST_F(RunStrace, a_loop_that_starts_with_its_server_waits_for_it) {
+  const std::string port = std::to_string(udp::Socket().port());
+  const auto server = start_traced("-e trace=flock -e inject=flock:delay_enter=400000 ",
+                                   "serve scene.toml --seconds 2 --port " + port, "served");
+  EXPECT_EQ(gliss("run scene.toml --seconds 0.5 --device udp:" + port).code, 0);
+  EXPECT_EQ(server->wait().code, 0);
+}
+
+// A hello is not old before it is sent, however long the pass takes to find.
+TEST_F(RunStrace, a_pass_that_is_found_slowly_lets_a_loop_in) {
+  const std::string port = std::to_string(udp::Socket().port());
+  const auto server = start("serve", "scene.toml --seconds 4 --port " + port);
+  EXPECT_TRUE(test::await([&] { return server->err().find("udp:") != std::string::npos; }));
+  const Outcome outcome = start_traced("-e trace=flock -e inject=flock:delay_exit=20000 ",
+                                       "run scene.toml --seconds 0.5 --device udp:" + port)
+                              ->wait();
+  EXPECT_EQ(outcome.code, 0) << outcome.err;
+}
+
+// The list of users may lie on another machine, and a loop asks for its device every 5 ms.
+TEST_F(RunStrace, a_user_is_looked_up_once) {
+  const std::string port = std::to_string(udp::Socket().port());
+  const Outcome outcome =
+      start_traced("-P /etc/passwd -e trace=openat ", "run scene.toml --device udp:" + port)
+          ->wait();
+  expect_error(outcome, 4, "no haptic device answered");
+  const std::string told = folder_.read("told"), call = "openat(";
+  int calls = 0;
+  for (auto at = told.find(call); at != told.npos; at = told.find(call, at + 1)) ++calls;
+  EXPECT_EQ(calls, 1) << told.substr(0, 2000);
 }
 
 }  // namespace

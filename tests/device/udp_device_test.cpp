@@ -255,6 +255,21 @@ TEST(UdpDevice, is_told_that_it_was_refused) {
                     HasSubstr(udp::pass_paths(port))));
 }
 
+// A server that is bound and has neither its pass nor ticks yet: it refuses all that was asked
+// meanwhile, more than a tick takes, when it has them.
+TEST(UdpDevice, bears_refusals_of_what_it_asked_before_there_was_a_pass) {
+  FakeDevice fake;
+  UdpServer server(fake, 0, {.guard = std::nullopt});
+  { const udp::OwnPass removed(server.port()); }
+  auto opening = std::async(std::launch::async, [&] {
+    return UdpDevice(server.port(), kLong).read(monotonic_time()).sequence;
+  });
+  std::this_thread::sleep_for(500ms);
+  while (opening.wait_for(10ms) != std::future_status::ready) server.step(monotonic_time());
+  EXPECT_GT(opening.get(), 0u);
+  EXPECT_GT(server.counts().refused, std::uint64_t{UdpServer::kDrain});
+}
+
 TEST(UdpDevice, finds_a_pass_that_went_with_its_folder) {
   ServedThread served;
   const auto port = served.server.port();

@@ -1,5 +1,6 @@
 """The loop runs in a thread of its own, and Python reads its ticks."""
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -22,6 +23,14 @@ waypoints = [["70mm", 0, 0], ["60mm", 0, 0], ["60mm", "20mm", 0]]
 def scene(knot_file):
     path = knot_file.with_name("scene.toml")
     path.write_text(SCENE)
+    return path
+
+
+@pytest.fixture(scope="module")
+def endless_scene(scene):
+    """A hand that goes to and fro in the open."""
+    path = scene.with_name("endless.toml")
+    path.write_text(SCENE[:SCENE.index("waypoints")] + 'waypoints = [["75mm", 0, 0], ["80mm", 0, 0]]\nrounds = 1000\n')
     return path
 
 
@@ -60,10 +69,30 @@ def test_two_arms_have_what_one_has(scene):
         assert not any("processor" in line for line in one.refusals)
 
 
-def test_engage_is_for_loops_that_are_open(scene):
-    with gliss.Loop(scene, wait=False) as loop:
-        loop.engage()  # finds the guard at work
-        assert loop.wait(30)
+def await_guard(loop, state):
+    """Reads ticks until the last one has this state of the guard."""
+    begun = time.monotonic()
+    while not any(loop.read()["guard"][-1:] == state):
+        assert time.monotonic() - begun < 20, f"the guard is never {state}"
+        time.sleep(0.01)
+
+
+def test_engage_gives_the_force_back_after_silence(endless_scene):
+    words = [os.environ["GLISS_PROGRAM"], "serve", endless_scene, "--port", "0"]
+    with subprocess.Popen(words, stderr=subprocess.PIPE, text=True) as server:
+        try:
+            port = server.stderr.readline().split("udp:")[1].strip()
+            with gliss.Loop(endless_scene, f"udp:{port}") as loop:
+                await_guard(loop, b"run")
+                server.send_signal(signal.SIGSTOP)
+                await_guard(loop, b"safe")
+                server.send_signal(signal.SIGCONT)
+                time.sleep(0.1)
+                assert loop.read()["guard"][-1] == b"safe"  # until it is asked
+                loop.engage()
+                await_guard(loop, b"run")
+        finally:
+            server.kill()
     with pytest.raises(ValueError, match="closed"):
         loop.engage()
 
@@ -93,11 +122,17 @@ def test_a_closed_loop_is_refused(scene):
             call()
 
 
-def test_a_forgotten_loop_ends(scene):
-    start = time.monotonic()
-    loop = gliss.Loop(scene, realtime=False)
+@pytest.mark.skipif(not os.path.isdir("/proc/self/task"), reason="no list of threads")
+def test_a_forgotten_loop_ends(endless_scene):
+    def threads():
+        return len(os.listdir("/proc/self/task"))
+
+    gliss.Loop(endless_scene, realtime=False).close()  # threads that build objects stay
+    before = threads()
+    loop = gliss.Loop(endless_scene, realtime=False)
+    assert threads() > before
     del loop
-    assert time.monotonic() - start < 5
+    assert threads() <= before
 
 
 def test_a_loop_ends_with_python(scene):
