@@ -174,6 +174,11 @@ bool is_stream(std::string_view text, std::int64_t vertices, std::int64_t faces,
   return words.next().empty();
 }
 
+// True if the next statement is one word, as where each count has a line.
+bool has_one_word(TextCursor cursor) {
+  return cursor.next() && !cursor.word().empty() && !cursor.has_word();
+}
+
 void read_stream(TextCursor& cursor, std::int64_t vertices, std::int64_t faces,
                  const Columns& columns, Mesh& mesh, Report& report) {
   for (std::int64_t i = 0; i < vertices; ++i) {
@@ -315,12 +320,13 @@ void read_off(std::string_view text, Mesh& mesh, Report& report) {
       report.fail("syntax", {.line = cursor.line()}, "{} is not a number of vertices",
                   quoted(first));
     }
-    cursor.read_on_over_lines();
-    const std::size_t line = cursor.line();
+    const bool have_lines = !cursor.has_word() && has_one_word(cursor);
+    if (have_lines) cursor.read_on_over_lines();
     const std::int64_t faces = cursor.integer("number of faces");
     if (faces < 0) report.fail("syntax", {.line = cursor.line()}, "{} faces", faces);
     // The number of edges is often wrong or missing, and not needed.
-    if (cursor.line() != line || cursor.has_word()) cursor.integer("number of edges");
+    if (have_lines || cursor.has_word()) cursor.integer("number of edges");
+    cursor.read_on_over_lines();
     if (is_stream(cursor.rest(), *vertices, faces, columns)) {
       read_stream(cursor, *vertices, faces, columns, mesh, report);
     } else {

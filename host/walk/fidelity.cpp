@@ -124,7 +124,7 @@ struct WayOver {
 
 // Goes over a face, up to `count` HIPs in all. False, and nothing changes, where a hand cannot.
 bool go_over(const PatchCache& cache, const WayOver& way, double depth, double step,
-             std::size_t count, SlidingPath& path) {
+             std::size_t count, SlidingPath& path, ItemPoll& ask) {
   const std::uint32_t n = cache.face_valence[way.face];
   const DomainPoint a = on_side(way.face, n, way.enter, way.t_in),
                     b = on_side(way.face, n, way.leave, way.t_out);
@@ -146,6 +146,7 @@ bool go_over(const PatchCache& cache, const WayOver& way, double depth, double s
   const auto ticks = static_cast<std::size_t>(std::max(1.0, std::ceil(length / step)));
   const SlidingPath::Place begin = path.place();
   for (std::size_t i = 0; i < ticks && path.hips().size() < count; ++i) {
+    ask();
     if (path.add(on(static_cast<double>(i) / static_cast<double>(ticks)))) continue;
     path.go_back(begin);
     return false;
@@ -166,12 +167,14 @@ std::vector<Vec3> to_and_fro(const std::vector<Vec3>& path, std::size_t count) {
 }  // namespace
 
 std::vector<Vec3> path_over(const Mesh& mesh, const Topology& topology, const PatchCache& cache,
-                            double depth, double step, std::size_t count) {
-  constexpr int kMostTries = 64;  // faces that a path may begin on
-  std::mt19937 random(1);         // whose numbers the standard fixes; its distributions are not
+                            double depth, double step, std::size_t count, const Poll& poll) {
+  constexpr int kMostTries = 64;          // faces that a path may begin on
+  constexpr std::uint32_t kMostWays = 8;  // out of a face, the way back not counted
+  std::mt19937 random(1);  // whose numbers the standard fixes; its distributions are not
   const auto below = [&](std::uint32_t n) { return static_cast<std::uint32_t>(random() % n); };
   const auto part = [&] { return 0.2 + 0.6 * (random() / 4294967296.0); };
   SlidingPath path(cache, depth, step);
+  ItemPoll ask(poll);
   WayOver way{below(static_cast<std::uint32_t>(mesh.face_count())), 0, 0, 0.5, 0};
   for (int stuck = 0; path.hips().size() < count && stuck < kMostTries;) {
     const std::uint32_t n = mesh.valence(way.face), first = mesh.face_begin[way.face];
@@ -179,15 +182,17 @@ std::vector<Vec3> path_over(const Mesh& mesh, const Topology& topology, const Pa
     const std::uint32_t wish = below(6) == 0 ? 1 + below(n - 1) : n / 2 + (n % 2) * below(2);
     bool goes = false;
     std::optional<double> t_out;
+    std::uint32_t tried = 0;
     for (std::uint32_t back = 0; back < 2 && !goes; ++back) {
-      for (std::uint32_t i = 0; i < n && !goes; ++i) {
+      for (std::uint32_t i = 0; i < n && !goes && tried < kMostWays + back; ++i) {
         way.leave = (way.enter + wish + i) % n;
         if ((way.leave == way.enter) != (back == 1) ||
             topology.side_twin[first + way.leave] == kNone)
           continue;
         if (!t_out) t_out = part();
         way.t_out = *t_out;
-        goes = go_over(cache, way, depth, step, count, path);
+        goes = go_over(cache, way, depth, step, count, path, ask);
+        ++tried;
       }
     }
     if (!goes) {

@@ -21,7 +21,7 @@ namespace gliss {
 // path that can go nowhere goes to and fro. Deterministic; empty where no face can be left.
 GLISS_EXPORT std::vector<Vec3> path_over(const Mesh& mesh, const Topology& topology,
                                          const PatchCache& cache, double depth, double step,
-                                         std::size_t count);
+                                         std::size_t count, const Poll& poll = {});
 
 // Points of all faces, about `count`, in the order of faces.
 GLISS_EXPORT std::vector<DomainPoint> spread_points(const PatchCache& cache, std::size_t count);

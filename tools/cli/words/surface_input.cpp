@@ -232,7 +232,7 @@ std::vector<Vec3> own_path(const Mesh& mesh, const Topology& topology, const Pat
                            double depth, int ticks) {
   std::vector<Vec3> path =
       path_over(mesh, topology, cache, depth / mesh.unit, diagonal_of(cache.bounds()) / 1000,
-                static_cast<std::size_t>(ticks));
+                static_cast<std::size_t>(ticks), stop_if_interrupted);
   if (path.empty()) throw InputError("no path: every edge of the mesh is a border");
   return path;
 }
