@@ -215,8 +215,7 @@ class cGlissObject : public chai3d::cGenericObject {
   static constexpr const char* kTold[] = {
       "more interaction points than it was made for: no force on those that came last",
       ("its material has a stiffness that is not from 0 to 1e6 N/m, or a friction above 5: it "
-       "keeps "
-       "the one before"),
+       "keeps the one before"),
       "the surface is at fault: the force is held and taken away",
       "a position is not finite: the force is held and taken away",
       "createEffectSurface adds a second spring: no force of Gliss until deleteEffectSurface",

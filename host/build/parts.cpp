@@ -205,10 +205,14 @@ class PartFinder {
     if (!box.contains(of_part.low) || !box.contains(of_part.high)) return false;
     const std::size_t first = begin_[part], count = begin_[part + 1] - first,
                       looks = std::min(count, kLooks);
-    for (std::size_t i = 0; i < looks; ++i) {
-      if (!winds_round(solid, corner_of(patches_[first + i * count / looks]))) return false;
-    }
-    return true;
+    std::vector<Vec3> corners;
+    for (std::size_t i = 0; i < looks; ++i)
+      corners.push_back(corner_of(patches_[first + i * count / looks]));
+    const std::vector<double> angles = angles_round(solid, corners);
+    // One may lie on the solid's surface, where parts touch.
+    return static_cast<std::size_t>(std::count_if(angles.begin(), angles.end(), goes_round)) +
+               looks / kLooks >=
+           looks;
   }
 
   struct OrientedBox {
@@ -301,13 +305,21 @@ class PartFinder {
       for (const std::uint32_t p : group) buried_[p] = within;
     }
   }
-  bool winds_round(std::uint32_t part, const Vec3& x) {
-    double angle = 0;
+  // The solid angles of a part's triangles, seen from some points.
+  std::vector<double> angles_round(std::uint32_t part, const std::vector<Vec3>& at) {
+    std::vector<double> angles(at.size(), 0);
     for_patches(part, [&](std::uint32_t p) {
       poll_();
-      for_triangles(p, x, [&](const Triangle& t) { angle += solid_angle(t[0], t[1], t[2]); });
+      for_triangles(p, Vec3::Zero(), [&](const Triangle& t) {
+        for (std::size_t k = 0; k < at.size(); ++k)
+          angles[k] += solid_angle(t[0] - at[k], t[1] - at[k], t[2] - at[k]);
+      });
     });
-    return std::abs(angle) > 2 * std::numbers::pi;
+    return angles;
+  }
+  static bool goes_round(double angle) { return std::abs(angle) > 2 * std::numbers::pi; }
+  bool winds_round(std::uint32_t part, const Vec3& x) {
+    return goes_round(angles_round(part, {x}).front());
   }
 
   void store() {

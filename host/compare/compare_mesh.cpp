@@ -32,7 +32,8 @@ std::vector<ComparePath> make_paths(const ComparedMesh& compared, const PatchCac
     paths.push_back({depth, path_over(compared.mesh, compared.topology, surface, depth / unit,
                                       diagonal / 1000, options.ticks, options.measuring.poll)});
     if (paths.back().hips.empty())
-      throw std::invalid_argument("no path: every edge of the mesh is a border");
+      throw std::invalid_argument(
+          "no path: every edge of the mesh is a border, or no hand gets so deep");
   }
   return paths;
 }

@@ -89,8 +89,8 @@ std::string energy_text(const CompareRow& row) {
                      100 * row.loop_gain.gain);
 }
 
-// `equals`: the rows that are as good but for the error, itself among them. One sentence why, and
-// others on what stands against it.
+// Says in one sentence why a row is recommended, and in others what stands against it. `equals`:
+// the rows that are as good but for the error, itself among them.
 std::string reason_for(const CompareRow& row, const std::vector<CompareRow>& rows,
                        const Rows& patches, std::size_t equals, const CompareBudget& budget) {
   const Count jumps = jumps_of(row);
@@ -115,7 +115,7 @@ std::string reason_for(const CompareRow& row, const std::vector<CompareRow>& row
                       "surface's.",
                       equals);
   if (is_baseline(row) || (equals > 1 && !budget.force_error))
-    text += fmt::format(" Its force is off by less than {:.2g} % in 99 of 100 ticks.",
+    text += fmt::format(" Its force is off by {:.2g} % at most in 99 of 100 ticks of a path.",
                         100 * row.p99_force_error);
   for (const CompareRow& other : rows) {
     if (!is_baseline(other) || !makes_energy(other) || jumps_of(other).value >= jumps.value)

@@ -161,13 +161,18 @@ class WordStream {
 // True if what follows the counts is numbers of vertices and of faces without colours, on fewer
 // lines than there are items: then lines mean nothing.
 bool is_stream(std::string_view text, std::int64_t vertices, std::int64_t faces,
-               const Columns& columns) {
-  if (columns.colours || columns.texture ||
-      std::count(text.begin(), text.end(), '\n') >= vertices + faces)
-    return false;
+               const Columns& columns, Report& report) {
+  const auto most = static_cast<std::int64_t>(text.size());
+  if (columns.colours || columns.texture || vertices > most || faces > most) return false;
+  std::int64_t lines = 0;
+  for (std::size_t at = text.find('\n'); at != text.npos; at = text.find('\n', at + 1)) {
+    report.poll();
+    if (++lines >= vertices + faces) return false;
+  }
   WordStream words(text);
   if (!words.skip(vertices * (columns.normals ? 6 : 3))) return false;
   for (std::int64_t i = 0; i < faces; ++i) {
+    report.poll();
     const std::int64_t sides = words.integer();
     if (sides < 0 || !words.skip(sides)) return false;
   }
@@ -320,14 +325,17 @@ void read_off(std::string_view text, Mesh& mesh, Report& report) {
       report.fail("syntax", {.line = cursor.line()}, "{} is not a number of vertices",
                   quoted(first));
     }
-    const bool have_lines = !cursor.has_word() && has_one_word(cursor);
-    if (have_lines) cursor.read_on_over_lines();
+    const bool counts_have_lines = !cursor.has_word() && has_one_word(cursor);
+    if (counts_have_lines) cursor.read_on_over_lines();
     const std::int64_t faces = cursor.integer("number of faces");
     if (faces < 0) report.fail("syntax", {.line = cursor.line()}, "{} faces", faces);
-    // The number of edges is often wrong or missing, and not needed.
-    if (have_lines || cursor.has_word()) cursor.integer("number of edges");
+    // The number of edges is often wrong, or missing behind the others, and not needed.
+    if (counts_have_lines)
+      cursor.integer("number of edges");
+    else
+      cursor.word();
     cursor.read_on_over_lines();
-    if (is_stream(cursor.rest(), *vertices, faces, columns)) {
+    if (is_stream(cursor.rest(), *vertices, faces, columns, report)) {
       read_stream(cursor, *vertices, faces, columns, mesh, report);
     } else {
       cursor.end();

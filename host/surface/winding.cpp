@@ -49,6 +49,7 @@ double width_of(const Surface<Real>& s, std::uint32_t patch) {
 template <class Real>
 WindingTree::WindingTree(const Surface<Real>& s) {
   close_holes(s);
+  if (!counts_any()) return;
   const std::uint32_t patches = s.patch_count(), nodes = patches - 1;
   children_.resize(2 * std::size_t{nodes} + 1);
   gather(s, nodes == 0 ? kNodeLeaf : 0, children_.size() - 1);
@@ -59,7 +60,8 @@ WindingTree::WindingTree(const Surface<Real>& s) {
 
 template <class Real>
 void WindingTree::close_holes(const Surface<Real>& s) {
-  constexpr double kSmall = 0.05;  // of a part's area
+  constexpr double kSmall = 0.05;           // of a part's area
+  constexpr std::size_t kMostSides = 1024;  // round the holes of a part: each HIP asks them all
   const auto sides = static_cast<std::uint32_t>(s.side_twin.size());
   if (std::find(s.side_twin.begin(), s.side_twin.end(), kNone) == s.side_twin.end()) return;
   DisjointSets parts(s.patch_count());
@@ -67,7 +69,8 @@ void WindingTree::close_holes(const Surface<Real>& s) {
     if (s.side_twin[side] != kNone)
       parts.unite(s.side_patch[side], s.side_patch[s.side_twin[side]]);
   }
-  std::vector<double> area(s.patch_count(), 0), open(s.patch_count(), 0);  // [part], twice
+  std::vector<double> area(s.patch_count(), 0), holes_area(s.patch_count(), 0);  // [part], twice
+  std::vector<std::size_t> rim_sides(s.patch_count(), 0);                        // [part]
   for (std::uint32_t p = 0; p < s.patch_count(); ++p) {
     for_polygon_triangles(s, p, [&](const BaseTriangle& t) {
       area[parts.find(p)] += (t[1] - t[0]).cross(t[2] - t[0]).norm();
@@ -93,12 +96,15 @@ void WindingTree::close_holes(const Surface<Real>& s) {
     for (std::size_t i = 0; i < rim.size(); ++i) {
       const Vec3 &start = rim[i], &end = rim[(i + 1) % rim.size()];
       hole.cone.push_back({end, start, middle});
-      open[hole.part] += (start - end).cross(middle - end).norm();
+      holes_area[hole.part] += (start - end).cross(middle - end).norm();
     }
+    rim_sides[hole.part] += rim.size();
   }
   counted_.resize(s.patch_count());
-  for (std::uint32_t p = 0; p < s.patch_count(); ++p)
-    counted_[p] = open[parts.find(p)] <= kSmall * area[parts.find(p)];
+  for (std::uint32_t p = 0; p < s.patch_count(); ++p) {
+    const std::uint32_t part = parts.find(p);
+    counted_[p] = holes_area[part] < kSmall * area[part] && rim_sides[part] <= kMostSides;
+  }
   for (const Hole& hole : holes) {
     if (!counted_[hole.part]) continue;
     Child c;

@@ -3,23 +3,26 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <vector>
 
 #include "gliss/surface/base_triangles.h"
 
 namespace gliss {
 
-// Of closed parts, and of open ones whose holes are small, which it closes: each hole by a cone to
-// its middle. Other open parts enclose nothing. Sums over the tree of the patches, each child that
-// is far as a dipole (Barill, Dickson, Schmidt, Levin and Jacobson 2018, of first order). Does not
-// change: any number of threads may ask.
+// It counts closed parts, and open ones whose holes are small, which it closes: each hole by a cone
+// to its middle. Other open parts enclose nothing. It sums over the tree of the patches, each child
+// that is far as a dipole (Barill, Dickson, Schmidt, Levin and Jacobson 2018, of first order). Does
+// not change: any number of threads may ask.
 class WindingTree {
  public:
   template <class Real>
   explicit WindingTree(const Surface<Real>& s);
 
-  // True if the tree has a part: it asks nothing else where it has none.
-  bool counts_any() const { return !triangles_.empty(); }
+  // True if some part counts. If none does, nothing but this may be asked.
+  bool counts_any() const {
+    return counted_.empty() || std::find(counted_.begin(), counted_.end(), 1) != counted_.end();
+  }
   // True if a patch's part counts.
   bool counts(std::uint32_t patch) const { return counted_.empty() || counted_[patch]; }
   // True if a point of the mesh frame lies in the solid of the polygons.

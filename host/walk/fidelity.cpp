@@ -24,8 +24,8 @@ constexpr double kLeastDepth = 0.9, kMostDepth = 1.1;  // of a contact on a path
 // that follows them without settling feels no contact that is deeper.
 class SlidingPath {
  public:
-  SlidingPath(const PatchCache& cache, double depth, double step)
-      : cache_(cache), depth_(depth), step_(step), hand_(cache, leaping()) {}
+  SlidingPath(const PatchCache& cache, double depth, double step, const Poll& poll)
+      : cache_(cache), depth_(depth), step_(step), poll_(poll), hand_(cache, leaping()) {}
 
   // Goes on to beneath a point of the surface, or above it. False, and nothing changes, where a
   // hand can be in neither place.
@@ -56,7 +56,8 @@ class SlidingPath {
     options.settle = 0;
     return options;
   }
-  // True if the surface nearest to the HIP beneath is another side, up to that across a thin part.
+  // True if the surface nearest to the HIP beneath is another side of an edge, and not the far side
+  // of a thin part.
   bool is_beside_crease(const SurfacePoint& on) const {
     const Contact contact = nearest(cache_, on.position - depth_ * on.normal);
     const double cosine = contact.normal.dot(on.normal);
@@ -70,17 +71,17 @@ class SlidingPath {
     bool goes = true;
     if (!hips_.empty() && (outside || was_outside_)) {
       const Vec3 over = last_.normal + on.normal;
-      if (!was_outside_) goes = lead_to(above(last_));
+      if (!was_outside_) goes = press_to(above(last_));
       if (last_.normal.dot(on.normal) < kCrease)
         goes = goes && lead_to(on.position + depth_ * over.stableNormalized());
-      if (!outside) goes = goes && lead_to(above(on));
-      goes = goes && lead_to(hip);
+      goes = goes && lead_to(above(on));
+      if (!outside) goes = goes && press_to(hip);
     } else if (!hips_.empty() && (hip - hips_.back()).norm() > 2 * step_) {
       goes = lead_to(hip);
     } else if (goes = tick(hip); hips_.size() == 1 && !outside && !is_as_deep()) {
       go_back(from);  // nearer to the other side of a thin part: comes in from here
       tick(above(on));
-      goes = lead_to(hip);
+      goes = press_to(hip);
     }
     if (!goes || hand_.touching() == outside) {
       go_back(from);
@@ -92,23 +93,27 @@ class SlidingPath {
   }
   // False where the contact is too deep.
   bool tick(const Vec3& hip) {
+    poll_();
     hips_.push_back(hip);
     felt_depth_ = -hand_.tick(hip).distance;
     return !(felt_depth_ > kMostDepth * depth_);
   }
   bool is_as_deep() const { return felt_depth_ > kLeastDepth * depth_; }
-  bool lead_to(const Vec3& place) {
+  bool lead_to(const Vec3& place) { return go_straight(place, step_); }
+  // Pressing in and letting go is no jump.
+  bool press_to(const Vec3& place) { return go_straight(place, std::min(step_, depth_ / 10)); }
+  bool go_straight(const Vec3& place, double step) {
     const Vec3 from = hips_.back();
-    const double step = std::min(step_, depth_ / 10);  // pressing in is no jump
-    const auto ticks = static_cast<int>(std::max(1.0, std::ceil((place - from).norm() / step)));
-    for (int i = 1; i <= ticks; ++i) {
-      if (!tick(from + i / double(ticks) * (place - from))) return false;
+    const double ticks = std::max(1.0, std::ceil((place - from).norm() / step));
+    for (double i = 1; i <= ticks; ++i) {
+      if (!tick(from + i / ticks * (place - from))) return false;
     }
     return true;
   }
 
   const PatchCache& cache_;
   const double depth_, step_;
+  const Poll& poll_;
   ContactTracker hand_;
   double felt_depth_ = 0;  // of the hand's last tick
   std::vector<Vec3> hips_;
@@ -124,7 +129,7 @@ struct WayOver {
 
 // Goes over a face, up to `count` HIPs in all. False, and nothing changes, where a hand cannot.
 bool go_over(const PatchCache& cache, const WayOver& way, double depth, double step,
-             std::size_t count, SlidingPath& path, ItemPoll& ask) {
+             std::size_t count, SlidingPath& path) {
   const std::uint32_t n = cache.face_valence[way.face];
   const DomainPoint a = on_side(way.face, n, way.enter, way.t_in),
                     b = on_side(way.face, n, way.leave, way.t_out);
@@ -146,7 +151,6 @@ bool go_over(const PatchCache& cache, const WayOver& way, double depth, double s
   const auto ticks = static_cast<std::size_t>(std::max(1.0, std::ceil(length / step)));
   const SlidingPath::Place begin = path.place();
   for (std::size_t i = 0; i < ticks && path.hips().size() < count; ++i) {
-    ask();
     if (path.add(on(static_cast<double>(i) / static_cast<double>(ticks)))) continue;
     path.go_back(begin);
     return false;
@@ -154,7 +158,7 @@ bool go_over(const PatchCache& cache, const WayOver& way, double depth, double s
   return true;
 }
 
-// To the end of a path and back again, until there are `count` HIPs.
+// Goes to the end of a path and back again, until there are `count` HIPs.
 std::vector<Vec3> to_and_fro(const std::vector<Vec3>& path, std::size_t count) {
   std::vector<Vec3> hips;
   for (std::size_t i = 0; i < count && !path.empty(); ++i) {
@@ -173,8 +177,7 @@ std::vector<Vec3> path_over(const Mesh& mesh, const Topology& topology, const Pa
   std::mt19937 random(1);  // whose numbers the standard fixes; its distributions are not
   const auto below = [&](std::uint32_t n) { return static_cast<std::uint32_t>(random() % n); };
   const auto part = [&] { return 0.2 + 0.6 * (random() / 4294967296.0); };
-  SlidingPath path(cache, depth, step);
-  ItemPoll ask(poll);
+  SlidingPath path(cache, depth, step, poll);
   WayOver way{below(static_cast<std::uint32_t>(mesh.face_count())), 0, 0, 0.5, 0};
   for (int stuck = 0; path.hips().size() < count && stuck < kMostTries;) {
     const std::uint32_t n = mesh.valence(way.face), first = mesh.face_begin[way.face];
@@ -191,7 +194,7 @@ std::vector<Vec3> path_over(const Mesh& mesh, const Topology& topology, const Pa
           continue;
         if (!t_out) t_out = part();
         way.t_out = *t_out;
-        goes = go_over(cache, way, depth, step, count, path, ask);
+        goes = go_over(cache, way, depth, step, count, path);
         ++tried;
       }
     }

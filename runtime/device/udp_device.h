@@ -43,15 +43,15 @@ class GLISS_EXPORT UdpDevice final : public HapticDevice {
   std::uint64_t outdated() const noexcept { return outdated_; }  // states older than one before
 
  private:
-  // Another pass is asked with by another socket, so that each refusal that comes answers the pass
-  // that there is: a server refuses all that was asked before it had its own when it has it.
+  // Opens a socket for each pass that is asked with. A server that has its pass refuses what was
+  // asked before; on another socket nobody hears that.
   void open_socket();
   void receive() noexcept;
   void take(const udp::TurningStateDatagram& datagram, bool has_orientation) noexcept;
   bool send(const Wrench& wrench, Nanoseconds now, std::uint16_t flags) noexcept;
 
   std::uint16_t port_;
-  std::optional<udp::Socket> socket_;  // there is one
+  std::optional<udp::Socket> socket_;  // always has one
   std::optional<udp::FoundPass> pass_;
   DeviceInfo info_;
   udp::TurningStateDatagram last_;

@@ -1,13 +1,11 @@
 #include "gliss/thread/realtime.h"
 
 #include <fcntl.h>
-#include <linux/capability.h>
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
-#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -32,12 +30,14 @@ std::string limit_text(rlim_t limit) {
   return limit == RLIM_INFINITY ? "unlimited" : std::to_string(limit);
 }
 
-// True if this process may lock more memory than RLIMIT_MEMLOCK.
-bool may_lock_any() {
-  __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
-  __user_cap_data_struct data[_LINUX_CAPABILITY_U32S_3] = {};
-  return syscall(SYS_capget, &header, data) == 0 &&
-         (data[CAP_TO_INDEX(CAP_IPC_LOCK)].effective & CAP_TO_MASK(CAP_IPC_LOCK)) != 0;
+// True if a limit keeps this process from locking more than so many bytes: it may try.
+bool is_bounded_by(rlim_t limit) {
+  if (limit == RLIM_INFINITY) return false;
+  void* more =
+      mmap(nullptr, limit + 4096, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_LOCKED, -1, 0);
+  if (more == MAP_FAILED) return true;
+  munmap(more, limit + 4096);
+  return false;
 }
 
 // Returns an error number.
@@ -143,7 +143,7 @@ void Realtime::pin(int cpu) {
 void Realtime::lock_memory() {
   const std::lock_guard guard(lock_mutex);
   const rlim_t limit = limit_of(RLIMIT_MEMLOCK);  // bytes; ulimit says KiB
-  const bool is_bounded = limit != RLIM_INFINITY && !may_lock_any();
+  const bool is_bounded = is_bounded_by(limit);
   memory_locked_ = mlockall(is_bounded ? MCL_CURRENT : MCL_CURRENT | MCL_FUTURE) == 0;
   locks += memory_locked_;
   if (memory_locked_ && !is_bounded) return;

@@ -2,8 +2,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
+#include "gliss/query/contact_tracker.h"
 #include "gliss/query/trace.h"
 #include "gliss/results/trace_json.h"
 #include "gliss/tables/table_columns.h"
@@ -86,15 +88,15 @@ std::string gain_text(const LoopGain& loops) {
 struct Traced {
   std::vector<TraceStatistics> statistics;
   double deepest = 0, deepest_on_patches = 0;  // of all contacts, of the patches', m
-  double way = 0;                              // of a tick, the median, m
+  double way = 0, speed = 0;                   // of a tick, the medians, m and m/s
 };
 
 // What jumps depend on besides the surface.
 std::string motion_text(const TracingOptions& options, const Traced& traced) {
   return fmt::format(
-      "jumps and lost contacts of this path: {:.3g} mm/s (half of the ticks are slower, at 1 kHz), "
+      "jumps and lost contacts of this path: {:.3g} mm/s (half of the ticks are slower), "
       "contacts up to {:.3g} mm deep, settle {:.3g} ms\n",
-      traced.way * 1e6, traced.deepest * 1e3, options.trace.settle * 1e3);
+      traced.speed * 1e3, traced.deepest * 1e3, options.trace.settle * 1e3);
 }
 
 void report_statistics(const TracingOptions& options, const Traced& traced) {
@@ -185,15 +187,27 @@ void check(const TracingOptions& options) {
   check_outputs({options.output}, {options.surface, options.path});
 }
 
-// The median way of a tick, m.
-double median_way(std::span<const Vec3> hips, double unit) {
-  std::vector<double> ways;
-  for (std::size_t i = 1; i < hips.size(); ++i) ways.push_back((hips[i] - hips[i - 1]).norm());
-  std::erase_if(ways, [](double way) { return !std::isfinite(way); });
-  if (ways.empty()) return 0;
-  const auto middle = ways.begin() + static_cast<std::ptrdiff_t>(ways.size() / 2);
-  std::nth_element(ways.begin(), middle, ways.end());
-  return *middle * unit;
+double median(std::vector<double> values) {
+  std::erase_if(values, [](double value) { return !std::isfinite(value); });
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// Finds how far and how fast the hand goes, in m and m/s.
+void measure_motion(std::span<const Vec3> hips, double unit,
+                    std::span<const std::chrono::nanoseconds> times, Traced& traced) {
+  std::vector<double> ways, speeds;
+  for (std::size_t i = 1; i < hips.size(); ++i) {
+    ways.push_back((hips[i] - hips[i - 1]).norm() * unit);
+    const double tick = times.empty()
+                            ? ContactTracker::kTick
+                            : std::chrono::duration<double>(times[i] - times[i - 1]).count();
+    speeds.push_back(ways.back() / tick);
+  }
+  traced.way = median(std::move(ways));
+  traced.speed = median(std::move(speeds));
 }
 
 // Follows the path, and writes a row for each tick and method.
@@ -214,7 +228,7 @@ Traced follow(const TracingOptions& options, const PatchCache& cache, const Poin
   const LargeArray<double>* steps = path.table.find("step");
   const UnitChange across(path.unit, options.unit);
   Traced traced;
-  traced.way = median_way(hips, cache.unit);
+  measure_motion(hips, cache.unit, options.trace.times, traced);
   Watch watch(options, "trace", hips.size(), "ticks");
   const auto add = [&](std::size_t tick, std::span<const TraceStep> felt) {
     for (std::size_t m = 0; m < felt.size(); ++m) {

@@ -126,7 +126,7 @@ std::string text_of(const LeavingOptions& leaving, double settle) {
   if (leaving.hands == 0) return "";
   return fmt::format(
       "held: contacts of {} hands that press in, slide, leave at up to 2 % of the mesh's diagonal "
-      "a tick, and rest outside, that are felt there for longer than {} ms\n",
+      "a tick, and rest outside, that are felt there for longer than {} ticks of 1 ms\n",
       leaving.hands, held_bound(settle));
 }
 

@@ -19,7 +19,7 @@ std::string jumps_text(const SweepResult& result) {
     if (depth) text += *depth == s.depth ? ", " : "\n";
     if (depth != s.depth)
       text += fmt::format(
-          "at {} the force jumps between so many of 100,000 neighbours among {} "
+          "at {} the force jumps between so many of 100,000 pairs of neighbours among {} "
           "samples: ",
           depth_name(s.depth), s.samples);
     text += fmt::format("{} {:.0f}", method_name(s.method), s.jumps_per_100k());
@@ -35,8 +35,8 @@ std::string sparse_text(const SweepResult& result) {
     if (s.method != Method::kGregory || !s.may_be_sparse()) continue;
     text += fmt::format(
         "at {} the samples may be too far apart to count jumps: if those of gregory become fewer "
-        "with --samples {:.1g}, they are\n",
-        depth_name(s.depth), 4.0 * static_cast<double>(s.samples));
+        "with --samples {}, they are\n",
+        depth_name(s.depth), 4 * s.samples);
   }
   return text;
 }

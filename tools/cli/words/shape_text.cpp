@@ -8,12 +8,9 @@
 #include "tools/cli/terminal/terminal.h"
 
 namespace gliss::tools {
-namespace {
 
 // Patches without curvature have the largest double as radius, in the unit of their mesh.
 constexpr double kFlat = 1e290;
-
-}  // namespace
 
 void tell_tight_curvature(const ReportOptions& options, const PatchCache& cache, double depth,
                           const std::string& meaning, const std::string& name) {

@@ -233,7 +233,8 @@ std::vector<Vec3> own_path(const Mesh& mesh, const Topology& topology, const Pat
   std::vector<Vec3> path =
       path_over(mesh, topology, cache, depth / mesh.unit, diagonal_of(cache.bounds()) / 1000,
                 static_cast<std::size_t>(ticks), stop_if_interrupted);
-  if (path.empty()) throw InputError("no path: every edge of the mesh is a border");
+  if (path.empty())
+    throw InputError("no path: every edge of the mesh is a border, or no hand gets so deep");
   return path;
 }
 
