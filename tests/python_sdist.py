@@ -1,4 +1,5 @@
-"""The source distribution has all that the package is built from, and CMake configures it by itself.
+"""The source distribution has all that the package is built from, and CMake configures it by itself. With
+GLISS_LONG_TESTS pip builds and installs the package from it alone, which takes minutes.
 Usage: python_sdist.py ROOT BUILD"""
 import importlib.util
 import os
@@ -29,4 +30,6 @@ with tempfile.TemporaryDirectory() as folder:
         ["cmake", "-S", source, "-B", source / "build", f"-DPython3_EXECUTABLE={sys.executable}", "-DGLISS_PYTHON=ON",
          *(f"-DGLISS_{name}=OFF" for name in ("TESTS", "BENCH", "REPORT", "MPI"))], capture_output=True, text=True)
     assert configured.returncode == 0, configured.stderr
+    if os.environ.get("GLISS_LONG_TESTS"):
+        subprocess.run([sys.executable, pathlib.Path(__file__).parent / "python_wheel.py", source], check=True)
     print(f"{len(needed)} files, {packed.stat().st_size >> 10} KiB")

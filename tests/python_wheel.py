@@ -1,5 +1,5 @@
-"""pip installs the Python package into an environment of its own, with the module of an existing build; nothing else is
-in it, and it works. Usage: python_wheel.py ROOT BUILD"""
+"""pip installs the Python package into an environment of its own, with the module of an existing build or, without BUILD,
+with one that it builds; nothing else is in it, and it works. Usage: python_wheel.py ROOT [BUILD]"""
 import importlib.util
 import os
 import pathlib
@@ -10,7 +10,8 @@ import tempfile
 
 from support.skip import skip_unless_required
 
-root, build = map(pathlib.Path, sys.argv[1:])
+root = pathlib.Path(sys.argv[1])
+module_of = {"GLISS_BUILD_FOLDER": sys.argv[2]} if len(sys.argv) > 2 else {}
 absent = [name for name in ("pip", "ensurepip", "setuptools", "wheel") if importlib.util.find_spec(name) is None]
 if absent:
     skip_unless_required(f"{sys.executable} has no {', '.join(absent)}")
@@ -32,7 +33,7 @@ with tempfile.TemporaryDirectory() as folder:
     run(sys.executable, "-m", "venv", "--system-site-packages", folder)
     python = pathlib.Path(folder, "bin", "python")
     run(python, "-m", "pip", "install", "--no-build-isolation", "--no-deps", "--no-index", "--quiet",
-        "--disable-pip-version-check", root, env={**os.environ, "GLISS_BUILD_FOLDER": str(build)})
+        "--disable-pip-version-check", root, env={**os.environ, **module_of})
     said = run(python, "-c", USE, cwd=folder, capture_output=True, text=True).stdout.split()
     listed = run(python, "-m", "pip", "show", "--files", "gliss", capture_output=True, text=True).stdout
 version = re.search(r"VERSION ([\d.]+)", (root / "CMakeLists.txt").read_text(encoding="utf-8").split("project(gliss")[1])
