@@ -5,10 +5,10 @@
 #include <stdexcept>
 
 #include "gliss/base/plain_arithmetic.h"
-#include "gliss/mesh/mesh_edges.h"
 #include "gliss/surface/base_triangles.h"
 #include "gliss/surface/instances.h"
 #include "gliss/surface/layout.h"
+#include "gliss/surface/surface_parts.h"
 #include "gliss/surface/winding.h"
 
 namespace gliss {
@@ -58,11 +58,7 @@ void find_open_parts(PatchCache& cache) {
   std::visit(
       [&](const auto& s) {
         if (std::find(s.side_twin.begin(), s.side_twin.end(), kNone) == s.side_twin.end()) return;
-        DisjointSets parts(s.patch_count());
-        for (std::size_t side = 0; side < s.side_twin.size(); ++side) {
-          if (s.side_twin[side] != kNone)
-            parts.unite(s.side_patch[side], s.side_patch[s.side_twin[side]]);
-        }
+        DisjointSets parts = parts_of(s);
         std::vector<std::uint8_t> open(s.patch_count(), 0);
         for (std::size_t side = 0; side < s.side_twin.size(); ++side) {
           if (s.side_twin[side] == kNone) open[parts.find(s.side_patch[side])] = 1;

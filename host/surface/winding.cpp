@@ -7,8 +7,8 @@
 #include <numeric>
 #include <utility>
 
-#include "gliss/mesh/mesh_edges.h"
 #include "gliss/mesh/solid_angle.h"
+#include "gliss/surface/surface_parts.h"
 
 namespace gliss {
 
@@ -64,11 +64,7 @@ void WindingTree::close_holes(const Surface<Real>& s) {
   constexpr std::size_t kMostSides = 1024;  // round the holes of a part: each HIP asks them all
   const auto sides = static_cast<std::uint32_t>(s.side_twin.size());
   if (std::find(s.side_twin.begin(), s.side_twin.end(), kNone) == s.side_twin.end()) return;
-  DisjointSets parts(s.patch_count());
-  for (std::uint32_t side = 0; side < sides; ++side) {
-    if (s.side_twin[side] != kNone)
-      parts.unite(s.side_patch[side], s.side_patch[s.side_twin[side]]);
-  }
+  DisjointSets parts = parts_of(s);
   std::vector<double> area(s.patch_count(), 0), holes_area(s.patch_count(), 0);  // [part], twice
   std::vector<std::size_t> rim_sides(s.patch_count(), 0);                        // [part]
   for (std::uint32_t p = 0; p < s.patch_count(); ++p) {
