@@ -624,7 +624,7 @@ class Surface:
         for figures in swept.statistics:
             if figures["method"] == "gregory" and figures["may_be_sparse"]:
                 _warn(f"at {figures['depth_m'] * 1e3:.6g} mm the samples may be too far apart to count jumps: if those "
-                      f"of gregory become fewer with four times as many, they are")
+                      "of gregory become fewer with four times as many, they are")
         return swept
 
     @_public()
