@@ -19,6 +19,7 @@
 #include "gliss/query/contact_tracker.h"
 #include "gliss/surface/instances.h"
 #include "gliss/surface/layout.h"
+#include "tests/oracle/union_oracle.h"
 #include "tests/support/numbers.h"
 #include "tests/support/scratch_folder.h"
 
@@ -511,6 +512,17 @@ TEST(CacheFile, ForgedContentIsRefused) {
     EXPECT_THAT(forged("patch", kPatchReals + kPatchUnscale, scale), section("patch"));
   }
   EXPECT_THAT(forged("patch", kPatchSag, -1.0), section("patch"));
+  EXPECT_THAT(forged("patch", kPatchCurvature, -1.0), section("patch"));
+  EXPECT_THAT(forged("patch", kPatchNormal, 2.0), section("patch"));
+  EXPECT_THAT(forged("patch", kPatchTangent + 1, 2.0), section("patch"));
+  // A patch much larger than the mesh.
+  EXPECT_THAT(Forgery(torus_cache)
+                  .set("patch", kPatchScale, 0x1p-9)
+                  .set("patch", kPatchUnscale, 0x1p9)
+                  .refusal()
+                  .what(),
+              section("patch"));
+  EXPECT_THAT(forged("tile_begin", 1, surface.tile_begin[1] - 1), section("tile_begin"));
   for (const std::string name : {"domain", "control", "corner", "patch", "node", "rho_min"}) {
     EXPECT_THAT(forged(name, 2, kNaN), section(name));
     EXPECT_THAT(forged(name, 2, kInfinity), section(name));
@@ -531,6 +543,18 @@ TEST(CacheFile, ForgedContentIsRefused) {
   EXPECT_THAT(Forgery(dart).set("corner_of_face", 0, 6u).what(), section("corner_of_face"));
   EXPECT_THAT(Forgery(dart).set("corner_of_face", 0, dart.corner_of_face[1]).what(),
               section("corner_of_face"));
+
+  // Parts that overlap.
+  const Mesh one = goldberg(2, 10).mesh;
+  const PatchCache balls = build_cache(test::joined({one, test::moved(one, Vec3(9, 1, 0))}));
+  EXPECT_STREQ(Forgery(balls).refusal().what(), "was loaded");
+  const auto forged_ball = [&](const std::string& name, std::size_t index, std::uint32_t value) {
+    return std::string(Forgery(balls).set(name, index, value).refusal().what());
+  };
+  EXPECT_THAT(forged_ball("part", 0, 2), section("part"));
+  EXPECT_THAT(forged_ball("partner", 0, 2), section("partner"));
+  EXPECT_THAT(forged_ball("part_table", 1, 3), section("part_table"));
+  EXPECT_THAT(forged_ball("part_table", 2, balls.patch_count()), section("part_table"));
 
   // Pieces of the polygon of a face that is cut round a centre.
   const PatchCache fan = fan_cache();
