@@ -8,18 +8,18 @@ build_packages=(cmake ninja-build g++ libtbb-dev libeigen3-dev libhdf5-dev libfm
 # For gliss report. npm from elsewhere does as well, and Debian's cannot stand beside it.
 command -v npm >/dev/null || build_packages+=(nodejs npm)
 
-# What the Python package needs in addition.
+# The Python package needs these in addition.
 python_packages=(pybind11-dev python3-dev python3-numpy)
-# What gliss-mpi needs in addition; without the last two rank 0 writes all results alone.
+# gliss-mpi needs these in addition; without the last two rank 0 writes all results alone.
 mpi_packages=(libopenmpi-dev openmpi-bin libhdf5-openmpi-dev pkg-config)
-# What the tests and benchmarks need in addition. clang reads the kernels as OpenCL C; PoCL is an OpenCL
+# The tests and benchmarks need these in addition. clang reads the kernels as OpenCL C; PoCL is an OpenCL
 # device on any processor, oclgrind one that finds what others let pass; of locales one with a decimal comma is made.
 test_packages=(pocl-opencl-icd oclgrind libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev libembree-dev
   make abigail-tools clang clang-format-14 stress-ng rt-tests strace locales python3-h5py "${python_packages[@]}" python3-pytest mypy
   python3-venv python3-pip python3-setuptools python3-wheel "${mpi_packages[@]}")
 # Peers that tools/bench.sh compares with, where they can be had.
 bench_packages=(libosd-dev libembree-dev)
-# What tools/fuzz.sh needs in addition: clang with libFuzzer and its sanitizers.
+# tools/fuzz.sh needs these in addition: clang with libFuzzer and its sanitizers.
 fuzz_packages=(clang libclang-rt-dev libgtest-dev)
 # Tests that need these are skipped without them: a browser, which on Ubuntu a snap holds, and C#.
 optional_test_packages=(chromium mono-mcs mono-runtime)

@@ -55,7 +55,7 @@ GLISS_EXPORT std::optional<CompareCandidate> find_candidate(const std::string& n
 GLISS_EXPORT LeavingOptions leaving_of(const MeshComparisonOptions& options);
 
 // `surface`: any patches of the mesh; the engine makes the walks. The mesh must outlive it. Throws
-// std::invalid_argument if every edge is a border, so that no path leads over the mesh.
+// std::invalid_argument where no path leads over the mesh (path_over).
 GLISS_EXPORT Comparison compare_mesh(const ComparedMesh& compared, const PatchCache& surface,
                                      MeshComparisonOptions options, const Engine& engine);
 

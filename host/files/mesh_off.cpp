@@ -131,37 +131,24 @@ void read_off_faces(TextCursor& cursor, std::int64_t count, bool after_shared_li
   }
 }
 
-// The words of a text, whatever its lines.
-class WordStream {
- public:
-  explicit WordStream(std::string_view text) : text_(text) {}
-  std::string_view next() {
-    const auto ends = [](char c) { return is_blank(c) || c == '\n' || c == '\r' || c == '#'; };
-    while (!text_.empty() && ends(text_[0])) {
-      const std::size_t line_end = text_[0] == '#' ? text_.find_first_of("\r\n") : 1;
-      text_.remove_prefix(std::min(line_end, text_.size()));
-    }
-    const auto end = std::find_if(text_.begin(), text_.end(), ends);
-    const std::string_view word = text_.substr(0, static_cast<std::size_t>(end - text_.begin()));
-    text_.remove_prefix(word.size());
-    return word;
-  }
-  std::int64_t integer() { return parse_integer(next()).value_or(-1); }  // -1: there is none
-  bool skip(std::int64_t words) {
-    while (words-- > 0) {
-      if (next().empty()) return false;
-    }
-    return true;
-  }
+// The next word, on whatever line; empty: there is none.
+std::string_view next_word(TextCursor& cursor) {
+  const std::string_view word = cursor.word();
+  return word.empty() && cursor.next() ? cursor.word() : word;
+}
 
- private:
-  std::string_view text_;
-};
+bool skip_words(TextCursor& cursor, std::int64_t count) {
+  while (count-- > 0) {
+    if (next_word(cursor).empty()) return false;
+  }
+  return true;
+}
 
 // True if what follows the counts is numbers of vertices and of faces without colours, on fewer
 // lines than there are items: then lines mean nothing.
-bool is_stream(std::string_view text, std::int64_t vertices, std::int64_t faces,
-               const Columns& columns, Report& report) {
+bool is_stream(TextCursor cursor, std::int64_t vertices, std::int64_t faces, const Columns& columns,
+               Report& report) {
+  const std::string_view text = cursor.rest();
   const auto most = static_cast<std::int64_t>(text.size());
   if (columns.colours || columns.texture || vertices > most || faces > most) return false;
   std::int64_t lines = 0;
@@ -169,14 +156,12 @@ bool is_stream(std::string_view text, std::int64_t vertices, std::int64_t faces,
     report.poll();
     if (++lines >= vertices + faces) return false;
   }
-  WordStream words(text);
-  if (!words.skip(vertices * (columns.normals ? 6 : 3))) return false;
+  if (!skip_words(cursor, vertices * (columns.normals ? 6 : 3))) return false;
   for (std::int64_t i = 0; i < faces; ++i) {
-    report.poll();
-    const std::int64_t sides = words.integer();
-    if (sides < 0 || !words.skip(sides)) return false;
+    const std::int64_t sides = parse_integer(next_word(cursor)).value_or(-1);
+    if (sides < 0 || !skip_words(cursor, sides)) return false;
   }
-  return words.next().empty();
+  return next_word(cursor).empty();
 }
 
 // True if the next statement is one word, as where each count has a line.
@@ -335,7 +320,7 @@ void read_off(std::string_view text, Mesh& mesh, Report& report) {
     else
       cursor.word();
     cursor.read_on_over_lines();
-    if (is_stream(cursor.rest(), *vertices, faces, columns, report)) {
+    if (is_stream(cursor, *vertices, faces, columns, report)) {
       read_stream(cursor, *vertices, faces, columns, mesh, report);
     } else {
       cursor.end();

@@ -1,4 +1,4 @@
-// What a hand feels of a contact beyond its spring: damping, viscosity, a magnet, a texture
+// Adds to a contact what a hand feels beyond its spring: damping, viscosity, a magnet, a texture
 // (docs/method.md, Effects).
 #pragma once
 

@@ -53,8 +53,7 @@ void check_depths(const std::string& option, std::span<const double> depths,
 }
 
 double usual_depth(const PatchCache& cache) {
-  const Box box = cache.bounds();
-  return 0.005 * (box.high - box.low).norm() * cache.unit;
+  return 0.005 * diagonal_of(cache.bounds()) * cache.unit;
 }
 
 std::string tight_curvature_text(const PatchCache& cache, double depth,

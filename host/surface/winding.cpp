@@ -44,6 +44,35 @@ double width_of(const Surface<Real>& s, std::uint32_t patch) {
   return (centre - 0.5 * (start_of(s, own) + start_of(s, own + 1))).norm();
 }
 
+double double_area(const BaseTriangle& t) { return (t[1] - t[0]).cross(t[2] - t[0]).norm(); }
+
+struct Hole {
+  std::uint32_t part;
+  std::vector<BaseTriangle> cone;
+};
+
+// Goes round the rim of a hole from a side on; empty where the side has a twin, or was seen.
+template <class Real>
+std::vector<Vec3> rim_from(const Surface<Real>& s, std::uint32_t side, std::vector<char>& seen) {
+  std::vector<Vec3> rim;
+  while (s.side_twin[side] == kNone && !std::exchange(seen[side], 1)) {
+    rim.push_back(start_of(s, side));
+    for (side = next_side(s, side); s.side_twin[side] != kNone;)
+      side = next_side(s, s.side_twin[side]);
+  }
+  return rim;
+}
+
+// The triangles from a rim to its middle, which face as the surface around does.
+std::vector<BaseTriangle> cone_over(const std::vector<Vec3>& rim) {
+  const Vec3 middle =
+      std::accumulate(rim.begin(), rim.end(), Vec3(Vec3::Zero())) / static_cast<double>(rim.size());
+  std::vector<BaseTriangle> cone;
+  for (std::size_t i = 0; i < rim.size(); ++i)
+    cone.push_back({rim[(i + 1) % rim.size()], rim[i], middle});
+  return cone;
+}
+
 }  // namespace
 
 template <class Real>
@@ -68,32 +97,16 @@ void WindingTree::close_holes(const Surface<Real>& s) {
   std::vector<double> area(s.patch_count(), 0), holes_area(s.patch_count(), 0);  // [part], twice
   std::vector<std::size_t> rim_sides(s.patch_count(), 0);                        // [part]
   for (std::uint32_t p = 0; p < s.patch_count(); ++p) {
-    for_polygon_triangles(s, p, [&](const BaseTriangle& t) {
-      area[parts.find(p)] += (t[1] - t[0]).cross(t[2] - t[0]).norm();
-    });
+    for_polygon_triangles(s, p,
+                          [&](const BaseTriangle& t) { area[parts.find(p)] += double_area(t); });
   }
-  struct Hole {
-    std::uint32_t part;
-    std::vector<BaseTriangle> cone;
-  };
   std::vector<Hole> holes;
   std::vector<char> seen(sides, 0);
   for (std::uint32_t first = 0; first < sides; ++first) {
-    std::vector<Vec3> rim;
-    for (std::uint32_t side = first; s.side_twin[side] == kNone && !std::exchange(seen[side], 1);) {
-      rim.push_back(start_of(s, side));
-      for (side = next_side(s, side); s.side_twin[side] != kNone;)
-        side = next_side(s, s.side_twin[side]);
-    }
+    const std::vector<Vec3> rim = rim_from(s, first, seen);
     if (rim.empty()) continue;
-    const Vec3 middle = std::accumulate(rim.begin(), rim.end(), Vec3(Vec3::Zero())) /
-                        static_cast<double>(rim.size());
-    Hole& hole = holes.emplace_back(Hole{parts.find(s.side_patch[first]), {}});
-    for (std::size_t i = 0; i < rim.size(); ++i) {
-      const Vec3 &start = rim[i], &end = rim[(i + 1) % rim.size()];
-      hole.cone.push_back({end, start, middle});
-      holes_area[hole.part] += (start - end).cross(middle - end).norm();
-    }
+    const Hole& hole = holes.emplace_back(Hole{parts.find(s.side_patch[first]), cone_over(rim)});
+    for (const BaseTriangle& t : hole.cone) holes_area[hole.part] += double_area(t);
     rim_sides[hole.part] += rim.size();
   }
   counted_.resize(s.patch_count());
@@ -188,17 +201,15 @@ bool WindingTree::may_be_between(const Vec3& x, double distance) const {
   return false;
 }
 
-bool WindingTree::is_far(const Child& c, const Vec3& x) const {
+std::optional<double> WindingTree::angle_of_dipole(const Child& c, const Vec3& x) {
   constexpr double kFar = 3;  // radii; then a dipole is off by a hundredth of its angle or so
-  return (c.middle - x).norm() > kFar * c.radius;
+  const Vec3 away = c.middle - x;
+  const double distance = away.norm();
+  if (!(distance > kFar * c.radius)) return {};
+  return c.area.dot(away) / (2 * distance * distance * distance);
 }
 
-double WindingTree::angle_of(const Child& c, const Vec3& x) const {
-  if (is_far(c, x)) {
-    const Vec3 away = c.middle - x;
-    const double distance = away.norm();
-    return c.area.dot(away) / (2 * distance * distance * distance);
-  }
+double WindingTree::angle_of_triangles(const Child& c, const Vec3& x) const {
   double angle = 0;
   for (std::uint32_t i = c.begin; i < c.end; ++i)
     angle += solid_angle(triangles_[i][0] - x, triangles_[i][1] - x, triangles_[i][2] - x);
@@ -207,14 +218,18 @@ double WindingTree::angle_of(const Child& c, const Vec3& x) const {
 
 double WindingTree::number_at(const Vec3& x) const {
   double angle = 0;
-  for (const Child& hole : holes_) angle += angle_of(hole, x);
+  for (const Child& hole : holes_) {
+    const auto dipole = angle_of_dipole(hole, x);
+    angle += dipole ? *dipole : angle_of_triangles(hole, x);
+  }
   std::array<std::size_t, kHierarchyDepth + 2> open{children_.size() - 1};
   std::size_t left = 1;
   while (left > 0) {
     const Child& c = children_[open[--left]];
-    if (c.begin == c.end) continue;
-    if (c.is_leaf || is_far(c, x)) {
-      angle += angle_of(c, x);
+    if (const auto dipole = angle_of_dipole(c, x)) {
+      angle += *dipole;
+    } else if (c.is_leaf) {
+      angle += angle_of_triangles(c, x);
     } else {
       open[left++] = 2 * std::size_t{c.node};
       open[left++] = 2 * std::size_t{c.node} + 1;

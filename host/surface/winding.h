@@ -4,13 +4,14 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <optional>
 #include <vector>
 
 #include "gliss/surface/base_triangles.h"
 
 namespace gliss {
 
-// It counts closed parts, and open ones whose holes are small, which it closes: each hole by a cone
+// Counts closed parts, and open ones whose holes are small, which it closes: each hole by a cone
 // to its middle. Other open parts enclose nothing. It sums over the tree of the patches, each child
 // that is far as a dipole (Barill, Dickson, Schmidt, Levin and Jacobson 2018, of first order). Does
 // not change: any number of threads may ask.
@@ -46,8 +47,9 @@ class WindingTree {
   };
 
   double number_at(const Vec3& x) const;
-  double angle_of(const Child& c, const Vec3& x) const;  // of its triangles
-  bool is_far(const Child& c, const Vec3& x) const;
+  // The solid angle of a child as a dipole; none where it is too near for that.
+  static std::optional<double> angle_of_dipole(const Child& c, const Vec3& x);
+  double angle_of_triangles(const Child& c, const Vec3& x) const;
   // Takes the triangles from c.begin on.
   void take(Child& c);
   // Finds the parts that count, and closes their holes.

@@ -4,9 +4,10 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <random>
+#include <stdexcept>
 
+#include "gliss/base/median.h"
 #include "gliss/mesh/sectors.h"
 #include "gliss/query/contact_tracker.h"
 
@@ -35,7 +36,7 @@ class SlidingPath {
   }
   const std::vector<Vec3>& hips() const { return hips_; }
 
-  // Where a path has come to, to go back to.
+  // A place that a path has come to, and can go back to.
   struct Place {
     std::size_t ticks;
     SurfacePoint on;
@@ -161,7 +162,7 @@ bool go_over(const PatchCache& cache, const WayOver& way, double depth, double s
 // Goes to the end of a path and back again, until there are `count` HIPs.
 std::vector<Vec3> to_and_fro(const std::vector<Vec3>& path, std::size_t count) {
   std::vector<Vec3> hips;
-  for (std::size_t i = 0; i < count && !path.empty(); ++i) {
+  for (std::size_t i = 0; i < count; ++i) {
     const std::size_t last = path.size() - 1, at = last == 0 ? 0 : i % (2 * last);
     hips.push_back(path[std::min(at, 2 * last - at)]);
   }
@@ -183,21 +184,18 @@ std::vector<Vec3> path_over(const Mesh& mesh, const Topology& topology, const Pa
     const std::uint32_t n = mesh.valence(way.face), first = mesh.face_begin[way.face];
     // Opposite, now and then any other; the way back where no hand gets by any other.
     const std::uint32_t wish = below(6) == 0 ? 1 + below(n - 1) : n / 2 + (n % 2) * below(2);
-    bool goes = false;
-    std::optional<double> t_out;
-    std::uint32_t tried = 0;
-    for (std::uint32_t back = 0; back < 2 && !goes; ++back) {
-      for (std::uint32_t i = 0; i < n && !goes && tried < kMostWays + back; ++i) {
-        way.leave = (way.enter + wish + i) % n;
-        if ((way.leave == way.enter) != (back == 1) ||
-            topology.side_twin[first + way.leave] == kNone)
-          continue;
-        if (!t_out) t_out = part();
-        way.t_out = *t_out;
-        goes = go_over(cache, way, depth, step, count, path);
-        ++tried;
-      }
+    const auto leads_on = [&](std::uint32_t k) { return topology.side_twin[first + k] != kNone; };
+    std::vector<std::uint32_t> ways;
+    for (std::uint32_t i = 0; i < n && ways.size() < kMostWays; ++i) {
+      const std::uint32_t k = (way.enter + wish + i) % n;
+      if (k != way.enter && leads_on(k)) ways.push_back(k);
     }
+    if (leads_on(way.enter)) ways.push_back(way.enter);
+    if (!ways.empty()) way.t_out = part();
+    const bool goes = std::any_of(ways.begin(), ways.end(), [&](std::uint32_t k) {
+      way.leave = k;
+      return go_over(cache, way, depth, step, count, path);
+    });
     if (!goes) {
       if (!path.hips().empty()) break;
       way.face = below(static_cast<std::uint32_t>(mesh.face_count()));
@@ -209,6 +207,9 @@ std::vector<Vec3> path_over(const Mesh& mesh, const Topology& topology, const Pa
     way.enter = twin - mesh.face_begin[way.face];
     way.t_in = 1 - way.t_out;
   }
+  if (path.hips().empty())
+    throw std::invalid_argument(
+        "no path: every edge of the mesh is a border, or no hand gets so deep");
   return to_and_fro(path.hips(), count);
 }
 
@@ -310,10 +311,7 @@ FeltPath feel_path(const PatchCache& cache, const QueryOptions& options, std::sp
   }
   result.p99_step = distances_of(std::move(steps)).p99;
   result.error = distances_of(std::move(errors));
-  if (ticks.empty()) return result;
-  const auto middle = ticks.begin() + static_cast<std::ptrdiff_t>(ticks.size() / 2);
-  std::nth_element(ticks.begin(), middle, ticks.end());
-  result.median_tick = *middle;
+  result.median_tick = median(std::move(ticks));
   return result;
 }
 

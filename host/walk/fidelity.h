@@ -18,8 +18,8 @@ namespace gliss {
 // They go outside where a crease's other side is nearer than `depth`, and in again where it is not:
 // within the solid a contact would stay on the side that it came from, deeper and deeper. No border
 // is crossed, and no place is entered where a hand would be deeper, as in a part that overlaps. A
-// path that can go nowhere goes to and fro. Deterministic; empty where no face can be left, and
-// where no hand gets so deep.
+// path that can go nowhere goes to and fro. Deterministic. Throws std::invalid_argument where no
+// face can be left, and where no hand gets so deep.
 GLISS_EXPORT std::vector<Vec3> path_over(const Mesh& mesh, const Topology& topology,
                                          const PatchCache& cache, double depth, double step,
                                          std::size_t count, const Poll& poll = {});

@@ -362,8 +362,9 @@ class Departure(_typing.NamedTuple):
 def _warn_of(surface):
     """Warns of repairs, of creases, of a unit that was forgotten, and of a surface that is not its mesh's shape."""
     for finding in surface.findings:
-        if finding["severity"] == "repaired" or finding["code"] == "soup":
-            _warn(f"{finding['code'] if finding['code'] == 'soup' else 'repaired'}: {finding['message']}")
+        kind = "soup" if finding["code"] == "soup" else finding["severity"]
+        if kind in ("soup", "repaired"):
+            _warn(f"{kind}: {finding['message']}")
     edges, degrees = surface.creases, surface._open.crease_hint
     if edges and surface._open.has_usual_creases:
         _warn(f"{edges} edges are kept sharp; crease='none' makes the surface smooth all over")

@@ -143,7 +143,7 @@ TEST_F(HostileEnds, say_that_the_stack_is_too_small) {
   EXPECT_THAT(outcome.err, HasSubstr("ulimit -s"));
 }
 
-// Where the stack begins is random.
+// The system begins the stack at a random place: several runs meet several.
 TEST_F(HostileEnds, do_not_come_of_the_least_stack_that_is_taken) {
   const auto least = [] {
     const rlimit limit{384 << 10, 384 << 10};

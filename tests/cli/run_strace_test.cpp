@@ -56,7 +56,7 @@ class RunStrace : public test::RunTest {
     if (outcome.code == test::kNotStarted) GLISS_SKIP_UNLESS_REQUIRED("strace is absent");
     if (outcome.code != 0) GTEST_SKIP() << "strace is refused: " << outcome.err;
   }
-  // Of gliss, told to a file.
+  // Starts gliss under strace, which tells its calls to a file.
   std::unique_ptr<Process> start_traced(const std::string& options, const std::string& words,
                                         const std::string& told = "told") const {
     return std::make_unique<Process>(

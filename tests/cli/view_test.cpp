@@ -18,7 +18,7 @@ class ViewCommand : public ::testing::Test {
  protected:
   ViewCommand() { save_obj(torus_knot(24, 6).mesh, folder_ / "knot.obj"); }
 
-  // With these programs, and the folder for what only its user can read.
+  // Opens the page with these programs; the folder holds what only its user can read.
   test::Outcome open_browser(const std::string& programs) const {
     return test::Process(folder_.path(), test::kProgram,
                          {"view", "knot.obj", "--unit", "mm", "--open", "--seconds", "1"},

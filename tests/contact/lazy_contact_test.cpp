@@ -389,7 +389,7 @@ TEST(LazyContact, keeps_its_patches_where_a_new_region_lacks_them) {
   }
 }
 
-// Of the regions that came and were of no use, the last one alone is kept.
+// The contact keeps only the last one of the regions that came and were of no use.
 TEST(LazyContact, gives_back_regions_that_it_never_used) {
   LazyContact lazy(lazy_knot(), {});
   const std::vector<Vec3> path = way_on_knot(0.1, 2000);

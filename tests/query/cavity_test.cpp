@@ -79,7 +79,7 @@ TEST_P(Cavities, push_a_hand_away_from_their_walls) {
   }
 }
 
-// Of two hollow balls that overlap, each has its own cavity.
+// Each of two hollow balls that overlap has its own cavity.
 TEST(Cavity, belongs_to_the_solid_that_holds_all_of_it) {
   for (const double apart : {20.0, 22.0, 24.0}) {
     Mesh first = nested_balls({20, -14}, 8).mesh, second = nested_balls({24, -20}, 8).mesh;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <map>
 
+#include "gliss/base/median.h"
 #include "gliss/mesh/mesh_edges.h"
 #include "gliss/surface/names.h"
 #include "tools/cli/commands/commands.h"
@@ -74,12 +75,6 @@ std::map<std::string, std::uint32_t> count_forms(const PatchCache& cache) {
       },
       cache.surface);
   return forms;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // Counts by name as a list of `format`, which takes a count and its name.

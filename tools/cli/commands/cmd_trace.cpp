@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "gliss/base/median.h"
 #include "gliss/query/contact_tracker.h"
 #include "gliss/query/trace.h"
 #include "gliss/results/trace_json.h"
@@ -91,7 +92,7 @@ struct Traced {
   double way = 0, speed = 0;                   // of a tick, the medians, m and m/s
 };
 
-// What jumps depend on besides the surface.
+// Tells the motion that jumps depend on, in addition to the surface.
 std::string motion_text(const TracingOptions& options, const Traced& traced) {
   return fmt::format(
       "jumps and lost contacts of this path: {:.3g} mm/s (half of the ticks are slower), "
@@ -187,12 +188,9 @@ void check(const TracingOptions& options) {
   check_outputs({options.output}, {options.surface, options.path});
 }
 
-double median(std::vector<double> values) {
+double finite_median(std::vector<double> values) {
   std::erase_if(values, [](double value) { return !std::isfinite(value); });
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return median(std::move(values));
 }
 
 // Finds how far and how fast the hand goes, in m and m/s.
@@ -206,8 +204,8 @@ void measure_motion(std::span<const Vec3> hips, double unit,
                             : std::chrono::duration<double>(times[i] - times[i - 1]).count();
     speeds.push_back(ways.back() / tick);
   }
-  traced.way = median(std::move(ways));
-  traced.speed = median(std::move(speeds));
+  traced.way = finite_median(std::move(ways));
+  traced.speed = finite_median(std::move(speeds));
 }
 
 // Follows the path, and writes a row for each tick and method.

@@ -230,12 +230,8 @@ Mesh mesh_of(const SurfaceOptions& options, const PatchCache& cache, const std::
 
 std::vector<Vec3> own_path(const Mesh& mesh, const Topology& topology, const PatchCache& cache,
                            double depth, int ticks) {
-  std::vector<Vec3> path =
-      path_over(mesh, topology, cache, depth / mesh.unit, diagonal_of(cache.bounds()) / 1000,
-                static_cast<std::size_t>(ticks), stop_if_interrupted);
-  if (path.empty())
-    throw InputError("no path: every edge of the mesh is a border, or no hand gets so deep");
-  return path;
+  return path_over(mesh, topology, cache, depth / mesh.unit, diagonal_of(cache.bounds()) / 1000,
+                   static_cast<std::size_t>(ticks), stop_if_interrupted);
 }
 
 PatchCache open_surface(const SurfaceOptions& options, const Engine& engine) {
